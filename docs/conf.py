@@ -54,7 +54,8 @@ html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
-# Pages with code are executed once for each version of the program; a failure ends the build.
+# Pages with code are executed once for each version of the program; a failure ends the
+# build.
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(DOCS / "_build" / f"outputs-{program_digest()}")
 nb_execution_raise_on_error = True
@@ -98,7 +99,9 @@ def _show_outputs(app: Sphinx) -> None:
     patterns = app.config.nb_execution_excludepatterns
     if app.config.nb_execution_mode == "off":
         patterns = ["*"]
-    pages = [page for page in outputs.pages() if any(fnmatch(page, one) for one in patterns)]
+    pages = [
+        page for page in outputs.pages() if any(fnmatch(page, one) for one in patterns)
+    ]
     readers = {page: ("outputs.read", {"page": page}) for page in pages}
     app.env.mystnb_config = app.env.mystnb_config.copy(custom_formats=readers)
 

@@ -23,7 +23,9 @@ def coverages_of(folder: Path) -> dict[str, list[list[Coverage]]]:
     """Return the coverages of the finished tries of each subject, by stage."""
     found = {}
     for name, subject in SUBJECTS.items():
-        paths = [path for path in sorted((folder / name).glob("*")) if _is_finished(path)]
+        paths = [
+            path for path in sorted((folder / name).glob("*")) if _is_finished(path)
+        ]
         results = {path.name: pw.load(path) for path in paths}
         found[name] = [table(results, k) for k in range(subject.scene.wear_updates + 1)]
     return found
@@ -46,17 +48,28 @@ def counts(columns: Columns, subjects: Iterable[str]) -> list[str]:
     for (heading, rows), subject in zip(columns.items(), subjects, strict=True):
         for row in rows:
             stated = int(row.stated.sum())
-            text = f"{int(row.right[row.stated].sum())} of {stated}" if stated else "none stated"
+            text = (
+                f"{int(row.right[row.stated].sum())} of {stated}"
+                if stated
+                else "none stated"
+            )
             cells.setdefault(row_name(row, subject), {})[heading] = text
     lines = [f"| interval | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
     for name, texts in cells.items():
-        lines.append(f"| {name} | {' | '.join(texts.get(one, '') for one in columns)} |")
+        lines.append(
+            f"| {name} | {' | '.join(texts.get(one, '') for one in columns)} |"
+        )
     return lines
 
 
 def sentences(columns: Columns, where: str) -> list[str]:
     """Return sentences on all intervals of a table."""
-    every = [(name, row) for name, rows in columns.items() for row in rows if row.stated.any()]
+    every = [
+        (name, row)
+        for name, rows in columns.items()
+        for row in rows
+        if row.stated.any()
+    ]
     right = sum(int(row.right[row.stated].sum()) for _, row in every)
     stated = sum(int(row.stated.sum()) for _, row in every)
     within = sum(RANGE[0] <= row.share <= RANGE[1] for _, row in every)
@@ -75,7 +88,9 @@ def sentences(columns: Columns, where: str) -> list[str]:
     if below:
         lines.append(f"- Below {100.0 * RANGE[0]:.0f} %: {'; '.join(below)}.")
     if above:
-        lines.append(f"- Above {100.0 * RANGE[1]:.0f} %: {above}, where every interval holds.")
+        lines.append(
+            f"- Above {100.0 * RANGE[1]:.0f} %: {above}, where every interval holds."
+        )
     for name, rows in columns.items():
         mixed = int(rows[0].says_mixed.sum()) if rows else 0
         if mixed:
@@ -94,11 +109,18 @@ def _cell(heading: str, coverage: Coverage) -> str:
 def results_of(folder: Path) -> str:
     """Return the tables of new and of worn surfaces with their sentences."""
     found = coverages_of(folder)
-    new = {name: stages[0] for name, stages in found.items() if len(stages) == 1 and stages[0]}
+    new = {
+        name: stages[0]
+        for name, stages in found.items()
+        if len(stages) == 1 and stages[0]
+    }
     lines = [*counts(new, new), "", *sentences(new, "on new surfaces")]
     for name, stages in found.items():
         if len(stages) > 1 and stages[0]:
-            headings = ["before the wear", *(f"after wear {k}" for k in range(1, len(stages)))]
+            headings = [
+                "before the wear",
+                *(f"after wear {k}" for k in range(1, len(stages))),
+            ]
             worn = dict(zip(headings, stages, strict=True))
             lines += ["", f"`{name}`, worn in steps:", ""]
             lines += [*counts(worn, [name] * len(worn)), ""]

@@ -29,7 +29,12 @@ from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.drives import RISES, Drive, Rise
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
+from presswear.linkage.laws import (
+    DAMPINGS,
+    KELVIN_VOIGT,
+    NormalLaw,
+    delivered_restitution,
+)
 from presswear.linkage.loads import Blanking, Force, OverPosition
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
@@ -62,7 +67,11 @@ def restitution(axes: Axes) -> None:
                 replace(case.linkage, clearances=(joint,)), case.start, Plan(4e-3, 1)
             )
             axes.plot(
-                e, references.delivered(run, case.speed), "o", color=line.get_color(), markersize=4
+                e,
+                references.delivered(run, case.speed),
+                "o",
+                color=line.get_color(),
+                markersize=4,
             )
     axes.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=0.8, zorder=0)
     axes.set_xlabel("nominal restitution")
@@ -89,7 +98,9 @@ def load(axes: Axes) -> None:
     free = SliderCrank(slide_angle=0.0, speed=10.0).linkage()
     # 3 kN at most, against the outward motion only, and zero after the fracture
     table = [(0.150, 0.0), (0.151, -2.5e3), (0.158, -3e3), (0.160, -2.9e3)]
-    blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))
+    blanking = Force(
+        "slider.centre", 0.0, OverPosition(table, sense="along", release=True)
+    )
     for label, loads in {"free": (), "blanking": (blanking,)}.items():
         scene = Scene(
             free.changed(loads=list(loads)),
@@ -99,10 +110,14 @@ def load(axes: Axes) -> None:
             drive_torque="on",
         )
         stage = presswear.run(scene, engine="dae").stages[0]
-        axes.plot(1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label)
+        axes.plot(
+            1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label
+        )
     axes.set_xlabel("displacement of the slider, mm")
     axes.set_ylabel("torque of the crank, N m")
-    axes.legend(frameon=False, title="load against the outward motion, up to the fracture")
+    axes.legend(
+        frameon=False, title="load against the outward motion, up to the fracture"
+    )
 
 
 def blanking(axes: Axes) -> None:
@@ -110,15 +125,37 @@ def blanking(axes: Axes) -> None:
     process = Blanking(400e3, 3.5e-3, 2e-3, rise=0.2e-3, snap=0.15e-3, cushion=40e3)
     depth, force = np.array(process.curve).T * [[1e3], [1e-3]]
     rise, fracture, done = depth[1:]
-    top, cushion, height = process.force / 1e3, process.cushion / 1e3, 1e3 * process.height
+    top, cushion, height = (
+        process.force / 1e3,
+        process.cushion / 1e3,
+        1e3 * process.height,
+    )
     thickness = 1e3 * process.thickness
-    axes.plot([*depth, height], [*force, 0.0], label=f"sheet: {process.work:.0f} J in a stroke")
-    axes.plot([0.0, rise, height], [0.0, cushion, cushion], label="cushion: acts in addition")
+    axes.plot(
+        [*depth, height],
+        [*force, 0.0],
+        label=f"sheet: {process.work:.0f} J in a stroke",
+    )
+    axes.plot(
+        [0.0, rise, height], [0.0, cushion, cushion], label="cushion: acts in addition"
+    )
     widths = {  # start and end, mm, level of the arrow, kN, and place of the name
         "rise ": (0.0, rise, 1.08 * top, 0.0, "right"),
-        "plateau × thickness": (rise, fracture, 1.08 * top, 0.5 * (rise + fracture), "center"),
+        "plateau × thickness": (
+            rise,
+            fracture,
+            1.08 * top,
+            0.5 * (rise + fracture),
+            "center",
+        ),
         " snap": (fracture, done, 1.08 * top, done, "left"),
-        "thickness": (rise, rise + thickness, 1.3 * top, rise + 0.5 * thickness, "center"),
+        "thickness": (
+            rise,
+            rise + thickness,
+            1.3 * top,
+            rise + 0.5 * thickness,
+            "center",
+        ),
         "height": (0.0, height, -0.15 * top, 0.5 * height, "center"),
     }
     arrow = {"arrowstyle": "<->", "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 6.0}
@@ -127,13 +164,20 @@ def blanking(axes: Axes) -> None:
         axes.text(place, level + 0.01 * top, name, ha=side, va="bottom")
     axes.vlines(depth, force, 1.08 * top, color="0.6", linestyle=":")
     axes.set(xlim=(-0.5, height + 0.1), ylim=(-0.25 * top, 1.5 * top))
-    axes.set_xlabel("depth, mm, from the point where the work is touched to bottom dead centre")
+    axes.set_xlabel(
+        "depth, mm, from the point where the work is touched to bottom dead centre"
+    )
     axes.set_ylabel("force, kN")
     axes.legend(frameon=False, loc="center right")
 
 
 UNTIL = Limit("depth", "A", 1e-5)
-STEPS = (5e-3, 2e-3, 1e-3, 5e-4)  # wear of a cycle, or of a jump, relative to the clearance
+STEPS = (
+    5e-3,
+    2e-3,
+    1e-3,
+    5e-4,
+)  # wear of a cycle, or of a jump, relative to the clearance
 REFERENCE_STEP = 1.25e-4
 REPLICATES = 4
 JUMP = 10  # cycles of the mean map that a jump multiplies
@@ -141,13 +185,20 @@ JUMP = 10  # cycles of the mean map that a jump multiplies
 
 def life(axes: Axes) -> None:
     """Draw the error of a life of wear-times: cycle by cycle, and in jumps of ten cycles."""
-    scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
+    scene = changed(
+        presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"}
+    )
     scene = replace(scene, replicates=REPLICATES)
     with workers_of(scene, None) as workers:
         reference = np.log(_steps(scene, REFERENCE_STEP, workers)[1])
         truth = float(reference.mean())
-        print(f"reference: {math.exp(truth):.4g} strokes ± {half_width(reference):.2g} relative")
-        for label, run in {"cycle by cycle": _steps, "jumps of ten cycles": _jumps}.items():
+        print(
+            f"reference: {math.exp(truth):.4g} strokes ± {half_width(reference):.2g} relative"
+        )
+        for label, run in {
+            "cycle by cycle": _steps,
+            "jumps of ten cycles": _jumps,
+        }.items():
             results = [run(scene, step, workers) for step in STEPS]
             cycles = [count for count, _ in results]
             errors = np.array([np.log(lives) - truth for _, lives in results])
@@ -156,8 +207,12 @@ def life(axes: Axes) -> None:
                     f"{label}: {count} cycles per replicate, error of mean {error.mean():+.3f}, "
                     f"one replicate {np.sqrt((error**2).mean()):.3f}"
                 )
-            (line,) = axes.loglog(cycles, np.sqrt((errors**2).mean(axis=1)), "o-", label=label)
-            axes.loglog(cycles, np.abs(errors.mean(axis=1)), "o:", color=line.get_color())
+            (line,) = axes.loglog(
+                cycles, np.sqrt((errors**2).mean(axis=1)), "o-", label=label
+            )
+            axes.loglog(
+                cycles, np.abs(errors.mean(axis=1)), "o:", color=line.get_color()
+            )
     axes.set_xlabel("simulated cycles until A is worn 10 µm deep")
     axes.set_ylabel("relative error of the life")
     axes.legend(frameon=False, title="solid: one replicate (rms); dotted: mean of four")
@@ -165,13 +220,16 @@ def life(axes: Axes) -> None:
 
 def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     """Return the cycles of a replicate and the life of each, with one update per cycle."""
-    # Where the mean has crossed this limit, each replicate has crossed the one that is asked for.
+    # Where the mean has crossed this limit, each replicate has crossed the one that is
+    # asked for.
     beyond = replace(UNTIL, value=1.5 * UNTIL.value)
     problem = LifeProblem((beyond,), (), 1e12, 1.0, 1_000_000)
     histories = WearHistories(Runner(scene, workers), initial_depth(scene), problem)
     level = Refinement(step, 1)
     while isinstance(plan := next_block(problem, level), BlockPlan):
-        level = replace(level, blocks=(*level.blocks, histories.advance((level,), plan)))
+        level = replace(
+            level, blocks=(*level.blocks, histories.advance((level,), plan))
+        )
         lives = [level.crossing([UNTIL], np.array([k])) for k in range(REPLICATES)]
         if np.all(np.isfinite(lives)):
             break
@@ -185,7 +243,11 @@ def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     joint = scene.linkage().clearances[0]
     while np.any(depth[-1] < UNTIL.value):
         seeded = replace(
-            scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wear_updates=0, purpose="wear"
+            scene,
+            cycles=STARTUP_CYCLES + JUMP,
+            seed=jumps,
+            wear_updates=0,
+            purpose="wear",
         )
         maps = run_stage(seeded, worn, workers=workers)[1].added_by_run()
         share = step * joint.clearance / float(maps[:, 0].mean(axis=0).max())
@@ -193,7 +255,10 @@ def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))
-    lives = [np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(REPLICATES)]
+    lives = [
+        np.interp(UNTIL.value, np.array(depth)[:, k], strokes)
+        for k in range(REPLICATES)
+    ]
     return JUMP * jumps, np.array(lives)
 
 

@@ -1,6 +1,7 @@
 """Write the results of the paper's study into findings.md:  python docs/findings.py FOLDER
 
-The folder is that of a finished study, ``python -m presswear.paper FOLDER --engine dae``.
+The folder is that of a finished study, ``python -m presswear.paper FOLDER --engine
+dae``.
 """
 
 import re
@@ -28,11 +29,16 @@ LABELS = {
 
 def results_of(folder: Path) -> str:
     """Return the table and the sentences of a study."""
-    paths = [path for path in sorted(folder.iterdir()) if (path / "result.json").exists()]
+    paths = [
+        path for path in sorted(folder.iterdir()) if (path / "result.json").exists()
+    ]
     evidence = Evidence({path.name: pw.load(path) for path in paths})
     rows = ["| quantity | paper | presswear |", "|---|---:|---:|"]
     for name, label in LABELS.items():
-        ours, printed = compared(evidence, BASE, HIGHLIGHTS[name]), HIGHLIGHTS[name].printed
+        ours, printed = (
+            compared(evidence, BASE, HIGHLIGHTS[name]),
+            HIGHLIGHTS[name].printed,
+        )
         rows.append(f"| {label} | {readable(printed)} | {text_of(ours)} |")
     sentences = enumerate(findings(evidence, failures_of(evidence)), start=1)
     return "\n".join([*rows, "", *(f"{k}. {sentence}" for k, sentence in sentences)])
@@ -42,7 +48,9 @@ def fill(folder: Path) -> None:
     """Write table and sentences between their marks."""
     marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
     text, results = PAGE.read_text(), results_of(folder)
-    PAGE.write_text(re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text))
+    PAGE.write_text(
+        re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
+    )
 
 
 if __name__ == "__main__":

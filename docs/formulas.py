@@ -4,8 +4,12 @@ import re
 
 from latex2mathml.converter import convert
 
-_FUNCTION = re.compile(r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?")
-_PRIMED = re.compile(r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></m(?:sub)?sup>")
+_FUNCTION = re.compile(
+    r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?"
+)
+_PRIMED = re.compile(
+    r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></m(?:sub)?sup>"
+)
 _THIN = '<mspace width="0.17em"></mspace>'
 
 
@@ -28,5 +32,7 @@ def mathml_of(text: str, is_block: bool = False) -> str:
     if "\\" in body:
         raise ValueError(f"formula cannot be converted to MathML: {text}")
     body = _FUNCTION.sub(_spaced, body)
-    body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
+    body = body.replace(
+        '<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;'
+    )
     return _PRIMED.sub(_primed, body)

@@ -1,8 +1,8 @@
 """Run the command lines of pages and help texts:  python docs/lines.py [PAGE ...]
 
-The build of the site calls this.  Command lines in cells run with their page.  The others run in
-the order of their page, in one folder per page that contains the results which they read.  A
-command that takes longer than ``LONGEST`` is stopped as by Ctrl-C.
+The build of the site calls this.  Command lines in cells run with their page.  The
+others run in the order of their page, in one folder per page that contains the results
+which they read.  A command that takes longer than ``LONGEST`` is stopped as by Ctrl-C.
 """
 
 import os
@@ -60,7 +60,9 @@ def lines_of(text: str) -> Iterator[str]:
 
 def lines_in_cells(text: str) -> list[str]:
     """Return the commands in code cells."""
-    cells = re.findall(r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S)
+    cells = re.findall(
+        r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S
+    )
     return [line for cell in cells for line in lines_of(cell)]
 
 
@@ -70,8 +72,12 @@ def all_lines() -> dict[str, list[str]]:
     for page in PAGES:
         text = page.read_text()
         in_cells = lines_in_cells(text)
-        places[str(page.relative_to(ROOT))] = [x for x in lines_of(text) if x not in in_cells]
-    examples = [x for command in COMMANDS.values() for x in command["example"].split("; ")]
+        places[str(page.relative_to(ROOT))] = [
+            x for x in lines_of(text) if x not in in_cells
+        ]
+    examples = [
+        x for command in COMMANDS.values() for x in command["example"].split("; ")
+    ]
     return {**places, "help": [line for part in examples for line in lines_of(part)]}
 
 
@@ -91,14 +97,21 @@ def _failure(line: str, folder: Path, longest: float | None) -> str:
             code = process.wait(longest)
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGINT)
-            allowed |= {128 + signal.SIGINT, -signal.SIGINT}  # the latter while Python exits
+            allowed |= {
+                128 + signal.SIGINT,
+                -signal.SIGINT,
+            }  # the latter while Python exits
             try:
                 code = process.wait(TIME_TO_END)
             except subprocess.TimeoutExpired:
                 process.kill()
                 code = process.wait()
         output.seek(0)
-        return "" if code in allowed else f"presswear {line}: exit code {code}\n{output.read()}"
+        return (
+            ""
+            if code in allowed
+            else f"presswear {line}: exit code {code}\n{output.read()}"
+        )
 
 
 def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
@@ -108,13 +121,17 @@ def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[
         folder = Path(name)
         (folder / "scenarios").symlink_to(ROOT / "scenarios")
         for line in lines:
-            writes = line.startswith("new ") or ("--out" in line and "--resume" not in line)
+            writes = line.startswith("new ") or (
+                "--out" in line and "--resume" not in line
+            )
             for item in () if writes else [x for x in (*MADE, "worn.csv") if x in line]:
                 copy = shutil.copytree if (made / item).is_dir() else shutil.copy
                 shutil.rmtree(folder / item, ignore_errors=True)
                 (folder / item).parent.mkdir(exist_ok=True)
                 copy(made / item, folder / item)
-            replays = line.startswith("replay ") and not re.search("--(movie|still) ", line)
+            replays = line.startswith("replay ") and not re.search(
+                "--(movie|still) ", line
+            )
             if "DISPLAY" in os.environ or not (replays or "--live" in line):
                 failed.append(_failure(line, folder, longest))
     return [f"{place}: {message}" for message in failed if message]
@@ -151,12 +168,18 @@ def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str
     with tempfile.TemporaryDirectory() as name, display():
         made = Path(name)
         (made / "worn.csv").write_text(WORN_CSV)
-        needed = " ".join([text, *(line for item, line in MADE.items() if item in text)])
-        not_made = [_failure(line, made, None) for item, line in MADE.items() if item in needed]
+        needed = " ".join(
+            [text, *(line for item, line in MADE.items() if item in text)]
+        )
+        not_made = [
+            _failure(line, made, None) for item, line in MADE.items() if item in needed
+        ]
         if any(not_made):
             return [message for message in not_made if message]
         with ThreadPoolExecutor(PAGES_AT_ONCE) as threads:
-            messages = threads.map(partial(_failures, made, longest), places, places.values())
+            messages = threads.map(
+                partial(_failures, made, longest), places, places.values()
+            )
             return [message for page in messages for message in page]
 
 

@@ -3,8 +3,8 @@
     sphinx-build docs site && python docs/outputs.py
     sphinx-build -D nb_execution_mode=off docs site
 
-The first line executes the pages, stores the cells with their outputs in ``docs/outputs``, and
-writes the table of README.md; the second one shows the cells.
+The first line executes the pages, stores the cells with their outputs in
+``docs/outputs``, and writes the table of README.md; the second one shows the cells.
 """
 
 import base64
@@ -29,7 +29,9 @@ def pages() -> list[str]:
     """Return the files of the pages with code, relative to ``docs``."""
     files = (page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
     return sorted(
-        str(page.relative_to(DOCS)) for page in files if "file_format: mystnb" in page.read_text()
+        str(page.relative_to(DOCS))
+        for page in files
+        if "file_format: mystnb" in page.read_text()
     )
 
 
@@ -54,7 +56,9 @@ def read(text: str, page: str) -> Any:
     notebook = read_myst_markdown_notebook(text, add_source_map=True, path=page)
     stored, cells = nbformat.read(stored_file(page), 4), cells_of(notebook)
     if [cell.source for cell in cells] != [cell.source for cell in stored.cells]:
-        raise SphinxError(f"{page}: its code has changed; execute it and run docs/outputs.py")
+        raise SphinxError(
+            f"{page}: its code has changed; execute it and run docs/outputs.py"
+        )
     for cell, executed in zip(cells, stored.cells, strict=True):
         cell.outputs, cell.execution_count = executed.outputs, executed.execution_count
     notebook.metadata.language_info = {"name": "python", "pygments_lexer": "ipython3"}
@@ -74,7 +78,10 @@ def store(page: str) -> None:
     """Store the executed cells of a page."""
     notebook = nbformat.read((EXECUTED / page).with_suffix(".ipynb"), 4)
     notebook.cells = cells_of(notebook)
-    notebook.metadata, notebook.nbformat_minor = {}, 4  # the next one has random names of cells
+    notebook.metadata, notebook.nbformat_minor = (
+        {},
+        4,
+    )  # the next one has random names of cells
     for cell in notebook.cells:
         cell.metadata = {}
         cell.pop("id", None)

@@ -3,11 +3,11 @@
     python docs/tolerances.py measure FILE [SCENE ...]
     python docs/tolerances.py fill FILE
 
-The motion is chaotic, so that two tolerances give two samples of it. Replicates with the same seeds
-run at each tolerance. A mean over them is compared with that at the reference, DOP853 at 1e-9. Each
-comparison has the 95 % interval of the difference of two independent means. The step error is that
-of the load distance in short pieces, which are repeated with a hundredth of the tolerance before
-they diverge.
+The motion is chaotic, so that two tolerances give two samples of it. Replicates with
+the same seeds run at each tolerance. A mean over them is compared with that at the
+reference, DOP853 at 1e-9. Each comparison has the 95 % interval of the difference of
+two independent means. The step error is that of the load distance in short pieces,
+which are repeated with a hundredth of the tolerance before they diverge.
 """
 
 import argparse
@@ -40,7 +40,14 @@ KINDS = {  # beginnings of the names of quantities, and headings
     "acceleration": "acceleration (m/s²; %)",
 }
 HEADS = (
-    *("scene", "method", "runs that fail", "CPU (ms a cycle)", "energy residual", "step error"),
+    *(
+        "scene",
+        "method",
+        "runs that fail",
+        "CPU (ms a cycle)",
+        "energy residual",
+        "step error",
+    ),
     *KINDS.values(),
 )
 FIRST = 10  # cycles of each run that are left out: the pins fall on their bearings
@@ -125,7 +132,9 @@ def step_error(scene: pw.Scene, engine: InHouse, depth: Array) -> float:
     """Return the relative error of the load distance in short pieces of runs."""
     scene = replace(scene, numerics=replace(scene.numerics, dae=engine))
     checks = [StepCheck(scene, depth, -1 - k)(lambda *_: None) for k in range(CHECKS)]
-    return float(np.mean([check.get("load_distance_step_error", math.nan) for check in checks]))
+    return float(
+        np.mean([check.get("load_distance_step_error", math.nan) for check in checks])
+    )
 
 
 def measure(subject: Subject, setting: Setting) -> dict[str, Any]:
@@ -145,7 +154,9 @@ def measure(subject: Subject, setting: Setting) -> dict[str, Any]:
     joints = [joint.name for joint in linkage.clearances]
     each = [means_of(run, joints) for run in sound]
     numbers = [run.diagnostics for run in sound]
-    residuals = [float(n["energy_residual_J"]) / float(n["drive_exchange_J"]) for n in numbers]
+    residuals = [
+        float(n["energy_residual_J"]) / float(n["drive_exchange_J"]) for n in numbers
+    ]
     return {
         "failures": failures,
         "means": {name: [means[name] for means in each] for name in each[0]},
@@ -175,7 +186,8 @@ def cells(kind: str, row: Mapping[str, Any], reference: Mapping[str, Any]) -> st
             texts.append(f"{np.mean(values):.4g} ± {half:.2g}")
         else:
             apart, half = (
-                100.0 * x / float(np.mean(expected)) for x in difference(values, expected)
+                100.0 * x / float(np.mean(expected))
+                for x in difference(values, expected)
             )
             mark = "**" if abs(apart) > half else ""
             texts.append(f"{mark}{apart:+.2f} ± {half:.2f}{mark}")
@@ -221,8 +233,12 @@ def results_of(found: Mapping[str, Any]) -> str:
     for setting in SETTINGS:
         if setting != REFERENCE:
             count, total = outside(found, setting)
-            method = f"{setting.tolerance:g} with {setting.impact_steps} steps in an impact"
-            lines.append(f"- DOPRI5 at {method}: {count} of {total} differences are beyond.")
+            method = (
+                f"{setting.tolerance:g} with {setting.impact_steps} steps in an impact"
+            )
+            lines.append(
+                f"- DOPRI5 at {method}: {count} of {total} differences are beyond."
+            )
     return "\n".join(lines)
 
 
@@ -239,7 +255,10 @@ def store(file: Path, names: Sequence[str]) -> None:
             found.setdefault(name, {})[setting.name] = result
             file.write_text(json.dumps(found, indent=1))
             failed = len(result["failures"])
-            print(f"{name}, {setting.name}: {result.get('cpu')} s, {failed} failed", flush=True)
+            print(
+                f"{name}, {setting.name}: {result.get('cpu')} s, {failed} failed",
+                flush=True,
+            )
 
 
 def main() -> None:

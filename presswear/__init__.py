@@ -10,7 +10,10 @@ The public names are listed in ``__init__.pyi``; each is imported when it is fir
 # Further imports would delay the command line, which then prints a traceback at Ctrl-C.
 from importlib import import_module
 
-_PACKAGES = {"scenes": "presswear.scene.catalog", "statistics": "presswear.recording.statistics"}
+_PACKAGES = {
+    "scenes": "presswear.scene.catalog",
+    "statistics": "presswear.recording.statistics",
+}
 with open(f"{__file__}i", encoding="utf-8") as _stub:
     _WORDS = [line.split() for line in _stub if line.startswith("from ")]
 _MODULES = {words[3]: words[1] for words in _WORDS if words[4:5] == ["as"]}

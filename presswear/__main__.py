@@ -1,7 +1,7 @@
 """Command line ``presswear``.
 
-Exit codes: 0 success; 1 a run that failed; 2 bad input, or standard output that cannot be written;
-130 and 143 stopped by SIGINT and SIGTERM.
+Exit codes: 0 success; 1 a run that failed; 2 bad input, or standard output that cannot
+be written; 130 and 143 stopped by SIGINT and SIGTERM.
 """
 
 import os
@@ -9,9 +9,11 @@ import signal
 import sys
 from collections.abc import Sequence
 
-# The threads of numpy's linear algebra would wait in a busy loop beside these small matrices.
+# The threads of numpy's linear algebra would wait in a busy loop beside these small
+# matrices.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# Else worker processes would take a file of the user, such as statistics.py, for a module.
+# Else worker processes would take a file of the user, such as statistics.py, for a
+# module.
 os.environ.setdefault("PYTHONSAFEPATH", "1")
 
 # Windows can block no signal.
@@ -21,9 +23,12 @@ _mask = getattr(signal, "pthread_sigmask", None)
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line ``argv`` and return the exit code.
 
-    Signals wait until they are handled: an import that is interrupted ends in a traceback.
+    Signals wait until they are handled: an import that is interrupted ends in a
+    traceback.
     """
-    mask = _mask and _mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    mask = _mask and _mask(
+        signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    )
     import io
 
     from presswear.tools.errors import InputError, RunFailed
@@ -31,7 +36,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # for characters the terminal lacks
+            stream.reconfigure(
+                errors="backslashreplace"
+            )  # for characters the terminal lacks
     try:
         with stoppable():
             if _mask:
@@ -83,13 +90,17 @@ def _run(words: Sequence[str]) -> int:
     command = getattr(import_module(f"presswear.cli.{module}"), function)
     with logging_to_stderr("verbose" in arguments):
         # Names of files and scenes are no markup.
-        return int(command(arguments, Console(markup=False, highlight=False, emoji=False)))
+        return int(
+            command(arguments, Console(markup=False, highlight=False, emoji=False))
+        )
 
 
 def _is_output_broken() -> bool:
     """Return whether standard output cannot be written; its buffer then goes to the null device."""
     try:
-        sys.stdout.write("\n")  # without a buffer nothing else is left that a flush would write
+        sys.stdout.write(
+            "\n"
+        )  # without a buffer nothing else is left that a flush would write
         sys.stdout.flush()
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -8,4 +8,6 @@ import presswear as pw
 for engine in (pw.ExudynTree(tree_tolerance=1e-9), pw.ExudynJoints(), pw.InHouse()):
     stage = pw.run(pw.scenes.slider_crank(cycles=5), engine=engine).stages[0]
     peak = stage.joints["B"].statistics.peak_force_per_cycle
-    print(f"{stage.diagnostics['solver']}: mean peak force {peak} N, {stage.wall_s:.1f} s")
+    print(
+        f"{stage.diagnostics['solver']}: mean peak force {peak} N, {stage.wall_s:.1f} s"
+    )

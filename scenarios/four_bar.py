@@ -12,7 +12,11 @@ def rub(sliding: float, normal: float, coefficient: float) -> float:
     return -coefficient * normal * math.tanh(sliding / 0.5e-3)
 
 
-bars = [pw.Bar("crank", 0.05, 0.3), pw.Bar("coupler", 0.20, 0.5), pw.Bar("rocker", 0.12, 0.4)]
+bars = [
+    pw.Bar("crank", 0.05, 0.3),
+    pw.Bar("coupler", 0.20, 0.5),
+    pw.Bar("rocker", 0.12, 0.4),
+]
 pins = [
     pw.Pin("O", (0.0, 0.0), "crank.tail"),
     pw.Pin("A", "crank.head", "coupler.tail"),
@@ -25,6 +29,8 @@ bearings = {
     "A": pw.Bearing(clearance=0.1e-3, normal_law="flores", restitution=0.6),
     "B": pw.Bearing(clearance=0.3e-3, friction=0.1, friction_law=rub),
 }
-result = pw.run(pw.Scene(four_bar, bearings=bearings, wear_updates=0, cycles=4), engine="dae")
+result = pw.run(
+    pw.Scene(four_bar, bearings=bearings, wear_updates=0, cycles=4), engine="dae"
+)
 for name, joint in result.stages[0].joints.items():
     print(f"{name}: mean peak force {joint.statistics.peak_force_per_cycle.mean:.0f} N")

@@ -11,4 +11,6 @@ scene = pw.scenes.ideal()
 stage = pw.run(scene).stages[0]
 exact = scene.ideal_slider(stage.time)[:, 0]
 print(f"stroke {np.ptp(exact):.4f} m")
-print(f"difference from the closed form {np.abs(stage.displacement - exact).max():.1e} m")
+print(
+    f"difference from the closed form {np.abs(stage.displacement - exact).max():.1e} m"
+)

@@ -25,13 +25,23 @@ def branching() -> pw.Linkage:
         ),
         (
             # The ends are written in both orders.
-            pw.Revolute("N", pw.Attachment("near", -0.1, 0.01), pw.Attachment("crank", 0.05, 0.02)),
-            pw.Revolute("F", pw.Attachment("near", 0.12, 0.0), pw.Attachment("far", -0.2, 0.03)),
             pw.Revolute(
-                "H", pw.Attachment("crank", -0.04, 0.01), pw.Attachment("frame", 0.3, -0.2)
+                "N",
+                pw.Attachment("near", -0.1, 0.01),
+                pw.Attachment("crank", 0.05, 0.02),
             ),
             pw.Revolute(
-                "P", pw.Attachment("slider", 0.05, 0.02), pw.Attachment("pendulum", 0.0, 0.1)
+                "F", pw.Attachment("near", 0.12, 0.0), pw.Attachment("far", -0.2, 0.03)
+            ),
+            pw.Revolute(
+                "H",
+                pw.Attachment("crank", -0.04, 0.01),
+                pw.Attachment("frame", 0.3, -0.2),
+            ),
+            pw.Revolute(
+                "P",
+                pw.Attachment("slider", 0.05, 0.02),
+                pw.Attachment("pendulum", 0.0, 0.1),
             ),
             pw.Guide("guide", "slider", 0.1, 0.2, direction=0.4, angle=-0.9),
         ),
@@ -52,7 +62,9 @@ def placed(linkage: pw.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
     equations = write_equations(linkage, packed)
     assert isinstance(equations, Equations), equations
     joints = len(packed.joints)
-    model = model_of(linkage, equations, packed, np.zeros(joints), np.zeros(joints, CONTACT))
+    model = model_of(
+        linkage, equations, packed, np.zeros(joints), np.zeros(joints, CONTACT)
+    )
     y = np.zeros(equations.layout.size)
     y[: 2 * x.size] = np.concatenate([x, u])
     function_of(equations.text)(pack_arguments(model), 0.0, y, np.zeros(y.size), END)

@@ -1,7 +1,8 @@
 """A pin that turns in a bushing under a load: steady motion and wear, without chaos.
 
-A crank turns about its tail, which is the pin. The bushing hangs on it, loose, kept from turning by
-a very long arm, pressed on by a load and slowed by two dampers. Or bushing and pin change places.
+A crank turns about its tail, which is the pin. The bushing hangs on it, loose, kept
+from turning by a very long arm, pressed on by a load and slowed by two dampers. Or
+bushing and pin change places.
 """
 
 import math
@@ -26,7 +27,9 @@ CLEARANCE, WIDTH, FRICTION, COEFFICIENT = 1e-3, 0.02, 0.05, 1e-15
 SPEED = 100.0 * math.pi
 CYCLE = 2.0 * math.pi / SPEED
 ENGINES: dict[str, Any] = {
-    "dae": pw.InHouse(integrator="dopri5", integration_tolerance=1e-6, free_step=CYCLE / 40),
+    "dae": pw.InHouse(
+        integrator="dopri5", integration_tolerance=1e-6, free_step=CYCLE / 40
+    ),
     "exudyn-tree": pw.ExudynTree(tree_tolerance=1e-5, free_step=CYCLE / 40),
     "exudyn-joints": pw.ExudynJoints(steps_per_contact=20, free_step=CYCLE / 40),
 }
@@ -44,8 +47,8 @@ def bush(
 ) -> pw.Scene:
     """Return the scene, with radius, m, load, N, stiffness, N/m^1.5, and wear share of the bushing.
 
-    The pin turns in the bushing or the bushing about the pin, while the load presses the loose part
-    down; or the load turns with the pin.
+    The pin turns in the bushing or the bushing about the pin, while the load presses
+    the loose part down; or the load turns with the pin.
     """
     loads: list[pw.Load | pw.Force] = [pw.Load("arm", y=-load)]
     damping = 100.0
@@ -54,7 +57,9 @@ def bush(
         damping = 1000.0
         loads = [
             pw.Force("arm.bore", 0.0, pw.Harmonics(0.0, SPEED, ((load, 0.0),))),
-            pw.Force("arm.bore", 0.5 * math.pi, pw.Harmonics(0.0, SPEED, ((0.0, load),))),
+            pw.Force(
+                "arm.bore", 0.5 * math.pi, pw.Harmonics(0.0, SPEED, ((0.0, load),))
+            ),
         ]
     shoe = 0.1
     ends = ("crank.tail", "arm.bore") if turns == "bush" else ("arm.bore", "crank.tail")
@@ -92,7 +97,9 @@ def bush(
         viscous_damping=1e4,
         angles=angles,
     )
-    numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
+    numerics = Numerics(
+        *(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae"))
+    )
     settings.setdefault("conventions", CONVENTIONS["refined"])
     settings = {"engine": "dae", "replicates": 1, **settings}
     return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **settings)
@@ -117,7 +124,9 @@ class Worn:
     run: Run
     bush: Array  # (cycles, bins), depth after each cycle, m
     pin: Array
-    load_distance: Array  # (cycles,), normal force times sliding distance in each cycle, N m
+    load_distance: (
+        Array  # (cycles,), normal force times sliding distance in each cycle, N m
+    )
     strokes: Array  # (cycles,), real cycles that each cycle stands for
     area: float  # of a bin, m^2
 
@@ -128,7 +137,9 @@ def worn(
     """Run until about a volume, m^3, is worn, which grows as a power of the cycles."""
     joint = scene.linkage().clearances[0]
     loads = [abs(part.y) for part in scene.linkage().loads if isinstance(part, pw.Load)]
-    whole = volume / (COEFFICIENT * (loads or [100.0])[0] * 2.0 * math.pi * joint.pin_radius)
+    whole = volume / (
+        COEFFICIENT * (loads or [100.0])[0] * 2.0 * math.pi * joint.pin_radius
+    )
     ends = whole * (np.arange(cycles + 1) / cycles) ** power
     strokes = np.diff(ends)
     history = History()

@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press, SliderCrank
+from presswear.linkage.mechanisms import (
+    CRANK_2_START,
+    CRANK_7_START,
+    Press,
+    SliderCrank,
+)
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
@@ -44,7 +49,9 @@ def crank(centre: Point, length: float, turning: Turning) -> Point:
     """Return the tip of a crank that turns about a fixed point."""
     angle, speed, faster = turning
     arm = length * np.exp(1j * angle)
-    return Point(centre.position + arm, 1j * speed * arm, (1j * faster - np.square(speed)) * arm)
+    return Point(
+        centre.position + arm, 1j * speed * arm, (1j * faster - np.square(speed)) * arm
+    )
 
 
 def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point:
@@ -52,7 +59,9 @@ def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point
     base = q.position - p.position
     length = np.abs(base)
     along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
-    position = p.position + (along + 1j * side * np.sqrt(from_p**2 - along**2)) * base / length
+    position = (
+        p.position + (along + 1j * side * np.sqrt(from_p**2 - along**2)) * base / length
+    )
     a, b = position - p.position, position - q.position
 
     def solve(of_a: Array, of_b: Array) -> Complex:
@@ -60,8 +69,13 @@ def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point
         return np.asarray(1j * (a * of_b - b * of_a) / (a.conjugate() * b).imag)
 
     velocity = solve(_dot(a, p.velocity), _dot(b, q.velocity))
-    spin_p, spin_q = np.abs(velocity - p.velocity) ** 2, np.abs(velocity - q.velocity) ** 2
-    acceleration = solve(_dot(a, p.acceleration) - spin_p, _dot(b, q.acceleration) - spin_q)
+    spin_p, spin_q = (
+        np.abs(velocity - p.velocity) ** 2,
+        np.abs(velocity - q.velocity) ** 2,
+    )
+    acceleration = solve(
+        _dot(a, p.acceleration) - spin_p, _dot(b, q.acceleration) - spin_q
+    )
     return Point(position, velocity, acceleration)
 
 
@@ -91,7 +105,9 @@ def bar_state(origin: Attachment, tail: Point, head: Point) -> BodyState:
     """Return the motion of a body whose x axis points from its point ``origin`` to another one."""
     arm = head.position - tail.position
     omega, alpha = (((head[k] - tail[k]) / arm).imag for k in (1, 2))
-    lever = -complex(origin.x, origin.y) * arm / np.abs(arm)  # from the tail to the mass centre
+    lever = (
+        -complex(origin.x, origin.y) * arm / np.abs(arm)
+    )  # from the tail to the mass centre
     centre = Point(
         tail.position + lever,
         tail.velocity + 1j * omega * lever,
@@ -109,7 +125,8 @@ def _together(
 ) -> Motion:
     """Put the motions of single bodies together in the order of a linkage.
 
-    ``axes`` holds the joints from and to which the x axis of a body points, but of those on guides.
+    ``axes`` holds the joints from and to which the x axis of a body points, but of
+    those on guides.
     """
     ends = {
         (end.body, joint.name): end
@@ -125,7 +142,8 @@ def _together(
         (name,) = (name for body, name in ends if body == guide.body)
         states[guide.body] = _state(joints[name], still + guide.angle, still, still)
     position, velocity, acceleration = (
-        np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
+        np.hstack([states[body.name][level] for body in linkage.bodies])
+        for level in range(3)
     )
     position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
     for body, angle in driven.items():
@@ -141,15 +159,18 @@ def press_motion(
 ) -> Motion:
     """Motion of the press with all joints closed; without ``turning_7`` crank 7 turns evenly.
 
-    ``rates`` are speeds of cranks 2 and 7, rad/s, in place of their own: velocities by them are
-    partial derivatives.
+    ``rates`` are speeds of cranks 2 and 7, rad/s, in place of their own: velocities by
+    them are partial derivatives.
     """
     geometry = press.geometry
     turn = press.speed * time
     turning_2: Turning = (CRANK_2_START - turn, -press.speed, 0.0)
     turning_7 = turning_7 or (CRANK_7_START + turn, press.speed, 0.0)
     if rates is not None:
-        turning_2, turning_7 = (turning_2[0], rates[0], 0.0), (turning_7[0], rates[1], 0.0)
+        turning_2, turning_7 = (
+            (turning_2[0], rates[0], 0.0),
+            (turning_7[0], rates[1], 0.0),
+        )
     o2 = fixed(geometry.hx, geometry.hy, time.size)
     o7 = fixed(0.0, 0.0, time.size)
     a = crank(o2, -press.length_2, turning_2)
@@ -174,12 +195,15 @@ def needed_by_virtual_work(
 ) -> Array:
     """Torques of cranks 2 and 7 under a force on the slider, N, joints closed, (n, 2), N m."""
     linkage, motion = press.linkage(), press_motion(press, time, None, turning_7)
-    mass = np.array([[body.mass, body.mass, body.inertia] for body in linkage.bodies]).ravel()
+    mass = np.array(
+        [[body.mass, body.mass, body.inertia] for body in linkage.bodies]
+    ).ravel()
     force = -mass * motion.acceleration
     force[:, 1::3] -= press.gravity * mass[1::3]
     force[:, 3 * linkage.index("slider 6") + 1] += upwards
     ways = [
-        press_motion(press, time, rates, turning_7).velocity for rates in ((1.0, 0.0), (0.0, 1.0))
+        press_motion(press, time, rates, turning_7).velocity
+        for rates in ((1.0, 0.0), (0.0, 1.0))
     ]
     return -np.column_stack([np.sum(force * way, axis=1) for way in ways])
 

@@ -9,15 +9,19 @@ from hypothesis import settings
 
 # The first call of a kernel compiles it, which no deadline allows for.  Examples are
 # the same in every run; `--hypothesis-profile=explore` looks further.
-settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=60)
+settings.register_profile(
+    "repeatable", deadline=None, derandomize=True, max_examples=60
+)
 settings.register_profile("explore", deadline=None, max_examples=3000)
 settings.load_profile("repeatable")
 
-# A shell's background jobs have it ignored, and so would the programs that tests interrupt.
+# A shell's background jobs have it ignored, and so would the programs that tests
+# interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-# Files of more than 10 s of CPU time. They begin first, so that all processes end together.
+# Files of more than 10 s of CPU time. They begin first, so that all processes end
+# together.
 LONGEST = """
 test_scenarios test_command_line test_pages test_friction_without_clearance test_figures test_loads
 test_cases test_settled_motions test_laws_in_scenes test_soundness test_rounds test_report

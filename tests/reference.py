@@ -1,11 +1,12 @@
 """Digests of what the program computes, compared bit for bit before and after a change.
 
-    python tests/reference.py              compare with the stored digests
-    python tests/reference.py --write      store new digests, after a change that says why
+    python tests/reference.py              compare with the stored digests python
+    tests/reference.py --write      store new digests, after a change that says why
     python tests/reference.py tree dae     some of the cases, by parts of their names
 
-Runs scenes through all engines by the command line and reads their folders as any program can.
-The last digits belong to a processor, its mathematical library and the versions stored with them.
+Runs scenes through all engines by the command line and reads their folders as any
+program can. The last digits belong to a processor, its mathematical library and the
+versions stored with them.
 """
 
 import argparse
@@ -76,7 +77,9 @@ def digests_of(folder: Path) -> Iterator[tuple[str, str]]:
         label = f"stage-{stage['index']}"
         parts: dict[str, list[bytes]] = {}
         for name, value in leaves(stage["statistics"]):
-            parts.setdefault(f"{label} statistics", []).append(f"{name} {value!r}".encode())
+            parts.setdefault(f"{label} statistics", []).append(
+                f"{name} {value!r}".encode()
+            )
         yield f"{label} steps", str(stage["diagnostics"].get("steps"))
         residual = stage["diagnostics"].get("energy_residual_J")
         yield f"{label} energy residual", digest(repr(residual).encode())
@@ -84,7 +87,9 @@ def digests_of(folder: Path) -> Iterator[tuple[str, str]]:
             with np.load(folder / f"{kind}-{stage['index']}.npz") as arrays:
                 for name in sorted(arrays.files):
                     array = np.ascontiguousarray(arrays[name])
-                    text = f"{name} {array.dtype}{array.shape}".encode() + array.tobytes()
+                    text = (
+                        f"{name} {array.dtype}{array.shape}".encode() + array.tobytes()
+                    )
                     # All arrays of a joint together, and all of a film.
                     group = name.partition("_")[0] if name[0].isupper() else name
                     place = f"{label} {group}" if kind == "stage" else f"{label} film"
@@ -109,17 +114,24 @@ def computed(name: str, folder: Path) -> dict[str, str]:
         script = runpy.run_path(str(FILE.parents[1] / "scenarios" / "runaway.py"))
         settings = {"engine": "dae", "cycles": 2, "wear_updates": 1, "replicates": 1}
         script["main"](str(folder), jobs=2, **settings)
-    elif code := presswear(["run", *COMMANDS[name].split(), "--no-report", "--out", str(folder)]):
+    elif code := presswear(
+        ["run", *COMMANDS[name].split(), "--no-report", "--out", str(folder)]
+    ):
         return {"exit code": str(code)}
     if (folder / "result.json").exists():
         return dict(digests_of(folder))
     variants = sorted(document.parent for document in folder.rglob("result.json"))
-    return {path.name: digest(repr(dict(digests_of(path))).encode()) for path in variants}
+    return {
+        path.name: digest(repr(dict(digests_of(path))).encode()) for path in variants
+    }
 
 
 def machine() -> dict[str, str]:
     """Return the versions and the processor that the last digits depend on."""
-    packages = {name: version(name) for name in ("exudyn", "numpy", "scipy", "numba", "llvmlite")}
+    packages = {
+        name: version(name)
+        for name in ("exudyn", "numpy", "scipy", "numba", "llvmlite")
+    }
     processor = platform.processor() or platform.machine()
     return {"python": platform.python_version(), "processor": processor, **packages}
 
@@ -137,9 +149,13 @@ def main() -> int:
     """Compare or store; return the number of cases that differ."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", help="parts of names; default: all")
-    parser.add_argument("--write", action="store_true", help="store the computed digests")
+    parser.add_argument(
+        "--write", action="store_true", help="store the computed digests"
+    )
     arguments = parser.parse_args()
-    stored = json.loads(FILE.read_text()) if FILE.exists() else {"machine": {}, "cases": {}}
+    stored = (
+        json.loads(FILE.read_text()) if FILE.exists() else {"machine": {}, "cases": {}}
+    )
     if stored["machine"] not in ({}, machine()):
         print(f"stored on another machine: {stored['machine']}, here {machine()}")
     wrong = 0
@@ -153,7 +169,8 @@ def main() -> int:
         wrong += bool(changed)
         seconds = time.perf_counter() - started
         print(
-            f"{name}: {len(results)} digests, {len(changed)} differ ({seconds:.1f} s)", flush=True
+            f"{name}: {len(results)} digests, {len(changed)} differ ({seconds:.1f} s)",
+            flush=True,
         )
         for line in changed[:20]:
             print(f"    {line}")

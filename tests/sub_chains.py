@@ -12,7 +12,11 @@ def bars(**sizes: tuple[float, float]) -> list[Body]:
 
 PUMP = assemble(
     bodies=bars(
-        crank=(0.04, 0.3), rod=(0.15, 0.4), slider=(0.1, 0.5), link=(0.12, 0.2), rocker=(0.1, 0.3)
+        crank=(0.04, 0.3),
+        rod=(0.15, 0.4),
+        slider=(0.1, 0.5),
+        link=(0.12, 0.2),
+        rocker=(0.1, 0.3),
     ),
     joints=[
         Pin("O", (0.0, 0.0), "crank.tail"),
@@ -30,7 +34,11 @@ PUMP = assemble(
 """A driven slider whose angle is not that of its guide moves a rocker; the drive is uneven."""
 STEPHENSON = assemble(
     bodies=bars(
-        crank=(0.04, 0.3), coupler=(0.16, 0.4), left=(0.14, 0.3), right=(0.12, 0.3), tie=(0.10, 0.2)
+        crank=(0.04, 0.3),
+        coupler=(0.16, 0.4),
+        left=(0.14, 0.3),
+        right=(0.12, 0.3),
+        tie=(0.10, 0.2),
     ),
     joints=[
         Pin("O", (0.0, 0.0), "crank.tail"),
@@ -48,7 +56,9 @@ STEPHENSON = assemble(
 """Four bodies behind the crank move only together: no two of them close alone."""
 FORE = Drive("fore", 0.0, 1.2, frequency=30.0, harmonics=[(0.1, 0.3)])
 ARM = assemble(
-    bodies=bars(upper=(0.05, 0.3), fore=(0.06, 0.4), link=(0.16, 0.2), rocker=(0.15, 0.3)),
+    bodies=bars(
+        upper=(0.05, 0.3), fore=(0.06, 0.4), link=(0.16, 0.2), rocker=(0.15, 0.3)
+    ),
     joints=[
         Pin("O", (0.0, 0.0), "upper.tail"),
         Pin("E", "fore.tail", "upper.head"),

@@ -21,14 +21,22 @@ def test_rooms_import_only_rooms_below_them() -> None:
             if "`presswear/__init__.py`" in row[2]:
                 floors[""] = int(row[1])
     assert max(floors.values()) <= 12
-    assert set(floors) == {""} | {path.parent.name for path in ROOT.glob("presswear/*/__init__.py")}
+    assert set(floors) == {""} | {
+        path.parent.name for path in ROOT.glob("presswear/*/__init__.py")
+    }
     for file in ROOT.glob("presswear/*/**/*.py"):
         room = file.relative_to(ROOT).parts[1]
-        for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):
-            assert name == room or floors.get(name, 99) < floors[room], f"{file}: {name}"
+        for name in re.findall(
+            r"(?:from|import) presswear\b\.?(\w*)", file.read_text()
+        ):
+            assert name == room or floors.get(name, 99) < floors[room], (
+                f"{file}: {name}"
+            )
 
 
-@pytest.mark.parametrize("room", sorted(path.name for path in (ROOT / "presswear").iterdir()))
+@pytest.mark.parametrize(
+    "room", sorted(path.name for path in (ROOT / "presswear").iterdir())
+)
 def test_names_and_docstrings_are_plain(room: str) -> None:
     path = ROOT / "presswear" / room
     wrong = []

@@ -36,13 +36,18 @@ def test_one_version_in_package_citation_and_changelog() -> None:
     assert f"\n## {version}\n" in (root / "CHANGELOG.md").read_text()
 
 
-@pytest.mark.parametrize("program", ["import presswear", "main(['list'])", "main(['run', 'no'])"])
+@pytest.mark.parametrize(
+    "program", ["import presswear", "main(['list'])", "main(['run', 'no'])"]
+)
 def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program: str) -> None:
     code = (
         f"import sys; from presswear.__main__ import main; {program}; "
         "sys.exit(bool({'numba', 'exudyn', 'scipy', 'matplotlib', 'msgspec'} & set(sys.modules)))"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True).returncode
+        == 0
+    )
 
 
 WHOLE = [*FOUR_BAR.bodies, FOUR_BAR.drives[0], pw.Bearing(), pw.Press(), pw.Materials()]
@@ -52,8 +57,12 @@ simple = st.one_of(
     st.booleans(),
     st.integers(),
     st.floats(),
-    st.sampled_from(["crank", "rocker.head", "B", "AC", "30 rad/s", "1", "paper", "", "a.b", "no"]),
-    st.sampled_from([print, object(), b"x", 10**400, np.zeros((3, 2)), np.array(2.0), range(3)]),
+    st.sampled_from(
+        ["crank", "rocker.head", "B", "AC", "30 rad/s", "1", "paper", "", "a.b", "no"]
+    ),
+    st.sampled_from(
+        [print, object(), b"x", 10**400, np.zeros((3, 2)), np.array(2.0), range(3)]
+    ),
 )
 anything = st.recursive(
     simple,
@@ -68,9 +77,13 @@ anything = st.recursive(
 
 @given(st.data())
 @settings(max_examples=150)
-def test_a_part_with_one_value_changed_is_accepted_or_refused(data: st.DataObject) -> None:
+def test_a_part_with_one_value_changed_is_accepted_or_refused(
+    data: st.DataObject,
+) -> None:
     whole = data.draw(st.sampled_from(WHOLE))
-    name = data.draw(st.sampled_from([item.name for item in fields(cast(Any, whole)) if item.init]))
+    name = data.draw(
+        st.sampled_from([item.name for item in fields(cast(Any, whole)) if item.init])
+    )
     with suppress(pw.InputError):
         replace(cast(Any, whole), **{name: data.draw(anything)})
 
@@ -84,7 +97,9 @@ class Stops(pw.Observer):
 
 @pytest.mark.parametrize("replicates", [1, 2])
 def test_a_tracker_can_end_a_run(replicates: int) -> None:
-    scene = pw.scenes.wear_times(wear_updates=0, cycles=9, replicates=replicates, **QUICK)
+    scene = pw.scenes.wear_times(
+        wear_updates=0, cycles=9, replicates=replicates, **QUICK
+    )
     result = pw.run(scene, observers=[Stops()], jobs=2)
     assert (result.stages[0].statistics.cycles, result.stages[0].status) == (
         2 * replicates,
@@ -92,7 +107,9 @@ def test_a_tracker_can_end_a_run(replicates: int) -> None:
     )
 
 
-def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:
+def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
+    tmp_path: Path,
+) -> None:
     scene = pw.scenes.wear_times(wear_updates=1, cycles=2, **QUICK)
 
     class Breaks(pw.Observer):
@@ -108,9 +125,16 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: P
     assert str(again) == str(result)
     first, *joints, _ = str(result.stages[1]).splitlines()
     assert first == "first wear: completed, 8 cycles"
-    assert [line[:19] for line in joints] == ["A: mean peak force ", "C: mean peak force "]
-    with pytest.raises(pw.InputError, match="another scene: cycles is 2 there and 3 here"):
-        pw.run(pw.scenes.wear_times(wear_updates=1, cycles=3, **QUICK), tmp_path / "run")
+    assert [line[:19] for line in joints] == [
+        "A: mean peak force ",
+        "C: mean peak force ",
+    ]
+    with pytest.raises(
+        pw.InputError, match="another scene: cycles is 2 there and 3 here"
+    ):
+        pw.run(
+            pw.scenes.wear_times(wear_updates=1, cycles=3, **QUICK), tmp_path / "run"
+        )
 
 
 def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
@@ -173,11 +197,15 @@ def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
     message = "hold 7, 2 more are needed; fewer than two joints hold slider$"
     with pytest.raises(pw.InputError, match=message) as refused:
         pw.run(scene)
-    assert refused.value.__cause__ is None  # not from a worker process, with two tracebacks
+    assert (
+        refused.value.__cause__ is None
+    )  # not from a worker process, with two tracebacks
 
 
 def test_settings_of_an_engine_are_checked_like_any_other() -> None:
-    with pytest.raises(pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"):
+    with pytest.raises(
+        pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"
+    ):
         pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))
     with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
@@ -190,7 +218,9 @@ def test_what_does_not_exist_is_answered_with_what_exists() -> None:
         AttributeError, match=r"unknown scene 'wear_time'; did you mean wear_times\?"
     ):
         pw.scenes.wear_time()
-    with pytest.raises(AttributeError, match="unknown scene 'cup'; known are ideal, wear_times, "):
+    with pytest.raises(
+        AttributeError, match="unknown scene 'cup'; known are ideal, wear_times, "
+    ):
         pw.scenes.cup()
     result = pw.run(pw.Scene(pw.FourBar(), wear_updates=0, cycles=1, engine="dae"))
     (stage,) = result.stages
@@ -198,10 +228,14 @@ def test_what_does_not_exist_is_answered_with_what_exists() -> None:
     assert isinstance(stage.joints["B"], pw.JointResult)
     joints: Any
     for joints in (stage.joints, stage.statistics.joints):
-        with pytest.raises(pw.InputError, match="unknown joint with clearance 'X'; known are B"):
+        with pytest.raises(
+            pw.InputError, match="unknown joint with clearance 'X'; known are B"
+        ):
             joints["X"]
     with pytest.raises(IndexError, match="there is no stage 1; it has 0"):
         result.stages[1]
     name: Any = "wear-times"
-    with pytest.raises(pw.InputError, match="scene = 'wear-times': a Scene is expected, such as"):
+    with pytest.raises(
+        pw.InputError, match="scene = 'wear-times': a Scene is expected, such as"
+    ):
         pw.run(name)

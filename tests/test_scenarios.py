@@ -36,11 +36,16 @@ def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) 
     assert output.count("load distance of a cycle at A") == 4
 
 
-def test_bottom_dead_centre_at_two_speeds_and_with_work(capsys: pytest.CaptureFixture[str]) -> None:
+def test_bottom_dead_centre_at_two_speeds_and_with_work(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """The last row is the scene itself, and the last column the change since the first row."""
     main = runpy.run_path(str(SCENARIOS / "bottom.py"))["main"]
     main("press-blanking", cycles=3, replicates=2)
-    rows = [line.split(": ")[1].split(" | ") for line in capsys.readouterr().out.splitlines()[1:]]
+    rows = [
+        line.split(": ")[1].split(" | ")
+        for line in capsys.readouterr().out.splitlines()[1:]
+    ]
     assert len(rows) == 4
     scene = pw.scenes.press_blanking(wear_updates=0, cycles=3, replicates=2)
     error = pw.run(scene, engine="dae").stages[0].bdc.error
@@ -55,12 +60,22 @@ def test_bottom_dead_centre_at_two_speeds_and_with_work(capsys: pytest.CaptureFi
 
 def _with_half_width(text: str) -> list[float]:
     """Return a number and its half width."""
-    return [float(part.replace("−", "-").replace("\u202f", "")) for part in text.split("±")]
+    return [
+        float(part.replace("−", "-").replace("\u202f", "")) for part in text.split("±")
+    ]
 
 
-def test_second_wear_by_assumption(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_second_wear_by_assumption(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """All assumptions are scenes; one of each kind is run."""
-    quick = {"engine": "dae", "cycles": 1, "replicates": 1, "cycles_per_update": 1e5, "speed": 60.0}
+    quick = {
+        "engine": "dae",
+        "cycles": 1,
+        "replicates": 1,
+        "cycles_per_update": 1e5,
+        "speed": 60.0,
+    }
     script = runpy.run_path(str(SCENARIOS / "runaway.py"))
     assumptions = script["ASSUMPTIONS"]
     for scene in script["make_scenes"](quick).values():
@@ -68,8 +83,14 @@ def test_second_wear_by_assumption(tmp_path: Path, capsys: pytest.CaptureFixture
     for key in assumptions.keys() - {"paper", "foundation", "arc-steps", "paper-step"}:
         del assumptions[key]
     script["main"](str(tmp_path / "runaway"), **quick)
-    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if " | " in line]
-    assert [row[0] for row in rows[1:-5]] == [label for label, _ in assumptions.values()]
+    rows = [
+        line.split(" | ")
+        for line in capsys.readouterr().out.splitlines()
+        if " | " in line
+    ]
+    assert [row[0] for row in rows[1:-5]] == [
+        label for label, _ in assumptions.values()
+    ]
     assert sum(row[4].startswith("0 of 1") for row in rows[1:-5]) >= 3
     assert len(rows[-4:]) == len({row[0] for row in rows[-4:]}) == 4
     assert (tmp_path / "runaway" / "two-wears.png").exists()

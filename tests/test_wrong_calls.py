@@ -9,7 +9,21 @@ import pytest
 
 import presswear as pw
 
-WRONG = [None, "text", [], [1], {}, {"a": 1}, math.nan, 10**400, object(), int, True, -1, (1, 2)]
+WRONG = [
+    None,
+    "text",
+    [],
+    [1],
+    {},
+    {"a": 1},
+    math.nan,
+    10**400,
+    object(),
+    int,
+    True,
+    -1,
+    (1, 2),
+]
 NAMES = [name for name in pw.__all__ if callable(getattr(pw, name))]
 RUNS = "run", "run_scenes", "sweep"  # these are called with arguments that start no run
 
@@ -61,10 +75,15 @@ def test_run_names_the_wrong_argument(arguments: dict[str, Any], message: str) -
         pw.run(**{"scene": pw.scenes.ideal(), **arguments})
 
 
-@pytest.mark.parametrize("name", ["vary", "responses", "ranges", "on", "shard", "limits", "jobs"])
+@pytest.mark.parametrize(
+    "name", ["vary", "responses", "ranges", "on", "shard", "limits", "jobs"]
+)
 def test_sweep_names_the_wrong_argument(name: str, tmp_path: Path) -> None:
     for value in (1.5, object(), int, -1):
-        arguments: dict[str, Any] = {"vary": {"speed": "1:2:2 rad/s"}, "folder": tmp_path / "sweep"}
+        arguments: dict[str, Any] = {
+            "vary": {"speed": "1:2:2 rad/s"},
+            "folder": tmp_path / "sweep",
+        }
         arguments[name] = value
         with pytest.raises(pw.InputError, match=f"^{name} = "):
             pw.sweep(pw.scenes.ideal(), **arguments)

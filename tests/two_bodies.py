@@ -10,7 +10,11 @@ import presswear as pw
 from presswear.linkage.elements import GROUND, MapFrame
 from presswear.physics.contact import penetration_acceleration
 from presswear.physics.equations.body_forces import BodyForces
-from presswear.physics.friction_and_normal import elastic_of, normal_force, normal_record
+from presswear.physics.friction_and_normal import (
+    elastic_of,
+    normal_force,
+    normal_record,
+)
 from presswear.physics.packed import Packed, pack
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
@@ -32,16 +36,21 @@ def normal_law(stiffness: float, exponent: float, damping: float) -> Records:
     return normal_record(pw.NormalLaw(stiffness, exponent, damping), 1e-3)
 
 
-def force_of(law: Records, penetration: float, rate: float, onset_speed: float) -> float:
+def force_of(
+    law: Records, penetration: float, rate: float, onset_speed: float
+) -> float:
     """Return the normal force, N, as the kernels put it together."""
     elastic, _ = elastic_of(law, penetration)
     return float(normal_force(law, elastic, penetration, rate, onset_speed))
 
 
-def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> pw.ClearanceJoint:
+def worn_joint(
+    frame: MapFrame, count: int = 24, deepest: float = 1e-4
+) -> pw.ClearanceJoint:
     """Return the joint with random depths from zero up, other ones on bearing and pin."""
     bearing, pin = (
-        pw.Surface(np.random.default_rng(seed).uniform(0.0, deepest, count)) for seed in (1, 2)
+        pw.Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
+        for seed in (1, 2)
     )
     return replace(JOINT, map_frame=frame, bearing_surface=bearing, pin_surface=pin)
 
@@ -94,7 +103,9 @@ class Pair:
 
     def penetration_acceleration(self, a: Array) -> float:
         """Return the second time derivative of the penetration, m/s^2."""
-        return penetration_acceleration(self.packed.joints[0], self.surfaces, self.contact(), a)
+        return penetration_acceleration(
+            self.packed.joints[0], self.surfaces, self.contact(), a
+        )
 
     def load(self, onset: float) -> JointLoad:
         """Return the forces of the joint, for a closing speed at touchdown."""
@@ -102,7 +113,9 @@ class Pair:
         force = np.concatenate([np.zeros(3), forces(0.0, self.q, self.v)])[-6:]
         contact = forces.contacts[0]
         x, y, pin_moment = force[3:]
-        return JointLoad(contact["normal"], contact["tangential"], x, y, pin_moment, force[2])
+        return JointLoad(
+            contact["normal"], contact["tangential"], x, y, pin_moment, force[2]
+        )
 
     def wear_rates(self) -> tuple[float, float]:
         """Return the rates of both doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2.
@@ -123,7 +136,9 @@ class Pair:
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """Return the state a time later at constant acceleration."""
         a = np.zeros(6) if acceleration is None else acceleration
-        return replace(self, q=self.q + time * self.v + 0.5 * time**2 * a, v=self.v + time * a)
+        return replace(
+            self, q=self.q + time * self.v + 0.5 * time**2 * a, v=self.v + time * a
+        )
 
 
 def turned(angle: float, x: float, y: float) -> Array:
@@ -137,7 +152,9 @@ def gap_of(
     """Return the clearance plus both depths in a direction, m."""
     turns = float(joint.map_frame == "body")
     bearing, pin = direction - turns * np.array([[bearing_angle], [pin_angle]])
-    return float(joint.clearance + joint.bearing_surface(bearing)[0] + joint.pin_surface(pin)[0])
+    return float(
+        joint.clearance + joint.bearing_surface(bearing)[0] + joint.pin_surface(pin)[0]
+    )
 
 
 def placed(

@@ -23,7 +23,8 @@ def depths(
 ) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
     """Return the depths of bearing and pin by the angle from the direction of the eccentricity.
 
-    Between nodes of the bearing that of the pin is the cubic through its values and slopes there.
+    Between nodes of the bearing that of the pin is the cubic through its values and
+    slopes there.
     """
     count = max(bearing.depth.size, pin.depth.size)
     nodes = count * parts_of(count)

@@ -1,6 +1,7 @@
 """DOPRI5 evaluates the right-hand side seven times per step; six are sufficient.
 
-The state of its seventh stage is the end of the step, which is the first stage of the next step.
+The state of its seventh stage is the end of the step, which is the first stage of the
+next step.
 """
 
 import itertools

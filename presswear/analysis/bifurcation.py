@@ -1,6 +1,7 @@
 """Bifurcation diagrams: a motion over a parameter, with increasing and decreasing values.
 
-Each run continues from the end of the run at the previous value, so that hysteresis is visible.
+Each run continues from the end of the run at the previous value, so that hysteresis is
+visible.
 """
 
 import math
@@ -31,10 +32,14 @@ from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
-Branch = np.recarray[Any, Any]  # rows of ``run_value`` in the order of the runs, with attributes
+Branch = np.recarray[
+    Any, Any
+]  # rows of ``run_value`` in the order of the runs, with attributes
 InitialState = Callable[[Scene], Start]
 
-ENGINE = InHouse("dopri5", 1e-6)  # periodic pins within 6e-4 of the clearance of those at 1e-9
+ENGINE = InHouse(
+    "dopri5", 1e-6
+)  # periodic pins within 6e-4 of the clearance of those at 1e-9
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
@@ -57,12 +62,16 @@ class Parameter:
             raise InputError(f"over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
         meaning = setting_of(scene, key).meaning
         if not isinstance(meaning, Quantity) or meaning.whole:
-            raise InputError(f"over {text}: must be a quantity, not a count or a choice")
+            raise InputError(
+                f"over {text}: must be a quantity, not a count or a choice"
+            )
         values = sorted(set(values_of(key, values_text, meaning)))
         if len(values) < 2:
             raise InputError(f"over {text}: needs at least two different values")
         for value in (values[0], values[-1]):
-            changed(scene, {key: value}).check()  # raises if the scene does not allow the value
+            changed(
+                scene, {key: value}
+            ).check()  # raises if the scene does not allow the value
         return Parameter(key, tuple(values), meaning.unit)
 
 
@@ -84,16 +93,17 @@ class Cycles:
 def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> Start:
     """Return the end of a run, after whole cycles, as the initial state of another linkage.
 
-    Pins keep their positions relative to the clearance, except that contacts open. Velocities are
-    scaled with the speed of the first drive. Positions and velocities are then projected on the
-    constraints and drives. Full turns of bodies are counted from ``ideal``, the initial state of
-    the ideal linkage.
+    Pins keep their positions relative to the clearance, except that contacts open.
+    Velocities are scaled with the speed of the first drive. Positions and velocities
+    are then projected on the constraints and drives. Full turns of bodies are counted
+    from ``ideal``, the initial state of the ideal linkage.
     """
     position = end.position.copy()
     turns = np.round((position[2::3] - ideal.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
     clearance, before = (
-        np.array([joint.clearance for joint in each.clearances]) for each in (linkage, previous)
+        np.array([joint.clearance for joint in each.clearances])
+        for each in (linkage, previous)
     )
     target = eccentricities(linkage, position) * (clearance / before)[:, np.newaxis]
     position = move_pins(linkage, position, capped(target, clearance))
@@ -104,10 +114,10 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
 def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArray[Any]:
     """Return the row of one value on unworn surfaces, a record with these fields.
 
-    ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``, shape (2,):
-    largest Lyapunov exponent and half width of its interval, 1/s; ``end``, shape (2, 3 bodies):
-    positions and velocities at the end. If the run fails, all numbers are NaN and the end is
-    ``ideal``. So are numbers not computed.
+    ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``,
+    shape (2,): largest Lyapunov exponent and half width of its interval, 1/s; ``end``,
+    shape (2, 3 bodies): positions and velocities at the end. If the run fails, all
+    numbers are NaN and the end is ``ideal``. So are numbers not computed.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
     joints = len(linkage.clearances)
@@ -125,11 +135,15 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         return row
     row["end"] = run.end.position, run.end.velocity
     columns = [
-        len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint + SECTION_JOINT_NAMES.index(name)
+        len(SECTION_NAMES)
+        + len(SECTION_JOINT_NAMES) * joint
+        + SECTION_JOINT_NAMES.index(name)
         for joint in range(joints)
         for name in ("eccentricity_x", "eccentricity_y")
     ]
-    row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(row["pins"].shape)
+    row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(
+        row["pins"].shape
+    )
     if cycles.exponent:
         further = continued(linkage, linkage, run.end, start)
         with suppress(RunFailed):
@@ -185,9 +199,13 @@ class Diagram:
         for row in self.branches[direction]:
             scene = changed(self.scene, {self.parameter.key: float(row.value)})
             scales = [scene.bearing(name).clearance for name in scene.clearance_joints]
-            states = (row.pins / np.array(scales)[:, np.newaxis]).reshape(len(row.pins), -1)
+            states = (row.pins / np.array(scales)[:, np.newaxis]).reshape(
+                len(row.pins), -1
+            )
             is_failed = np.isnan(states).any()
-            periods.append(None if is_failed else periodicity(states, np.ones(states.shape[1])))
+            periods.append(
+                None if is_failed else periodicity(states, np.ones(states.shape[1]))
+            )
         return periods
 
     def summary(self) -> list[str]:
@@ -203,8 +221,12 @@ class Diagram:
             )
             sentence += f" ({listed})" if listed else ""
             if self.cycles.exponent:
-                chaotic = int(np.sum(branch.exponent[:, 0] - branch.exponent[:, 1] > 0.0))
-                sentence += f"; the confidence interval of the exponent is above 0 at {chaotic}"
+                chaotic = int(
+                    np.sum(branch.exponent[:, 0] - branch.exponent[:, 1] > 0.0)
+                )
+                sentence += (
+                    f"; the confidence interval of the exponent is above 0 at {chaotic}"
+                )
             failed = periods.count(None)
             sentence += f"; {failed} runs failed" if failed else ""
             sentences.append(f"{sentence}.")
@@ -222,9 +244,10 @@ def compute(
 ) -> Diagram:
     """Compute a diagram in a folder, or resume the diagram that the folder holds.
 
-    Each branch is a chain of runs, so that at most two processes are used. ``initial_state``
-    returns the start of a scene, such as ``presswear.campaign.replicates.start_of``.
-    ``on_progress`` gets the direction of a branch and its completed share.
+    Each branch is a chain of runs, so that at most two processes are used.
+    ``initial_state`` returns the start of a scene, such as
+    ``presswear.campaign.replicates.start_of``. ``on_progress`` gets the direction of a
+    branch and its completed share.
     """
     if not scene.clearance_joints:
         raise InputError("a bifurcation diagram needs a joint with clearance")
@@ -234,7 +257,9 @@ def compute(
     work: dict[int, Any] = {}
     for k, values in enumerate((parameter.values, parameter.values[::-1])):
         file = folder / f"{DIRECTIONS[k]}.npz"
-        work[k] = partial(run_branch, scene, parameter.key, values, cycles, initial_state, file)
+        work[k] = partial(
+            run_branch, scene, parameter.key, values, cycles, initial_state, file
+        )
     with only_writer(folder, resume=True):
         if (folder / FILE).exists():
             stored = _document(folder)
@@ -258,7 +283,9 @@ def load(folder: Path) -> Diagram:
     parameter = typed(stored["parameter"], Parameter, f"{folder / FILE}: parameter")
     cycles = typed(stored["cycles"], Cycles, f"{folder / FILE}: cycles")
     files = {direction: folder / f"{direction}.npz" for direction in DIRECTIONS}
-    branches = {word: read_branch(file) for word, file in files.items() if file.exists()}
+    branches = {
+        word: read_branch(file) for word, file in files.items() if file.exists()
+    }
     return Diagram(Scene.from_dict(stored["scene"]), parameter, cycles, branches)
 
 

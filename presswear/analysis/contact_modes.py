@@ -1,8 +1,9 @@
 """Contact modes of a joint with clearance: free flight, impact, sustained contact, sticking.
 
-A contact lasts from touchdown to separation. It is an impact if it lasts at most twice as long as
-an impact of its closing speed (see ``impact_limits``), and sustained otherwise. A sustained contact
-sticks while its sliding speed is below the lower speed of its friction law.
+A contact lasts from touchdown to separation. It is an impact if it lasts at most twice
+as long as an impact of its closing speed (see ``impact_limits``), and sustained
+otherwise. A sustained contact sticks while its sliding speed is below the lower speed
+of its friction law.
 """
 
 from collections.abc import Sequence
@@ -27,7 +28,8 @@ MAX_DURATION_RATIO = 2.0  # duration of the longest impact over that of a typica
 class Timeline:
     """Sequence of modes."""
 
-    edges: Array  # times at which the modes begin, and the end of the last one, s, shape (n + 1,)
+    # times at which the modes begin, and the end of the last one, s, shape (n + 1,)
+    edges: Array
     mode: IntArray  # index into ``names``; two successive modes differ
     names: tuple[str, ...] = MODES
 
@@ -76,15 +78,17 @@ class Timeline:
 def impact_limits(duration: Array, closing_speed: Array) -> Array:
     """Return the longest duration, s, that each contact may have as an impact, shape (n,).
 
-    A typical impact is the median of the quarter of the contacts with the largest closing speeds,
-    m/s. By Hertz's law the duration scales with the speed to the power of -1/5 (Johnson, Contact
-    Mechanics, section 11.4.1).
+    A typical impact is the median of the quarter of the contacts with the largest
+    closing speeds, m/s. By Hertz's law the duration scales with the speed to the power
+    of -1/5 (Johnson, Contact Mechanics, section 11.4.1).
     """
     if not duration.size:
         return np.zeros(0)
     fastest = np.argsort(closing_speed)[-max(duration.size // 4, 1) :]
     speed = float(np.median(closing_speed[fastest]))
-    ratio = np.maximum(speed, 1e-300) / np.clip(closing_speed, 1e-12 * max(speed, 1e-288), None)
+    ratio = np.maximum(speed, 1e-300) / np.clip(
+        closing_speed, 1e-12 * max(speed, 1e-288), None
+    )
     typical = np.median(duration[fastest])
     return np.asarray(MAX_DURATION_RATIO * typical * np.maximum(ratio, 1.0) ** 0.2)
 
@@ -169,7 +173,12 @@ def combine(timelines: Sequence[Timeline]) -> Timeline:
     Only modes that occur have a name, because ten joints have a million.
     """
     edges = np.unique(np.concatenate([each.edges for each in timelines]))
-    modes = np.column_stack([each.at(0.5 * (edges[1:] + edges[:-1])) for each in timelines])
+    modes = np.column_stack(
+        [each.at(0.5 * (edges[1:] + edges[:-1])) for each in timelines]
+    )
     rows, codes = np.unique(modes, axis=0, return_inverse=True)
-    words = [[each.names[mode] for each, mode in zip(timelines, row, strict=True)] for row in rows]
+    words = [
+        [each.names[mode] for each, mode in zip(timelines, row, strict=True)]
+        for row in rows
+    ]
     return _merged(edges, codes.ravel(), tuple(map(" + ".join, words)))

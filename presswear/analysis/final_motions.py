@@ -1,8 +1,9 @@
 """Motions on which a linkage comes to rest, from starts spread over the phase space.
 
-Irregular motion may be a transient: it is left at a constant rate for a motion that repeats (Lai
-and Tél, Transient Chaos, Springer 2011). Shares of starts for each final motion are those of basin
-stability (Menck, Heitzig, Marwan and Kurths, Nature Physics 9 (2013) 89).
+Irregular motion may be a transient: it is left at a constant rate for a motion that
+repeats (Lai and Tél, Transient Chaos, Springer 2011). Shares of starts for each final
+motion are those of basin stability (Menck, Heitzig, Marwan and Kurths, Nature Physics 9
+(2013) 89).
 """
 
 import math
@@ -14,7 +15,13 @@ import numpy as np
 
 from presswear.analysis.bifurcation import Parameter
 from presswear.analysis.kicks import Kick
-from presswear.recording.settling import REPEATED, Rest, half_life, least_half_life, same_motions
+from presswear.recording.settling import (
+    REPEATED,
+    Rest,
+    half_life,
+    least_half_life,
+    same_motions,
+)
 from presswear.recording.statistics import LEVEL, STARTUP_CYCLES, Estimate
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -69,7 +76,9 @@ class FinalMotionsAt:
     joints: tuple[str, ...]  # with clearance
     runs: Runs  # finished, in the order of the starts
     motions: tuple[FinalMotion, ...]  # of most starts first, the irregular one last
-    half_life: Estimate | None  # of the irregular motion, cycles; None: none or all settled at once
+    half_life: (
+        Estimate | None
+    )  # of the irregular motion, cycles; None: none or all settled at once
     least_half_life: float | None  # if no start has settled: lower 95 % limit, cycles
 
     @property
@@ -93,7 +102,11 @@ class FinalMotionsAt:
         weight = self.runs.irregular_cycles.astype(float)
         total = float(weight.sum())
         force = np.where(weight[:, np.newaxis] > 0.0, self.runs.irregular_force, 0.0)
-        mean = weight @ force / total if total > 0.0 else np.full(len(self.joints), math.nan)
+        mean = (
+            weight @ force / total
+            if total > 0.0
+            else np.full(len(self.joints), math.nan)
+        )
         return dict(zip(self.joints, mean.tolist(), strict=True))
 
     def unsettled(self) -> tuple[Array, Array]:
@@ -125,12 +138,18 @@ def proportion(count: int, total: int) -> Estimate:
 
 
 def evaluate(
-    runs: Runs, joints: tuple[str, ...], kicks: Mapping[int, Sequence[Kick]], value: float | None
+    runs: Runs,
+    joints: tuple[str, ...],
+    kicks: Mapping[int, Sequence[Kick]],
+    value: float | None,
 ) -> FinalMotionsAt:
     """Return the final motions of finished runs; ``kicks`` are by the first start of a motion."""
     counted = int((runs.settled != FAILED).sum())
     at_rest = np.flatnonzero(runs.settled >= 0)
-    rests = [Rest(int(runs.settled[k]), int(runs.period[k]), runs.signature[k]) for k in at_rest]
+    rests = [
+        Rest(int(runs.settled[k]), int(runs.period[k]), runs.signature[k])
+        for k in at_rest
+    ]
     groups = [tuple(int(at_rest[k]) for k in group) for group in same_motions(rests)]
     irregular = tuple(int(k) for k in np.flatnonzero(runs.settled == IRREGULAR))
     motions = []

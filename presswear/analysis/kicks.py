@@ -1,9 +1,10 @@
 """Least kick of a pin after which a settled motion rattles again.
 
-A kick is a sudden change of the velocity of one pin relative to its bearing at the end of a cycle.
-Attractors.jl calls the least one that leads to another final motion the minimal fatal shock
-(Halekotte and Feudel, Scientific Reports 10 (2020) 11783), and the least one after which a motion
-returns to the same final motion only by a long way round the excitability threshold.
+A kick is a sudden change of the velocity of one pin relative to its bearing at the end
+of a cycle. Attractors.jl calls the least one that leads to another final motion the
+minimal fatal shock (Halekotte and Feudel, Scientific Reports 10 (2020) 11783), and the
+least one after which a motion returns to the same final motion only by a long way round
+the excitability threshold.
 """
 
 import math
@@ -24,10 +25,24 @@ from presswear.recording.settling import CHANGE, REPEATED, signatures
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.arrays import Array
 
-DIRECTIONS = (0, 45, 90, 135, 180, 225, 270, 315)  # degrees from the x axis of the bearing's body
+DIRECTIONS = (
+    0,
+    45,
+    90,
+    135,
+    180,
+    225,
+    270,
+    315,
+)  # degrees from the x axis of the bearing's body
 STATES = 8  # of a settled motion that are kicked
 WATCHED = 2 * REPEATED  # cycles after a kick
-FACTORS = (2.0, 2.0**0.5, 2.0**0.25, 2.0**0.125)  # by which kicks are made weaker, in turn
+FACTORS = (
+    2.0,
+    2.0**0.5,
+    2.0**0.25,
+    2.0**0.125,
+)  # by which kicks are made weaker, in turn
 WEAKEST = 1e-4  # over the strongest kick
 
 
@@ -47,7 +62,9 @@ def recorded_signatures(recorder: Recorder, linkage: Linkage) -> Array:
     joints = range(len(linkage.clearances))
     clearance = np.array([joint.clearance for joint in linkage.clearances])
     names = "eccentricity_x", "eccentricity_y"
-    places = np.array([[recorder.each_cycle(name, k) for name in names] for k in joints])
+    places = np.array(
+        [[recorder.each_cycle(name, k) for name in names] for k in joints]
+    )
     forces = np.array([recorder.each_cycle("force_max", k) for k in joints])
     return signatures(np.moveaxis(places, -1, 0) / clearance[:, np.newaxis], forces.T)
 
@@ -86,7 +103,9 @@ def least_kicks(
 
     kicks = []
     for k, joint in enumerate(linkage.clearances):
-        returns, limit, case = least_speed(partial(rattles, k), len(cases), float(speeds[k]))
+        returns, limit, case = least_speed(
+            partial(rattles, k), len(cases), float(speeds[k])
+        )
         state, degrees = cases[case]
         kicks.append(Kick(joint.name, limit, returns, degrees, state))
     return kicks
@@ -97,10 +116,10 @@ def least_speed(
 ) -> tuple[float, float | None, int]:
     """Return a speed after which all cases return, and a higher one after which one rattles.
 
-    The case that rattles comes third. As in the search of Attractors.jl, the speed is reduced until
-    all cases return, by ``FACTORS`` in turn. The boundary of a basin can be fractal, so that a
-    weaker kick may rattle: the higher speed is an upper bound. It is None if all cases return after
-    ``most``.
+    The case that rattles comes third. As in the search of Attractors.jl, the speed is
+    reduced until all cases return, by ``FACTORS`` in turn. The boundary of a basin can
+    be fractal, so that a weaker kick may rattle: the higher speed is an upper bound. It
+    is None if all cases return after ``most``.
     """
 
     def first(speed: float) -> int | None:
@@ -122,11 +141,14 @@ def least_speed(
 def states_of(linkage: Linkage, ends: Sequence[Start], ideal: Start) -> list[Start]:
     """Return states of a settled motion: the ends of runs, and of further cycles of the last one.
 
-    A motion that repeats may wander slowly, and only some of its states may be sensitive to kicks.
+    A motion that repeats may wander slowly, and only some of its states may be
+    sensitive to kicks.
     """
     states = [continued(linkage, linkage, end, ideal) for end in ends[:STATES]]
     while len(states) < STATES:
-        run = ENGINE.simulate(linkage, states[-1], Plan(linkage.period, 1, 1, torques=False))
+        run = ENGINE.simulate(
+            linkage, states[-1], Plan(linkage.period, 1, 1, torques=False)
+        )
         states.append(continued(linkage, linkage, run.end, ideal))
     return states
 
@@ -139,7 +161,9 @@ def body_angle(linkage: Linkage, start: Start, k: int) -> float:
 
 def leaves(linkage: Linkage, start: Start, orbit: Array) -> bool:
     """Return whether a motion is away from an orbit after the start-up cycles, or fails."""
-    run = ENGINE.simulate(linkage, start, Plan(linkage.period, WATCHED, 1, torques=False))
+    run = ENGINE.simulate(
+        linkage, start, Plan(linkage.period, WATCHED, 1, torques=False)
+    )
     if run.status == "failed":
         return True
     cycles = recorded_signatures(run.recorder, linkage)[STARTUP_CYCLES:]

@@ -1,8 +1,8 @@
 """Largest Lyapunov exponent from pairs of trajectories that are rescaled periodically.
 
-Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Wolf, Swift, Swinney and Vastano,
-Physica D 16 (1985) 285. Only the map of a state over a time interval is needed, so that impacts
-need no derivatives.
+Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Wolf, Swift, Swinney and
+Vastano, Physica D 16 (1985) 285. Only the map of a state over a time interval is
+needed, so that impacts need no derivatives.
 """
 
 import math
@@ -17,7 +17,11 @@ from presswear.engines.dae.engine import prepare
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.equations.writer import write_equations
-from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, elastic_of, normal_force
+from presswear.physics.friction_and_normal import (
+    ONSET_SPEED_FLOOR,
+    elastic_of,
+    normal_force,
+)
 from presswear.recording.statistics import Estimate, half_width_of_runs
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -26,7 +30,9 @@ Context = TypeVar("Context")
 Arrays = Mapping[str, NDArray[Any]]
 
 DISCARDED = 0.1  # share of the intervals, while the pair turns to the fastest growth
-ENGINE = InHouse("dop853", 1e-11)  # growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
+ENGINE = InHouse(
+    "dop853", 1e-11
+)  # growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
 DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
 SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
 INTERVALS = 20  # rescalings in a cycle, so many that a pair does not saturate
@@ -41,18 +47,20 @@ def growth_logarithms(
 ) -> Array:
     """Return the logarithm of the growth of a small distance in each interval, shape (intervals,).
 
-    After each interval the neighbour is moved back along its direction to the initial distance.
+    After each interval the neighbour is moved back along its direction to the initial
+    distance.
 
     Parameters
     ----------
     step : callable
-        Returns the state and its context after one interval; must not change its arguments.
+        Returns the state and its context after one interval; must not change its
+        arguments.
     state : ndarray, shape (d,)
-        A component is NaN while the motion does not depend on it. Components that are NaN in
-        either trajectory do not contribute to the distance.
+        A component is NaN while the motion does not depend on it. Components that are
+        NaN in either trajectory do not contribute to the distance.
     context
-        Quantities that belong to a state but are not perturbed, such as time and active contacts.
-        The neighbour takes those of the reference after each interval.
+        Quantities that belong to a state but are not perturbed, such as time and active
+        contacts. The neighbour takes those of the reference after each interval.
     distance : ndarray, shape (d,)
         Initial distance in each component, in its unit; also the scale of distances.
 
@@ -84,11 +92,13 @@ def growth_logarithms(
     return logarithms
 
 
-def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1) -> Estimate:
+def exponent_from_growth(
+    logarithms: Array, duration: float, per_cycle: int = 1
+) -> Estimate:
     """Return the exponent from ``growth_logarithms``; its samples are the averaged intervals.
 
-    ``duration`` is that of an interval. The confidence interval uses means over whole cycles of
-    ``per_cycle`` intervals, because growth varies within a cycle.
+    ``duration`` is that of an interval. The confidence interval uses means over whole
+    cycles of ``per_cycle`` intervals, because growth varies within a cycle.
     """
     rates = logarithms[math.ceil(DISCARDED * len(logarithms)) :] / duration
     if not rates.size:
@@ -102,36 +112,50 @@ def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1)
 class Flow:
     """Motion of a linkage as a map of its state over an interval, ``period / per_cycle``.
 
-    The components of a state are coordinates, rates, states of interactions, and the closing speed
-    at touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
-    is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``. ``distance`` is the
-    initial distance of a pair in each component. InputError if the linkage has closed loops, whose
-    coordinates cannot be perturbed one by one.
+    The components of a state are coordinates, rates, states of interactions, and the
+    closing speed at touchdown of each contact whose force depends on it. The closing
+    speed is NaN while the joint is open and while it is so low that the force uses
+    ``ONSET_SPEED_FLOOR``. ``distance`` is the initial distance of a pair in each
+    component. InputError if the linkage has closed loops, whose coordinates cannot be
+    perturbed one by one.
     """
 
-    def __init__(self, linkage: Linkage, start: Start, period: float, per_cycle: int) -> None:
+    def __init__(
+        self, linkage: Linkage, start: Start, period: float, per_cycle: int
+    ) -> None:
         plan = Plan(period, 1, 1, torques=False)
         recorder = recorder_of(linkage, start, plan)
         recorder.stop_recording()
         self.records = recorder.records
         equations = write_equations(linkage, self.records.packed)
         if isinstance(equations, str):
-            raise InputError(f"an exponent needs a linkage without free loops, but {equations}")
+            raise InputError(
+                f"an exponent needs a linkage without free loops, but {equations}"
+            )
         self.simulation = prepare(linkage, start, ENGINE, plan, recorder)
         joints = self.records.packed.joints
         count = equations.layout.coordinates
         scales = np.array([state.scale for state in equations.states])
         length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
         speed = length * SPEED_RATIO * 2.0 * math.pi / period
-        coordinates, onsets = np.repeat([length, speed], count), np.full(len(joints), speed)
+        coordinates, onsets = (
+            np.repeat([length, speed], count),
+            np.full(len(joints), speed),
+        )
         # Coordinates, rates and states come first in the integrated vector.
         self.indices = np.arange(equations.layout.first_energy)
-        self.keeps_onset = np.array([_depends_on_onset(joint["normal"]) for joint in joints])
+        self.keeps_onset = np.array(
+            [_depends_on_onset(joint["normal"]) for joint in joints]
+        )
         self.distance = np.concatenate([coordinates, DISTANCE * scales, onsets])
         self.interval = period / per_cycle
         # Arrays of the integrator and the recorder that determine the further motion.
         records, loads = self.records, self.records.packed.loads
-        contact = {"contacts": records.contacts, "onset": records.onset, "memory": records.memory}
+        contact = {
+            "contacts": records.contacts,
+            "onset": records.onset,
+            "memory": records.memory,
+        }
         modes = {} if loads is None else {"modes": loads.modes}
         self._arrays: Arrays = {**self.simulation.arrays, **contact, **modes}
 
@@ -140,7 +164,9 @@ class Flow:
         is_active = self.keeps_onset & (self.records.onset > ONSET_SPEED_FLOOR)
         onset = np.where(is_active, self.records.onset, math.nan)
         context = {name: array.copy() for name, array in self._arrays.items()}
-        return np.concatenate([self.simulation.arrays["y"][self.indices], onset]), context
+        return np.concatenate(
+            [self.simulation.arrays["y"][self.indices], onset]
+        ), context
 
     def step(self, state: Array, context: Arrays) -> tuple[Array, Arrays]:
         """Return the state one interval later; raises RunFailed if the motion ends."""
@@ -166,7 +192,9 @@ def _depends_on_onset(law: Any) -> bool:
     return bool(slow != fast)
 
 
-def largest_exponent(linkage: Linkage, start: Start, period: float, cycles: int) -> Estimate:
+def largest_exponent(
+    linkage: Linkage, start: Start, period: float, cycles: int
+) -> Estimate:
     """Return the largest Lyapunov exponent of a linkage, 1/s, computed by the in-house engine.
 
     A cycle lasts ``period``, s. RunFailed if the motion ends early.
@@ -174,5 +202,7 @@ def largest_exponent(linkage: Linkage, start: Start, period: float, cycles: int)
     if not linkage.clearances:
         raise InputError("an exponent needs a joint with clearance: no motion is free")
     flow = Flow(linkage, start, period, INTERVALS)
-    logarithms = growth_logarithms(flow.step, *flow.state(), cycles * INTERVALS, flow.distance)
+    logarithms = growth_logarithms(
+        flow.step, *flow.state(), cycles * INTERVALS, flow.distance
+    )
     return exponent_from_growth(logarithms, flow.interval, INTERVALS)

@@ -10,28 +10,39 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-TOLERANCE = 1e-2  # relative to a scale: largest difference of states of a periodic motion
+TOLERANCE = (
+    1e-2  # relative to a scale: largest difference of states of a periodic motion
+)
 
 
 @dataclass(frozen=True)
 class Periodicity:
     """Period of a motion."""
 
-    period: int | None  # smallest number of cycles after which every state returns; None: none
-    error: float  # largest difference one period apart, over the scales; smallest of all candidates
+    period: (
+        int | None
+    )  # smallest number of cycles after which every state returns; None: none
+    # largest difference one period apart, over the scales; smallest of all candidates
+    error: float
     cycles: int  # number of states
     tolerance: float  # relative to the scales
 
     def __str__(self) -> str:
         extent = f"within {100.0 * self.tolerance:g} % in {self.cycles} cycles"
-        return f"no period {extent}" if self.period is None else f"period {self.period} {extent}"
+        return (
+            f"no period {extent}"
+            if self.period is None
+            else f"period {self.period} {extent}"
+        )
 
 
-def periodicity(states: Array, scales: Array, tolerance: float = TOLERANCE) -> Periodicity:
+def periodicity(
+    states: Array, scales: Array, tolerance: float = TOLERANCE
+) -> Periodicity:
     """Return the period of a motion from its states at one phase of each cycle.
 
-    Each state is compared with the state k cycles later, for k up to half of the cycles, so that
-    every state of the orbit is seen twice.
+    Each state is compared with the state k cycles later, for k up to half of the
+    cycles, so that every state of the orbit is seen twice.
 
     Parameters
     ----------
@@ -54,8 +65,8 @@ def periodicity(states: Array, scales: Array, tolerance: float = TOLERANCE) -> P
 def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:
     """Return the positions of a pin once a cycle after the start-up, m, and the phase, 0 to 1.
 
-    They are of the first Poincaré section of every cycle, if sections were stored, else of the ends
-    of the recorded cycles, linear between rows.
+    They are of the first Poincaré section of every cycle, if sections were stored, else
+    of the ends of the recorded cycles, linear between rows.
     """
     if "sections" in stage.arrays:
         both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
@@ -65,7 +76,9 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
     period = scene.mechanism.period
     ends = start + period * np.arange(int((end - start) / period + 1e-9) + 1)
     columns = stage.joints[joint].eccentricity.T
-    return np.transpose([np.interp(ends, stage.time, column) for column in columns]), 1.0
+    return np.transpose(
+        [np.interp(ends, stage.time, column) for column in columns]
+    ), 1.0
 
 
 def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:

@@ -18,14 +18,16 @@ CONTACT_GAP = 1e-4  # gap over clearance of a pin that would start in contact
 def eccentricities(linkage: Linkage, position: Array) -> Array:
     """Return pin centre minus bearing centre of each joint, shape (joints, 2), m, global."""
     rows, pins = _rows(linkage)
-    return -rows.evaluate(0.0, position, np.zeros_like(position))[0][pins].reshape(-1, 2)
+    return -rows.evaluate(0.0, position, np.zeros_like(position))[0][pins].reshape(
+        -1, 2
+    )
 
 
 def capped(eccentricity: Array, clearance: Array) -> Array:
     """Return eccentricities, shape (joints, 2), shortened where a pin would touch its bearing.
 
-    A pin that starts in contact at rest would latch a closing speed near zero, for which the
-    damping is unbounded. All pins therefore start with a gap.
+    A pin that starts in contact at rest would latch a closing speed near zero, for
+    which the damping is unbounded. All pins therefore start with a gap.
     """
     excess = np.hypot(*eccentricity.T) / ((1.0 - CONTACT_GAP) * clearance)
     return eccentricity / np.maximum(excess, 1.0)[:, np.newaxis]
@@ -45,8 +47,8 @@ def move_pins(linkage: Linkage, position: Array, eccentricity: Array) -> Array:
 def kick_pins(linkage: Linkage, start: Start, change: Array) -> Start:
     """Return a start whose pins have a changed velocity, shape (joints, 2), m/s, global.
 
-    The velocity is that of the pin relative to its bearing. Where joints repeat a constraint, the
-    change is the nearest that they allow.
+    The velocity is that of the pin relative to its bearing. Where joints repeat a
+    constraint, the change is the nearest that they allow.
     """
     rows, pins = _rows(linkage)
     jacobian = rows.evaluate(0.0, start.position, start.velocity)[3]

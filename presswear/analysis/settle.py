@@ -19,7 +19,13 @@ from presswear.analysis.final_motions import (
     Watch,
     evaluate,
 )
-from presswear.analysis.kicks import STATES, Kick, least_kicks, recorded_signatures, states_of
+from presswear.analysis.kicks import (
+    STATES,
+    Kick,
+    least_kicks,
+    recorded_signatures,
+    states_of,
+)
 from presswear.analysis.starts import SpreadStarts, crossing_speeds, spread_starts
 from presswear.engines.base import Plan, Start
 from presswear.recording.observer import Observer
@@ -37,7 +43,9 @@ from presswear.tools.serialize import plain, read_json, typed, write_json
 FILE = "settling.json"
 RUNS, KICKS = "runs.npz", "kicks.json"
 SCHEMA = 1
-WATCHED_TWICE = 2  # times the cycles that a settled motion must repeat for, until a run ends
+WATCHED_TWICE = (
+    2  # times the cycles that a settled motion must repeat for, until a run ends
+)
 KICKED = 4  # final motions of most starts, which are kicked
 STARTS_SHARE = 0.9  # of the progress, for the starts
 
@@ -59,7 +67,12 @@ class _UntilSettled(Observer):
 
 
 def run_start(
-    scene: Scene, starts: SpreadStarts, index: int, cycles: int, ideal: Start, report: Report
+    scene: Scene,
+    starts: SpreadStarts,
+    index: int,
+    cycles: int,
+    ideal: Start,
+    report: Report,
 ) -> NDArray[Any]:
     """Return the row of one start, a record with the fields of ``_row``."""
     linkage = scene.linkage()
@@ -74,7 +87,10 @@ def run_start(
     )
     run = ENGINE.simulate(linkage, starts.start(index, linkage, ideal), plan)
     row = _row(len(linkage.clearances), len(ideal.position))
-    row["eccentricity"], row["velocity"] = starts.eccentricity[index], starts.velocity[index]
+    row["eccentricity"], row["velocity"] = (
+        starts.eccentricity[index],
+        starts.velocity[index],
+    )
     row["index"], row["cycles"] = index, len(run.recorder.cycles)
     if run.status == "failed":
         row["settled"] = FAILED
@@ -123,7 +139,9 @@ def _row(joints: int, coordinates: int) -> NDArray[Any]:
     return row
 
 
-def run_kicks(scene: Scene, runs: NDArray[Any], ideal: Start, report: Report) -> list[Kick]:
+def run_kicks(
+    scene: Scene, runs: NDArray[Any], ideal: Start, report: Report
+) -> list[Kick]:
     """Return the least kicks of the final motion of some runs, rows of ``run_start``."""
     linkage = scene.linkage()
     orbit = np.concatenate([run["last"][-int(run["period"]) :] for run in runs])
@@ -152,7 +170,9 @@ class _Folder:
         self.rows[value, int(row["index"][0])] = row[0]
         keys = sorted(self.rows)
         rows = np.array([self.rows[each] for each in keys])
-        write_arrays(self._folder / RUNS, {"keys": np.array(keys), "rows": rows}, np.savez)
+        write_arrays(
+            self._folder / RUNS, {"keys": np.array(keys), "rows": rows}, np.savez
+        )
 
     def add_kicks(self, value: int, start: int, kicks: Sequence[Kick]) -> None:
         """Store the kicks of the final motion of a start."""
@@ -170,7 +190,9 @@ class _Folder:
             return None
         runs = np.array(rows).view(np.recarray)
         kicks = {
-            k: self.kicks[value, i] for k, i in enumerate(runs.index) if (value, i) in self.kicks
+            k: self.kicks[value, i]
+            for k, i in enumerate(runs.index)
+            if (value, i) in self.kicks
         }
         return evaluate(runs, joints, kicks, number)
 
@@ -206,7 +228,8 @@ def compute(
     Parameters
     ----------
     initial_state : callable
-        Returns the start of a scene, such as ``presswear.campaign.replicates.start_of``.
+        Returns the start of a scene, such as
+        ``presswear.campaign.replicates.start_of``.
     jobs : int, optional
         Number of processes; default: all cores.
     on_progress : callable
@@ -215,11 +238,16 @@ def compute(
     Raises
     ------
     InputError
-        If no joint has clearance, the mechanism runs up from rest, or the folder holds others.
+        If no joint has clearance, the mechanism runs up from rest, or the folder holds
+        others.
     """
     check(scene)
     values = () if parameter is None else parameter.values
-    scenes = [changed(scene, {parameter.key: value}) for value in values] if parameter else [scene]
+    scenes = (
+        [changed(scene, {parameter.key: value}) for value in values]
+        if parameter
+        else [scene]
+    )
     with only_writer(folder, resume=True):
         _store_inputs(folder, scene, watch, parameter)
         stored = _Folder(folder, watch.starts)
@@ -245,13 +273,17 @@ def _run_starts(
         for index in range(watch.starts):
             if (value, index) not in stored.rows:
                 key = value * watch.starts + index
-                work[key] = partial(run_start, scene, starts, index, watch.cycles, ideal)
+                work[key] = partial(
+                    run_start, scene, starts, index, watch.cycles, ideal
+                )
     total = watch.starts * len(scenes)
     left = len(work)
 
     def progress(*_: Any) -> None:
         done = total - left
-        on_progress(f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total)
+        on_progress(
+            f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total
+        )
 
     def finish(key: int, row: Any) -> Mapping[int, Any]:
         nonlocal left
@@ -297,7 +329,9 @@ def _run_all_kicks(
     workers.run(work, finish, progress)
 
 
-def _store_inputs(folder: Path, scene: Scene, watch: Watch, parameter: Parameter | None) -> None:
+def _store_inputs(
+    folder: Path, scene: Scene, watch: Watch, parameter: Parameter | None
+) -> None:
     """Write the inputs into a folder; raise InputError where it holds others.
 
     Only the number of starts may differ, because more starts begin with the same ones.
@@ -323,8 +357,12 @@ def load(folder: Path) -> FinalMotions:
     stored = _Folder(folder, watch.starts)
     numbers = [None] if parameter is None else parameter.values
     each = (stored.settled(k, scene.clearance_joints, x) for k, x in enumerate(numbers))
-    return FinalMotions(scene, watch, parameter, tuple(one for one in each if one is not None))
+    return FinalMotions(
+        scene, watch, parameter, tuple(one for one in each if one is not None)
+    )
 
 
 def _document(folder: Path) -> dict[str, Any]:
-    return read_json(folder / FILE, f"{folder} holds no final motions: it has no {FILE}", SCHEMA)
+    return read_json(
+        folder / FILE, f"{folder} holds no final motions: it has no {FILE}", SCHEMA
+    )

@@ -12,7 +12,9 @@ from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import quantity_text, readable, whole
 
-Table = tuple[Sequence[str], list[list[object]]]  # names of the columns with units, and the rows
+Table = tuple[
+    Sequence[str], list[list[object]]
+]  # names of the columns with units, and the rows
 
 
 def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
@@ -38,20 +40,28 @@ def _how_many(settled: FinalMotionsAt, cycles: int) -> str:
     """Return a sentence on how many starts settled."""
     at_rest = settled.counted - settled.irregular
     if at_rest == 0:
-        words = f"none of {whole(settled.counted)} starts settled in {whole(cycles)} cycles"
+        words = (
+            f"none of {whole(settled.counted)} starts settled in {whole(cycles)} cycles"
+        )
         if not settled.least_half_life:
             return f"{words}."
         least = readable(settled.least_half_life, 2)
         return f"{words}: half-life longer than {least} cycles at 95 %."
     regular = [motion for motion in settled.motions if motion.period is not None]
     after = settled.runs.settled[settled.runs.settled >= 0]
-    where = "the same motion" if len(regular) == 1 else f"{len(regular)} different motions"
+    where = (
+        "the same motion" if len(regular) == 1 else f"{len(regular)} different motions"
+    )
     if len(regular) == 1:
         where += _peak(regular[0].peak_force)
-    words = f"{whole(at_rest)} of {whole(settled.counted)} starts came to rest on {where}"
+    words = (
+        f"{whole(at_rest)} of {whole(settled.counted)} starts came to rest on {where}"
+    )
     words += f" after {whole(after.min())} to {whole(after.max())} cycles"
     if settled.irregular:
-        words += f", {whole(settled.irregular)} did not settle in {whole(cycles)} cycles"
+        words += (
+            f", {whole(settled.irregular)} did not settle in {whole(cycles)} cycles"
+        )
     if (after <= STARTUP_CYCLES).all() and not settled.irregular:
         words += "; there is no irregular motion"
     return f"{words}."
@@ -75,7 +85,9 @@ def _of_kicks(result: FinalMotions, number: int, motion: FinalMotion) -> str:
     if least is None:
         most = readable(min(kick.returns for kick in motion.kicks))
         return f"Motion {number} returns after kicks of {most} m/s, {tried}."
-    bearings = {joint.name: joint.bearing.body for joint in result.scene.linkage().clearances}
+    bearings = {
+        joint.name: joint.bearing.body for joint in result.scene.linkage().clearances
+    }
     return (
         f"Motion {number} rattles again after a kick of {readable(least.rattles)} m/s at "
         f"{least.joint}, {least.direction} degrees from the axis of {bearings[least.joint]}. "
@@ -90,7 +102,12 @@ def motion_rows(settled: FinalMotionsAt) -> tuple[list[str], list[list[str]]]:
     rows = []
     for number, motion in enumerate(settled.motions, 1):
         name = "irregular" if motion.period is None else f"{number}"
-        first = [name, whole(motion.starts), _percent(motion.share), whole(motion.period)]
+        first = [
+            name,
+            whole(motion.starts),
+            _percent(motion.share),
+            whole(motion.period),
+        ]
         for joint in settled.joints:
             force, count = motion.peak_force[joint], motion.contacts[joint]
             rows.append([*first, joint, readable(force, 4), readable(count, 2)])
@@ -146,13 +163,22 @@ def _start_heads(joints: Sequence[str]) -> list[str]:
 def _start_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
-        motion_of = {k: number for number, one in enumerate(settled.motions, 1) for k in one.runs}
+        motion_of = {
+            k: number for number, one in enumerate(settled.motions, 1) for k in one.runs
+        }
         for k, run in enumerate(settled.runs):
             is_settled = run.settled >= 0
             row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
-            row += [int(run.settled) if is_settled else "", int(run.period) if is_settled else ""]
+            row += [
+                int(run.settled) if is_settled else "",
+                int(run.period) if is_settled else "",
+            ]
             for place, speed, force, count in zip(
-                run.eccentricity, run.velocity, run.peak_force, run.contacts, strict=True
+                run.eccentricity,
+                run.velocity,
+                run.peak_force,
+                run.contacts,
+                strict=True,
             ):
                 row += [*place.tolist(), *speed.tolist(), float(force), float(count)]
             rows.append(row)
@@ -200,7 +226,9 @@ def _kick_rows(result: FinalMotions) -> list[list[object]]:
         for number, motion in enumerate(settled.motions, 1):
             for kick in motion.kicks or ():
                 limit = "" if kick.rattles is None else kick.rattles
-                rows.append([*first, number, kick.joint, limit, kick.returns, kick.direction])
+                rows.append(
+                    [*first, number, kick.joint, limit, kick.returns, kick.direction]
+                )
     return rows
 
 

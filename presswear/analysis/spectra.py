@@ -52,7 +52,8 @@ class Spectrum:
 def resample(time: Array, values: Array, interval: float) -> Array:
     """Return the mean of a series, linear between its rows, in each of equal intervals, s.
 
-    A mean keeps the impulse of peaks that are shorter than the interval and limits aliasing.
+    A mean keeps the impulse of peaks that are shorter than the interval and limits
+    aliasing.
     """
     count = int((time[-1] - time[0]) / interval * (1.0 + 1e-12))
     edges = time[0] + interval * np.arange(count + 1)
@@ -71,9 +72,9 @@ def power_spectrum(
 ) -> Spectrum:
     """Return the power spectral density of a series by Welch's method.
 
-    Segments consist of whole cycles, so that harmonics of the cycle lie on spectral lines. They
-    have Hann's window, overlap by half, and their means are subtracted (Welch, IEEE Trans. Audio
-    15 (1967) 70).
+    Segments consist of whole cycles, so that harmonics of the cycle lie on spectral
+    lines. They have Hann's window, overlap by half, and their means are subtracted
+    (Welch, IEEE Trans. Audio 15 (1967) 70).
 
     Parameters
     ----------
@@ -86,9 +87,13 @@ def power_spectrum(
     cycles : int
         Largest number of cycles in a segment.
     """
-    available = int((time[-1] - time[0]) / period + 0.02)  # rows end slightly before a cycle does
+    available = int(
+        (time[-1] - time[0]) / period + 0.02
+    )  # rows end slightly before a cycle does
     if available < 1:
-        raise InputError("a spectrum needs at least one recorded cycle; increase recorded_cycles")
+        raise InputError(
+            "a spectrum needs at least one recorded cycle; increase recorded_cycles"
+        )
     rows_per_cycle = int(np.ceil(2.0 * max_frequency * period))
     interval = period / rows_per_cycle
     means = resample(time, values, interval)
@@ -98,7 +103,8 @@ def power_spectrum(
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi / size * np.arange(size))
     centred = segments - segments.mean(axis=1, keepdims=True)
     power = (np.abs(np.fft.rfft(window * centred)) ** 2).mean(axis=0)
-    # One-sided: every line counts twice, except the mean and the Nyquist line of an even size.
+    # One-sided: every line counts twice, except the mean and the Nyquist line of an
+    # even size.
     power[1 : (size + 1) // 2] *= 2.0
     density = power * interval / (window**2).sum()
     frequency = np.asarray(np.fft.rfftfreq(size, interval), dtype=np.float64)
@@ -108,8 +114,8 @@ def power_spectrum(
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     """Return spectra of the recorded sampled cycles, up to ``MAX_ORDER``.
 
-    By the name of a joint the spectrum of its normal force, N^2/Hz, by ``""`` the spectrum of the
-    acceleration of the output, (m/s^2)^2/Hz.
+    By the name of a joint the spectrum of its normal force, N^2/Hz, by ``""`` the
+    spectrum of the acceleration of the output, (m/s^2)^2/Hz.
     """
     start, end = sampled_span(scene, stage)
     rows = (stage.time >= start) & (stage.time <= end)

@@ -27,15 +27,17 @@ class SpreadStarts:
         clearance = np.array([joint.clearance for joint in linkage.clearances])
         target = capped(self.eccentricity[index], clearance)
         position = move_pins(linkage, ideal.position, target)
-        at_rest = with_velocity(closed(linkage), position, ideal.velocity)  # in the bearings
+        at_rest = with_velocity(
+            closed(linkage), position, ideal.velocity
+        )  # in the bearings
         return kick_pins(linkage, at_rest, self.velocity[index])
 
 
 def crossing_speeds(scene: Scene) -> Array:
     """Return the speed at which a pin crosses each clearance, shape (joints,), m/s.
 
-    It is reached from rest over the diametral clearance 2 c under the largest acceleration a of a
-    centre of mass in the ideal motion: v = sqrt(2 a 2 c).
+    It is reached from rest over the diametral clearance 2 c under the largest
+    acceleration a of a centre of mass in the ideal motion: v = sqrt(2 a 2 c).
     """
     times = np.linspace(0.0, scene.mechanism.period, INSTANTS, endpoint=False)
     acceleration = scene.ideal.at(times).acceleration
@@ -47,8 +49,8 @@ def crossing_speeds(scene: Scene) -> Array:
 def spread_starts(scene: Scene, count: int) -> SpreadStarts:
     """Return starts whose pins and velocities fill discs evenly.
 
-    The points are those of a scrambled Halton sequence (Owen, 2017) of the seed of the scene, so
-    that more starts begin with the same ones.
+    The points are those of a scrambled Halton sequence (Owen, 2017) of the seed of the
+    scene, so that more starts begin with the same ones.
     """
     from scipy.stats import qmc  # slow to import
 

@@ -1,8 +1,9 @@
 """Bumps on surfaces after a wear update in one jump, and the penetration beside them.
 
-A jump multiplies the noise of a wear map by millions of cycles.  A bump that is higher than the
-penetration breaks the contact: contacts, peak forces and accelerations are then those of the bumps
-of this map, and not those of a worn surface.  The load distance is hardly affected.
+A jump multiplies the noise of a wear map by millions of cycles.  A bump that is higher
+than the penetration breaks the contact: contacts, peak forces and accelerations are
+then those of the bumps of this map, and not those of a worn surface.  The load distance
+is hardly affected.
 """
 
 from collections.abc import Sequence
@@ -18,14 +19,18 @@ from presswear.tools.arrays import Array
 def bumps_of(ensemble: Ensemble, recorders: Sequence[Recorder]) -> list[Bumps | None]:
     """Return the bumps of each joint beside the penetration in some runs.
 
-    None if the surfaces are not those of a jump, if one replicate does not show their noise, or if
-    no contact was recorded.
+    None if the surfaces are not those of a jump, if one replicate does not show their
+    noise, or if no contact was recorded.
     """
     joints = ensemble.linkage.clearances
-    own_surfaces = ensemble.depth[ensemble.replicates :]  # the second set runs after a jump only
+    own_surfaces = ensemble.depth[
+        ensemble.replicates :
+    ]  # the second set runs after a jump only
     if len(own_surfaces) < 2:
         return [None] * len(joints)
-    heights = [noise_of(own_surfaces[:, k, :, : joint.bins]) for k, joint in enumerate(joints)]
+    heights = [
+        noise_of(own_surfaces[:, k, :, : joint.bins]) for k, joint in enumerate(joints)
+    ]
     penetrations = [median_penetration(recorders, k) for k in range(len(joints))]
     return [
         None if penetration is None else Bumps(height, penetration)
@@ -36,8 +41,8 @@ def bumps_of(ensemble: Ensemble, recorders: Sequence[Recorder]) -> list[Bumps | 
 def noise_of(depth: Array) -> float:
     """Return the rms noise of the mean of the surfaces of all replicates, m.
 
-    It is the standard deviation between the surfaces at each angle, over the root of their number.
-    Bearing and pin are added, because both together make the gap.
+    It is the standard deviation between the surfaces at each angle, over the root of
+    their number. Bearing and pin are added, because both together make the gap.
 
     Parameters
     ----------

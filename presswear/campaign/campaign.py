@@ -18,7 +18,12 @@ from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
 from presswear.campaign.quick_life import WearRates, quick_life, rates_of
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.stage_statistics import stage_result
-from presswear.campaign.wear_histories import LifeState, run_life, unknown_life, wear_between
+from presswear.campaign.wear_histories import (
+    LifeState,
+    run_life,
+    unknown_life,
+    wear_between,
+)
 from presswear.campaign.wear_update import (
     FIRST_REFINEMENT,
     WearUpdate,
@@ -51,7 +56,9 @@ Outcome = tuple[str, str, Finding | None]  # status, message, finding
 
 _LOG = logging.getLogger(__name__)
 
-WORK_MODULE = "presswear.campaign.replicates"  # imported by worker processes before the first job
+WORK_MODULE = (
+    "presswear.campaign.replicates"  # imported by worker processes before the first job
+)
 TURN = 1.0  # s, of work units that several processes share: they end together
 _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval old
 _DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
@@ -73,16 +80,17 @@ def run(
     ----------
     scene : Scene
     folder : path or None
-        Folder of the result. An interrupted run of the same scene in it resumes, and a finished
-        one is read. None: the result is kept in memory only.
+        Folder of the result. An interrupted run of the same scene in it resumes, and a
+        finished one is read. None: the result is kept in memory only.
     engine : str, engine or None
         A name, such as ``dae``, or an engine with its settings, such as
         ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
     jobs : int or None
-        Replicates that run at a time; None: as many as there are cores. No number depends on it.
+        Replicates that run at a time; None: as many as there are cores. No number
+        depends on it.
     observers : sequence of Observer
-        Notified of what happens. Without one, a run of more than a few seconds shows its progress
-        if the standard error is a terminal.
+        Notified of what happens. Without one, a run of more than a few seconds shows
+        its progress if the standard error is a terminal.
     check : bool
         Whether a failed run raises `RunFailed`.
     interval : float
@@ -95,7 +103,8 @@ def run(
     Raises
     ------
     RunFailed
-        With its finding, if the run failed and `check` is set, or if its folder is lost.
+        With its finding, if the run failed and `check` is set, or if its folder is
+        lost.
     InputError
         If the scene, or the content of the folder, does not allow the run.
     """
@@ -109,9 +118,16 @@ def run(
     if folder is None:
         memory = _Memory()
         with workers_of(scene, jobs, observers) as workers:
-            status, message, finding = run_campaign(scene, (memory, *observers), workers=workers)
-        stages, wall = tuple(memory.stages), sum(stage.wall_s for stage in memory.stages)
-        result = Result(scene, stages, status, message, provenance(), wall, life=memory.life)
+            status, message, finding = run_campaign(
+                scene, (memory, *observers), workers=workers
+            )
+        stages, wall = (
+            tuple(memory.stages),
+            sum(stage.wall_s for stage in memory.stages),
+        )
+        result = Result(
+            scene, stages, status, message, provenance(), wall, life=memory.life
+        )
     else:
         store = ResultFolder(Path(folder), scene, interval, resume=True)
         with workers_of(scene, jobs, observers, store.interval) as workers:
@@ -145,7 +161,9 @@ def run_scenes(
     engine: str | Engine | None = None,
     jobs: int | None = None,
     on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
-    on_life_start: Callable[[str, float, float], object] = lambda name, cycles, seconds: None,
+    on_life_start: Callable[
+        [str, float, float], object
+    ] = lambda name, cycles, seconds: None,
 ) -> dict[str, Result]:
     """Run named scenes, several at a time, each into the sub-folder of its name.
 
@@ -157,13 +175,14 @@ def run_scenes(
     engine : str, engine or None
         Engine of every scene, as in `run`; None: each scene's own.
     jobs : int or None
-        Scenes that run at a time; None: as many as there are cores. No number depends on it.
+        Scenes that run at a time; None: as many as there are cores. No number depends
+        on it.
     on_progress : callable
-        Called with the name of a scene, the completed fraction of its run, and a few words. At
-        1.0 the run has ended and the words are its status.
+        Called with the name of a scene, the completed fraction of its run, and a few
+        words. At 1.0 the run has ended and the words are its status.
     on_life_start : callable
-        Called with the name of a scene, and the cycles and seconds that its service life will
-        still take in one process, after the first strokes.
+        Called with the name of a scene, and the cycles and seconds that its service
+        life will still take in one process, after the first strokes.
 
     Returns
     -------
@@ -214,7 +233,9 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
 
         def on_progress(self, progress: Progress) -> None:
             is_compiling = progress.word == COMPILING
-            report(math.nan if is_compiling else min(progress.whole, 0.999), progress.word)
+            report(
+                math.nan if is_compiling else min(progress.whole, 0.999), progress.word
+            )
 
         def on_life_start(self, cycles: float, seconds: float) -> None:
             report(math.nan, "", np.array([cycles, seconds]))
@@ -239,7 +260,11 @@ def workers_of(
     interval: float = math.inf,
 ) -> Workers:
     """Return the workers for the runs of a scene, with checkpoints at an interval, s."""
-    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.replicate_count > 1
+    is_twice = (
+        scene.wear_updates > 0
+        and not scene.wears_in_steps
+        and scene.replicate_count > 1
+    )
     count = min(jobs or cores(), scene.replicate_count * (2 if is_twice else 1))
     # Frames for a window do not leave the process that runs.
     if any(observer.observes_runs or observer.frames for observer in observers):
@@ -255,10 +280,14 @@ class Checkpoint:
     """State of a campaign between two cycles, saved as named arrays."""
 
     index: int = 0  # of the stage that runs
-    depth: Array = field(default_factory=lambda: np.zeros(0))  # of the surfaces of its runs, m
+    depth: Array = field(
+        default_factory=lambda: np.zeros(0)
+    )  # of the surfaces of its runs, m
     stage: EnsembleState | None = None  # its finished runs, while they wear
     update: WearUpdate | None = None  # last refinement of the wear update after it
-    running: EnsembleState = EnsembleState()  # unfinished runs of the stage or of a refinement
+    running: EnsembleState = (
+        EnsembleState()
+    )  # unfinished runs of the stage or of a refinement
     life: LifeState | None = None  # of the service life, which comes before the stages
     new: WearRates | None = None  # of the new surfaces, in a quick life
 
@@ -269,7 +298,9 @@ class Checkpoint:
             blocks = self.life.refinements[-1].blocks if self.life.refinements else ()
             strokes = blocks[-1].strokes if blocks else 0.0
             number = self.life.place[0]
-            return f"refinement {number} of the life, {large(strokes, digits=2)} strokes"
+            return (
+                f"refinement {number} of the life, {large(strokes, digits=2)} strokes"
+            )
         wear = "" if self.stage is None else ", the wear after it"
         return f"stage {self.index}{wear}, cycle {self.running.cycles}"
 
@@ -324,7 +355,8 @@ def run_campaign(
 ) -> Outcome:
     """Run every stage; return status, message and finding.
 
-    Observers are notified of each stage once the wear update after it is applied, or has failed.
+    Observers are notified of each stage once the wear update after it is applied, or
+    has failed.
     """
     scene.check_user_laws()
     runner = Runner(scene, workers or Workers(), observers)
@@ -339,7 +371,10 @@ def run_stage(
 ) -> tuple[StageResult, Ensemble]:
     """Run the first stage without the wear update after it; return its runs as well."""
     depth = initial_depth(scene) if depth is None else depth
-    runner, check = Runner(scene, workers or Workers(), observers), StepCheck(scene, depth[0])
+    runner, check = (
+        Runner(scene, workers or Workers(), observers),
+        StepCheck(scene, depth[0]),
+    )
     ensemble = runner.run(depth, stage_spec(scene, 0), step_check=check)
     return stage_result(scene, 0, ensemble), ensemble
 
@@ -373,10 +408,16 @@ class _Campaign:
         for observer in self.runner.observers:
             observer.on_checkpoint(replace(self.at, **changes), is_stage)
 
-    def _run(self, depth: Array, spec: RunSpec, step_check: Job | None = None) -> Ensemble:
+    def _run(
+        self, depth: Array, spec: RunSpec, step_check: Job | None = None
+    ) -> Ensemble:
         """Run an ensemble, or resume it, and keep its state."""
         return self.runner.run(
-            depth, spec, self.at.running, lambda state: self._keep(running=state), step_check
+            depth,
+            spec,
+            self.at.running,
+            lambda state: self._keep(running=state),
+            step_check,
         )
 
     def _run_life(self) -> None:
@@ -397,9 +438,11 @@ class _Campaign:
         report(life)
         self.unconverged += unknown_life(scene, life)
         self.at = replace(self.at, life=LifeState(refinements))
-        # The life is a mean over the refinements; the surfaces are those of the last one.
+        # The life is a mean over the refinements; the surfaces are those of the last
+        # one.
         self.strokes = min(life.strokes, float(refinements[-1].strokes[-1]))
-        # The wear update after a stage is for the part of the life up to the next stage.
+        # The wear update after a stage is for the part of the life up to the next
+        # stage.
         part = max(self.strokes / scene.wear_updates, 1.0)
         runner.scene = replace(scene, cycles_per_update=part)
 
@@ -422,7 +465,8 @@ class _Campaign:
             if not (is_last or ensemble.failure):
                 finding = self._apply_wear(index, ensemble)
         finally:
-            # The stage is finished, even if somebody interrupts the wear update after it.
+            # The stage is finished, even if somebody interrupts the wear update after
+            # it.
             update = self.at.update
             self._finish(stage_result(scene, index, ensemble, update, finding))
         if ensemble.failure:
@@ -436,10 +480,16 @@ class _Campaign:
 
     def _apply_wear(self, index: int, ensemble: Ensemble) -> Finding | None:
         """Apply the wear after a stage, by updates or of the life; return the finding."""
-        runner, scene, joints = self.runner, self.runner.scene, ensemble.linkage.clearances
+        runner, scene, joints = (
+            self.runner,
+            self.runner.scene,
+            ensemble.linkage.clearances,
+        )
         if self.strokes is not None:
             assert self.at.life is not None
-            since, until = (self.strokes * k / scene.wear_updates for k in (index, index + 1))
+            since, until = (
+                self.strokes * k / scene.wear_updates for k in (index, index + 1)
+            )
             refinements, initial = self.at.life.refinements, initial_depth(scene)
             update = wear_between(refinements, joints, initial, since, until)
             self.at = replace(self.at, update=update)
@@ -455,7 +505,8 @@ class _Campaign:
             return worn_out(joints, update.depth, f"after stage {index} ", time, at_end)
         finding = None
         if self.at.update is None:
-            # Surfaces that fit each other better wear more slowly, but hardly at half the rate.
+            # Surfaces that fit each other better wear more slowly, but hardly at half
+            # the rate.
             depth = jump(ensemble, 0.5 * each).depth
             where = f"in half of the {stage_name(index + 1)} at the present rate "
             finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
@@ -481,7 +532,11 @@ class _Campaign:
         settling = stage.statistics.settling
         if settling and settling.verdict == "mixed":
             self.unconverged.append(f"{stage.name}: {sentence_of(settling)}")
-        steps = {key: value for key, value in stage.diagnostics.items() if key.startswith("steps")}
+        steps = {
+            key: value
+            for key, value in stage.diagnostics.items()
+            if key.startswith("steps")
+        }
         how, cycles = stage.message or stage.status, stage.statistics.cycles
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
         for observer in self.runner.observers:

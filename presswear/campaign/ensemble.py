@@ -1,15 +1,16 @@
 """Ensemble: one linkage run from several replicates, which are samples of a chaotic motion.
 
-Initial states differ by up to 2 % of the smallest clearance.  Within a cycle or two that makes the
-runs independent, which cycles of one run need not be.  Each replicate has its own worn surfaces.
-After a wear update in one jump the replicates run in two sets: together on the surfaces that all
-their maps give, and each alone.
+Initial states differ by up to 2 % of the smallest clearance.  Within a cycle or two
+that makes the runs independent, which cycles of one run need not be.  Each replicate
+has its own worn surfaces. After a wear update in one jump the replicates run in two
+sets: together on the surfaces that all their maps give, and each alone.
 
-A set ends when its maps are known, in rounds: all its runs reach the end of a round, then the maps
-of all decide whether that is enough, so that no number depends on the order, the place or the
-number of processes.  The first round takes FEWEST samples.  Each further round takes half of the
-cycles that the error of the maps says are lacking, because that number is itself an estimate: all
-of it would overshoot as often as undershoot (Hall, Annals of Statistics 9, 1229, 1981).
+A set ends when its maps are known, in rounds: all its runs reach the end of a round,
+then the maps of all decide whether that is enough, so that no number depends on the
+order, the place or the number of processes.  The first round takes FEWEST samples.
+Each further round takes half of the cycles that the error of the maps says are lacking,
+because that number is itself an estimate: all of it would overshoot as often as
+undershoot (Hall, Annals of Statistics 9, 1229, 1981).
 """
 
 import logging
@@ -55,13 +56,21 @@ _LOG = logging.getLogger(__name__)
 
 Shares = tuple[float, float]  # one that never falls, and the latest estimate
 
-FEWEST = 20  # samples of all replicates before a stage may end early: fewer agree by luck
+FEWEST = (
+    20  # samples of all replicates before a stage may end early: fewer agree by luck
+)
 ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
 WATCHED_CYCLES = 50  # of each replicate, in which most motions that settle have settled
 WATCHED_SECONDS = 10.0  # computing time of all replicates that these cycles may take
 MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
-STEP_CHECK = -1  # key of the step check among the jobs, whose other keys are indices of runs
-_LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")  # not summed
+STEP_CHECK = (
+    -1
+)  # key of the step check among the jobs, whose other keys are indices of runs
+_LARGEST = (
+    "deepest_touch_m",
+    "constraint_error_m",
+    "constraint_velocity_error_m_s",
+)  # not summed
 
 
 @dataclass(frozen=True)
@@ -71,7 +80,9 @@ class EnsembleState:
     runs: tuple[RunState | None, ...] = ()  # None: the run has not started
     until: tuple[int, ...] = ()  # cycle at which each run ends its round
     wall: float = 0.0  # wall time, s
-    step_errors: Mapping[str, float] = field(default_factory=dict)  # of a finished step check
+    step_errors: Mapping[str, float] = field(
+        default_factory=dict
+    )  # of a finished step check
 
     @property
     def cycles(self) -> int:
@@ -91,7 +102,9 @@ class Ensemble:
     bins: tuple[int, ...] = ()  # of each joint's wear maps, if they are smoothed
 
     @staticmethod
-    def of(scene: Scene, spec: RunSpec, depth: Array, state: EnsembleState) -> "Ensemble":
+    def of(
+        scene: Scene, spec: RunSpec, depth: Array, state: EnsembleState
+    ) -> "Ensemble":
         """Return the ensemble of a state; runs after the first that failed are left out."""
         runs: list[Run] = []
         for run, surfaces in zip(state.runs, depth, strict=False):
@@ -108,7 +121,9 @@ class Ensemble:
     @cached_property
     def settling(self) -> Settling | None:
         """Motions that the runs came to; None without clearance, or if no cycle is complete."""
-        return settling_of(self.linkage.clearances, [run.cycles for run in self.recorders])
+        return settling_of(
+            self.linkage.clearances, [run.cycles for run in self.recorders]
+        )
 
     @property
     def together(self) -> "Ensemble":
@@ -148,7 +163,11 @@ class Ensemble:
         last = self.runs[-1]
         if last.status != "failed":
             return ""
-        return last.message if len(self.runs) == 1 else f"run {len(self.runs)}: {last.message}"
+        return (
+            last.message
+            if len(self.runs) == 1
+            else f"run {len(self.runs)}: {last.message}"
+        )
 
     @property
     def finding(self) -> Finding | None:
@@ -183,7 +202,9 @@ class Ensemble:
             if isinstance(first, str):
                 continue
             values: list[Any] = [run.diagnostics.get(key, 0) for run in self.runs]
-            if key == "energy_residual_J":  # signed residuals of several runs would cancel
+            if (
+                key == "energy_residual_J"
+            ):  # signed residuals of several runs would cancel
                 values = [*map(abs, values)]
             merged[key] = max(values) if key in _LARGEST else sum(values)
         return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})
@@ -193,13 +214,16 @@ class Ensemble:
 class Runner:
     """Runs the linkage of a scene from every replicate, and reports the progress.
 
-    Progress counts the cycles of each replicate in a stage and the wear update after it.
+    Progress counts the cycles of each replicate in a stage and the wear update after
+    it.
     """
 
     scene: Scene
     workers: Workers = field(default_factory=Workers)
     observers: Sequence[Observer] = ()
-    index: int | None = None  # of the stage that runs; None: the service life before them
+    index: int | None = (
+        None  # of the stage that runs; None: the service life before them
+    )
     done: float = 0.0  # cycles of the ensembles before this one
     later: float = 0.0  # cycles expected after it
     reported: float = 0.0  # cycles that were reported
@@ -223,8 +247,9 @@ class Runner:
     ) -> Ensemble:
         """Run every replicate on its surfaces, m, in one set or two, or resume from a state.
 
-        A run that fails ends the rounds of its set, and all runs after it in order. The step check
-        runs beside the others, if these are long enough. The state is kept whenever it changes.
+        A run that fails ends the rounds of its set, and all runs after it in order. The
+        step check runs beside the others, if these are long enough. The state is kept
+        whenever it changes.
         """
         rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
         jobs = {**rounds.units(range(len(depth))), **rounds.check()}
@@ -233,10 +258,13 @@ class Runner:
         self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
 
-    def report(self, part: float, whole: float, word: str, linkage: Linkage, film: Any) -> None:
+    def report(
+        self, part: float, whole: float, word: str, linkage: Linkage, film: Any
+    ) -> None:
         """Report cycles of each replicate in the present ensemble, and as many as are needed.
 
-        Each cycle completes an equal part of what is left, so that progress never falls.
+        Each cycle completes an equal part of what is left, so that progress never
+        falls.
         """
         done, left = self.done + part, whole - part + self.later
         step, self.reported = max(done - self.reported, 0.0), max(done, self.reported)
@@ -251,7 +279,9 @@ class Runner:
                 life + (1.0 - life) * (index + share) / stages
                 for life, share in zip(self.life, self.shares, strict=True)
             )
-        progress = Progress(self.index or 0, shown, whole, word, linkage, film, estimate)
+        progress = Progress(
+            self.index or 0, shown, whole, word, linkage, film, estimate
+        )
         for observer in self.observers:
             observer.on_progress(progress)
 
@@ -274,9 +304,14 @@ class _Rounds:
         if self.spec.tolerance is not None:
             first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
         sets = len(self.depth) // size
-        runs, until = self.state.runs or (None,) * len(self.depth), self.state.until or first * sets
+        runs, until = (
+            self.state.runs or (None,) * len(self.depth),
+            self.state.until or first * sets,
+        )
         self.state = replace(self.state, runs=runs, until=until)
-        self._linkages = [linkage_on(self.runner.scene, surfaces) for surfaces in self.depth]
+        self._linkages = [
+            linkage_on(self.runner.scene, surfaces) for surfaces in self.depth
+        ]
         self._done = [0.0 if run is None else float(run.cycles) for run in runs]
         # As many as in the stage before, or the first round, is most often enough.
         before = self.runner.before if self.spec.tolerance is not None else 0.0
@@ -320,7 +355,9 @@ class _Rounds:
             number = k + self._size * self.spec.number
             part = Part(self.depth[k], number, self.state.until[k], arrays)
             duration = runner.workers.lasts
-            units[k] = WorkUnit(runner.scene, self.spec, part, duration, frames, observers)
+            units[k] = WorkUnit(
+                runner.scene, self.spec, part, duration, frames, observers
+            )
         return units
 
     def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
@@ -338,7 +375,9 @@ class _Rounds:
         if ended.status is None:
             following |= self.units([key])
         elif ended.status == "failed":
-            following |= dict.fromkeys([*range(self._last() + 1, len(runs)), STEP_CHECK])
+            following |= dict.fromkeys(
+                [*range(self._last() + 1, len(runs)), STEP_CHECK]
+            )
         else:
             following |= self.units(self._next_round(key // self._size))
             following |= self.check()
@@ -352,7 +391,9 @@ class _Rounds:
             return ()
         if not all(map(self._is_over, members)):
             return ()
-        maps = [run.maps for run in self.state.runs[members.start : members.stop] if run]
+        maps = [
+            run.maps for run in self.state.runs[members.start : members.stop] if run
+        ]
         error = float(map_errors(*map_batches(maps)).max())
         cycles = [run.cycles for run in maps]
         _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
@@ -373,8 +414,8 @@ class _Rounds:
     def _unseen(self, members: range) -> int:
         """Return the cycles that the runs of a set lack to show whether the motion settles.
 
-        Each is watched for WATCHED_CYCLES, or for as many as WATCHED_SECONDS allow.  If only some
-        have settled then, twice as many follow.
+        Each is watched for WATCHED_CYCLES, or for as many as WATCHED_SECONDS allow.  If
+        only some have settled then, twice as many follow.
         """
         rows = [
             run.arrays["recorder/cycles"]
@@ -384,8 +425,12 @@ class _Rounds:
         cycles = sum(map(len, rows))
         steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
         solver, is_worn = self.runner.scene.solver, self.depth[members.start].any()
-        seconds = steps * (solver.worn_step_time if is_worn else solver.step_time) / cycles
-        watched = self._size * min(WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size)))
+        seconds = (
+            steps * (solver.worn_step_time if is_worn else solver.step_time) / cycles
+        )
+        watched = self._size * min(
+            WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size))
+        )
         if cycles < watched:
             return watched - cycles
         settling = settling_of(self._linkages[members.start].clearances, rows)
@@ -403,5 +448,9 @@ class _Rounds:
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(linkage.clearances))
-        part, whole = (float(sum(each)) / size for each in (np.minimum(self._done, needed), needed))
-        self.runner.report(part, whole, COMPILING if is_compiling else word, linkage, film)
+        part, whole = (
+            float(sum(each)) / size for each in (np.minimum(self._done, needed), needed)
+        )
+        self.runner.report(
+            part, whole, COMPILING if is_compiling else word, linkage, film
+        )

@@ -1,7 +1,7 @@
 """Quick life: strokes up to a limit by the wear rates of the new and the once worn surfaces.
 
-Two short stages run. The wear update between them takes off half of what the first limit allows.
-Nothing shows the error of so coarse a step.
+Two short stages run. The wear update between them takes off half of what the first
+limit allows. Nothing shows the error of so coarse a step.
 """
 
 import math
@@ -30,10 +30,19 @@ class WearRates:
 
     def phases(self, name: str, since: float, until: float) -> tuple[Phase, ...]:
         """Return the phases with these rates, of all joints."""
-        volumes = {key: wear for key, wear in self.wear.items() if key.endswith(".wear_volume")}
+        volumes = {
+            key: wear for key, wear in self.wear.items() if key.endswith(".wear_volume")
+        }
         rates = {key: wear.scaled(1.0 / self.strokes) for key, wear in volumes.items()}
         return tuple(
-            Phase(key.partition(".")[0], name, since, until, rate.mean, rate.half_width or 0.0)
+            Phase(
+                key.partition(".")[0],
+                name,
+                since,
+                until,
+                rate.mean,
+                rate.half_width or 0.0,
+            )
             for key, rate in rates.items()
         )
 
@@ -52,13 +61,18 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
     assert scene.life is not None
     joints, worn = scene.clearance_joints, rates_of(stage)
-    limits = tuple(_limit(scene, limit, new, worn, stage) for limit in scene.life.limits(joints))
+    limits = tuple(
+        _limit(scene, limit, new, worn, stage) for limit in scene.life.limits(joints)
+    )
     reached = [limit.strokes for limit in limits if limit.strokes is not None]
     strokes = min(reached, default=new.strokes)
     first = next((limit for limit in limits if limit.strokes == strokes), None)
     depths = []
     for name in joints:
-        rates = (1e12 * each.wear[f"{name}.depth"].mean / each.strokes for each in (new, worn))
+        rates = (
+            1e12 * each.wear[f"{name}.depth"].mean / each.strokes
+            for each in (new, worn)
+        )
         depths.append(f"{name} {' and '.join(readable(rate, 2) for rate in rates)}")
     message = (
         f"no error of steps: wear rates of the new surfaces for {large(new.strokes, digits=2)} "
@@ -70,7 +84,9 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     phases = new.phases(NEW, 0.0, new.strokes)
     phases += worn.phases(WORN, new.strokes, max(strokes, new.strokes))
     sampling = first.sampling if first else None
-    return LifeResult(QUICK, message, strokes, sampling, None, scatter, limits, (), phases)
+    return LifeResult(
+        QUICK, message, strokes, sampling, None, scatter, limits, (), phases
+    )
 
 
 def _limit(
@@ -82,19 +98,25 @@ def _limit(
     rate = np.stack([arrays.wear(side) for side in SIDES]) / worn.strokes
     value = depth
     if limit.name == "wear_volume":
-        joint = next(each for each in scene.linkage().clearances if each.name == limit.joint)
+        joint = next(
+            each for each in scene.linkage().clearances if each.name == limit.joint
+        )
         value, rate = (np.array([worn_volume(joint, each)]) for each in (depth, rate))
     level, strokes = float(value.max()), math.inf
     if level >= limit.value:
         strokes = new.strokes * limit.value / level
     elif np.any(rate > 0.0):
-        strokes = new.strokes + float(((limit.value - value)[rate > 0.0] / rate[rate > 0.0]).min())
+        strokes = new.strokes + float(
+            ((limit.value - value)[rate > 0.0] / rate[rate > 0.0]).min()
+        )
     parts = min(new.strokes / strokes, 1.0), max(1.0 - new.strokes / strokes, 0.0)
     halves = []
     for part, each in zip(parts, (new, worn), strict=True):
         wear = each.wear[limit.key]
         half = wear.half_width
-        halves.append(math.inf if half is None or wear.mean <= 0.0 else part * half / wear.mean)
+        halves.append(
+            math.inf if half is None or wear.mean <= 0.0 else part * half / wear.mean
+        )
     sampling = math.hypot(*halves)
     last = new.wear[limit.key].half_width
     return LimitResult(

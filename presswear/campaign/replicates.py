@@ -1,8 +1,9 @@
 """One replicate: its initial state, its run specification, and the unit of work that advances it.
 
-A work unit is a pure function of plain data: the specification, the surfaces, the state to resume
-from, and the cycle at which it ends; it returns the state that is reached.  It does not depend on
-the process or the machine, except for the last digits in which processors differ.
+A work unit is a pure function of plain data: the specification, the surfaces, the state
+to resume from, and the cycle at which it ends; it returns the state that is reached.
+It does not depend on the process or the machine, except for the last digits in which
+processors differ.
 """
 
 import math
@@ -31,27 +32,33 @@ from presswear.tools.numbers import quantity_text
 from presswear.tools.processes import Report, Stopped, is_stopped
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-SPREAD = 0.02  # of the smallest clearance; 1e-9 m apart, replicates share their first two cycles
+# of the smallest clearance; 1e-9 m apart, replicates share their first two cycles
+SPREAD = 0.02
 SPREAD_CLOSED = 1e-9  # m, where no joint has clearance
-NEWTON_STEPS = 2  # that close the joints: the first leaves the square of a part of the clearance
+NEWTON_STEPS = (
+    2  # that close the joints: the first leaves the square of a part of the clearance
+)
 
 PIECES = 100  # of a cycle: between two touchdowns of a joint lie some of them
 PIECE_STRIDE = 4  # one piece in so many runs again with finer steps
 REFINEMENT = 100.0  # of the tolerance of these pieces
 SETTLING = 2  # cycles before the one whose pieces run again
-STEP_CHECK_CYCLES = 50  # from which on the step check costs at most a twentieth of a stage
+STEP_CHECK_CYCLES = (
+    50  # from which on the step check costs at most a twentieth of a stage
+)
 
 
 @lru_cache(maxsize=64)
 def start_of(scene: Scene, index: int = 0) -> Start:
     """Return the initial state of a replicate.
 
-    The first replicate of seed 0 has its pins centred in their bearings, with positions and
-    velocities of the ideal mechanism. All others are moved along a free direction.
+    The first replicate of seed 0 has its pins centred in their bearings, with positions
+    and velocities of the ideal mechanism. All others are moved along a free direction.
     """
     motion = scene.ideal.at(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
-    # Multiples of two independent irrational numbers leave no two replicates close together.
+    # Multiples of two independent irrational numbers leave no two replicates close
+    # together.
     fraction = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
     if fraction == 0.0:
         return start
@@ -71,8 +78,8 @@ def start_of(scene: Scene, index: int = 0) -> Start:
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     """Return a start moved along the free direction that moves the output most.
 
-    The coordinate that changes most changes by the distance, m or rad. None where the joints leave
-    no direction free.
+    The coordinate that changes most changes by the distance, m or rad. None where the
+    joints leave no direction free.
     """
     jacobian = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
     from scipy.linalg import null_space  # slow to import
@@ -99,7 +106,10 @@ def linkage_on(scene: Scene, depth: Array) -> Linkage:
 def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage:
     surfaces, depth = {}, np.frombuffer(numbers).reshape(shape)
     for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
-        surfaces[joint.name] = Surface(bearing[: joint.bins]), Surface(pin[: joint.bins])
+        surfaces[joint.name] = (
+            Surface(bearing[: joint.bins]),
+            Surface(pin[: joint.bins]),
+        )
     return scene.linkage(surfaces)
 
 
@@ -112,8 +122,8 @@ def worn_out(
 ) -> Finding | None:
     """Return a finding on the first surface that is worn deeper than the clearance.
 
-    Beyond that depth the model of a pin in a round bearing does not hold. The shape of the depth is
-    (..., joints, 2, bins), m; ``strokes`` wore it.
+    Beyond that depth the model of a pin in a round bearing does not hold. The shape of
+    the depth is (..., joints, 2, bins), m; ``strokes`` wore it.
     """
     deepest = depth.max(axis=-1, initial=0.0)
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
@@ -133,15 +143,23 @@ class RunSpec:
     """Run specification shared by the replicates of an ensemble."""
 
     cycles: int  # of each replicate, at most
-    tolerance: float | None = None  # relative error of all wear maps at which the runs end early
-    wear: Callable[[int, Array], Array] | None = None  # wear after each cycle, see ``Plan.wear``
+    tolerance: float | None = (
+        None  # relative error of all wear maps at which the runs end early
+    )
+    wear: Callable[[int, Array], Array] | None = (
+        None  # wear after each cycle, see ``Plan.wear``
+    )
     number: int = 0  # of the ensemble within its stage; no two of them start alike
     label: str = ""  # short description for progress
 
     def plan(self, scene: Scene) -> Plan:
         """Return the plan of each run, without observers."""
         # Strokes on work are samples of the loads of joints and drives.
-        recorded = Plan.recorded_cycles if scene.process is None else STARTUP_CYCLES + RANGE_STROKES
+        recorded = (
+            Plan.recorded_cycles
+            if scene.process is None
+            else STARTUP_CYCLES + RANGE_STROKES
+        )
         recording = scene.recording
         if recording.recorded_cycles is not None:
             recorded = recording.recorded_cycles
@@ -185,10 +203,14 @@ class RunState:
         """Return the finished run on surfaces, shape (joints, 2, bins), m."""
         assert self.status is not None
         assert self.end is not None
-        recorder = recorder_of(linkage_on(scene, depth), start_of(scene), spec.plan(scene))
+        recorder = recorder_of(
+            linkage_on(scene, depth), start_of(scene), spec.plan(scene)
+        )
         recorder.load(part(self.arrays, "recorder"))
         diagnostics = dict(self.diagnostics)
-        return Run(self.status, self.finding, recorder, self.end, self.time, diagnostics)
+        return Run(
+            self.status, self.finding, recorder, self.end, self.time, diagnostics
+        )
 
 
 @dataclass(frozen=True)
@@ -246,13 +268,17 @@ class _RunningPart(Observer):
         self._unit, self.linkage = unit, linkage_on(unit.scene, unit.part.depth)
         self._started, self._is_interrupted = clock.perf_counter(), False
         self.arrays = unit.part.arrays
-        self._resumed = 0 if self.arrays is None else len(self.arrays["recorder/cycles"])
+        self._resumed = (
+            0 if self.arrays is None else len(self.arrays["recorder/cycles"])
+        )
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles, unit = len(recorder.cycles), self._unit
         if cycles > self._resumed:
             self.arrays = state()
-        is_worn_out = unit.spec.wear and worn_out(self.linkage.clearances, recorder.surface_depth)
+        is_worn_out = unit.spec.wear and worn_out(
+            self.linkage.clearances, recorder.surface_depth
+        )
         if is_worn_out or cycles >= unit.part.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
@@ -270,7 +296,8 @@ class _RunningPart(Observer):
 class _OnPiece(Observer):
     """Calls a function at the end of each piece of a run.
 
-    A class within the function would keep all that it refers to until garbage is collected.
+    A class within the function would keep all that it refers to until garbage is
+    collected.
     """
 
     def __init__(self, function: Callable[[int, Callable[[], State]], None]) -> None:
@@ -281,16 +308,19 @@ class _OnPiece(Observer):
         return False
 
 
-_CHECKED = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}
+_CHECKED = {
+    "load_distance": "load_distance_step_error",
+    "force_max": "peak_force_step_error",
+}
 
 
 @dataclass(frozen=True)
 class StepCheck:
     """Check of the time step: short pieces of a run again, with a hundred times finer tolerance.
 
-    Two runs at different tolerances diverge after some touchdowns, and then their difference
-    measures the chaos of the motion, not the error of integration.  Each piece therefore starts
-    in a state of the run itself and is too short to diverge.
+    Two runs at different tolerances diverge after some touchdowns, and then their
+    difference measures the chaos of the motion, not the error of integration.  Each
+    piece therefore starts in a state of the run itself and is too short to diverge.
     """
 
     scene: Scene
@@ -300,8 +330,8 @@ class StepCheck:
     def __call__(self, report: Report) -> dict[str, float]:
         """Return the relative changes of load distance and of the peak forces of the pieces.
 
-        They are the largest of all joints, by the names of ``StageStatistics``; empty where the
-        engine has no tolerance or a run failed.
+        They are the largest of all joints, by the names of ``StageStatistics``; empty
+        where the engine has no tolerance or a run failed.
         """
         scene, linkage = self.scene, linkage_on(self.scene, self.depth)
         cycle, joints = scene.mechanism.period, range(len(linkage.clearances))
@@ -318,14 +348,20 @@ class StepCheck:
         def values_of(recorder: Recorder, piece: int) -> Array:
             if piece >= len(recorder.cycles):
                 return np.full((len(_CHECKED), len(joints)), np.nan)
-            return np.array([[recorder.each_cycle(n, k)[piece] for k in joints] for n in _CHECKED])
+            return np.array(
+                [[recorder.each_cycle(n, k)[piece] for k in joints] for n in _CHECKED]
+            )
 
         def refine(piece: int, state: Callable[[], State]) -> None:
             if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
                 again = replace(plan, cycles=piece + 1, resume=state())
-                fine[piece] = values_of(simulate_finer(linkage, start, again).recorder, piece)
+                fine[piece] = values_of(
+                    simulate_finer(linkage, start, again).recorder, piece
+                )
 
-        run = engine.simulate(linkage, start, replace(plan, observers=(_OnPiece(refine),)))
+        run = engine.simulate(
+            linkage, start, replace(plan, observers=(_OnPiece(refine),))
+        )
         if run.status == "failed" or np.isnan([*fine.values()]).any():
             return {}
         usual = np.sum([values_of(run.recorder, piece) for piece in fine], axis=0)

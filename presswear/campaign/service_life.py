@@ -1,16 +1,18 @@
 """Service life: wear until the first of several limits is exceeded.
 
-A *wear history* is a replicate whose surfaces wear from cycle to cycle, each cycle standing for
-many strokes.  All histories advance together in *load blocks* of a few cycles, in which a cycle
-stands for as many strokes as take a specified part of the clearance off, by the mean rate of the
-cycles before.  A *refinement* computes the whole life once.  Refinements with ever finer steps and
-new replicates follow until the life is known.  A *service interval* ends where a bushing is
-replaced or turned.
+A *wear history* is a replicate whose surfaces wear from cycle to cycle, each cycle
+standing for many strokes.  All histories advance together in *load blocks* of a few
+cycles, in which a cycle stands for as many strokes as take a specified part of the
+clearance off, by the mean rate of the cycles before.  A *refinement* computes the whole
+life once.  Refinements with ever finer steps and new replicates follow until the life
+is known.  A *service interval* ends where a bushing is replaced or turned.
 
-Quantities of the surfaces, *levels*, are known at the end of each block.  Quantities of a stroke,
+Quantities of the surfaces, *levels*, are known at the end of each block.  Quantities of
+a stroke,
 *samples*, scatter: a polynomial is fitted to the means of the blocks, of the order that best
-predicts one history from the others.  Intervals are those of the jackknife over whole histories, of
-the logarithm of the life (Miller, The jackknife - a review, Biometrika 61, 1, 1974).
+predicts one history from the others.  Intervals are those of the jackknife over whole
+histories, of the logarithm of the life (Miller, The jackknife - a review, Biometrika
+61, 1, 1974).
 """
 
 import math
@@ -32,19 +34,26 @@ EVERY = slice(None)
 
 FIRST_CHANGE = 5e-3  # of the clearance, that a cycle of the first refinement takes off
 MIN_BLOCK = 2  # cycles
-FIRST_WEAR = (
-    1.2e-15  # 1/Pa, K_d times the strokes of a cycle of the first block: one stroke of steel
-)
+# 1/Pa, K_d times the strokes of a cycle of the first block: one stroke of steel
+FIRST_WEAR = 1.2e-15
 BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
-MIN_BLOCKS_FOR_REFUSAL = 16  # after which a limit that seems exceeded when new is taken to be so
+MIN_BLOCKS_FOR_REFUSAL = (
+    16  # after which a limit that seems exceeded when new is taken to be so
+)
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
-MIN_REFINEMENT = 1.5  # ratio of cycles of two refinements that show the error of the step
+MIN_REFINEMENT = (
+    1.5  # ratio of cycles of two refinements that show the error of the step
+)
 STEP_SAFETY = 2.0  # factor on this error: it is that of two or three chaotic lives
 MAX_STEP_GROWTH = 2.0  # from block to block
 SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
 MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement
-FIRST_DISTANCE = 0.3  # of the tolerance, expected distance of the first two refinements, or
-FIRST_SCATTER = 0.4  # of the half width over the histories: the mean for equal distributions
+FIRST_DISTANCE = (
+    0.3  # of the tolerance, expected distance of the first two refinements, or
+)
+FIRST_SCATTER = (
+    0.4  # of the half width over the histories: the mean for equal distributions
+)
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
 MARGIN = 0.1  # of the cycles up to a crossing; samples reach this far beyond it
@@ -60,7 +69,9 @@ class LifeProblem:
     at_most: float  # strokes
     tolerance: float  # relative error of the life
     max_cycles: int  # of all histories in a refinement
-    first_share: float = 1.0  # strokes that a cycle stands for before a wear rate is known
+    first_share: float = (
+        1.0  # strokes that a cycle stands for before a wear rate is known
+    )
 
 
 @dataclass(frozen=True)
@@ -70,7 +81,9 @@ class LoadBlock:
     strokes: float  # since new, at its end
     cycles: int  # of each history; 0: maintenance or a failed run
     interval: int  # number of the service interval
-    levels: Mapping[str, Array]  # quantities of the surfaces at its end, by key, (histories,)
+    levels: Mapping[
+        str, Array
+    ]  # quantities of the surfaces at its end, by key, (histories,)
     samples: Mapping[str, Array]  # means over its cycles, by key, (histories,)
     rate: float  # largest depth in ``removed``, relative to the clearance
     removed: Array  # mean depth that a stroke took off, (joints, 2, bins), m
@@ -78,7 +91,9 @@ class LoadBlock:
     # of the surfaces at its end, (histories, joints, 2, bins), m
     ended_by: str = ""  # reason why it is the last: worn too deep, or a failed run
     wall_s: float = 0.0
-    settled: int | None = None  # histories whose motion repeats at its end; None: too few cycles
+    settled: int | None = (
+        None  # histories whose motion repeats at its end; None: too few cycles
+    )
 
 
 Blocks = Sequence[LoadBlock]
@@ -90,7 +105,9 @@ class BlockPlan:
 
     cycles: int  # of each history
     share: float  # strokes that each stands for
-    extra: Array | float = 0.0  # depth that each takes off besides, (joints, 2, bins), m
+    extra: Array | float = (
+        0.0  # depth that each takes off besides, (joints, 2, bins), m
+    )
 
 
 @dataclass(frozen=True)
@@ -104,7 +121,9 @@ class Refinement:
     @cached_property
     def histories(self) -> int:
         """Number of wear histories."""
-        return next(iter({**self.blocks[0].levels, **self.blocks[0].samples}.values())).size
+        return next(
+            iter({**self.blocks[0].levels, **self.blocks[0].samples}.values())
+        ).size
 
     @property
     def cycles(self) -> int:
@@ -127,7 +146,9 @@ class Refinement:
             if any(blocks[k].cycles for k in rows):
                 fits[rows] = _fit([blocks[k] for k in rows], key, chosen)
             else:
-                fits[rows] = fits[rows[0] - 1]  # no stroke has run since the maintenance
+                fits[rows] = fits[
+                    rows[0] - 1
+                ]  # no stroke has run since the maintenance
         if key == "repeatability":  # of which variances are averaged
             return np.sqrt(np.maximum(fits, 0.0))
         if key == "bdc_drift":
@@ -145,7 +166,9 @@ class Refinement:
             if above.size:
                 k = above[0]
                 part = (limit.value - values[k - 1]) / (values[k] - values[k - 1])
-                first = min(first, float(strokes[k - 1] + part * (strokes[k] - strokes[k - 1])))
+                first = min(
+                    first, float(strokes[k - 1] + part * (strokes[k] - strokes[k - 1]))
+                )
         return first
 
     def _pseudo_values(self, value: Callable[[Chosen], Array | float]) -> Array:
@@ -162,12 +185,16 @@ class Refinement:
         if not 0.0 < self.crossing(limits) < math.inf or self.histories < 2:
             return math.inf
         with np.errstate(divide="ignore"):
-            values = self._pseudo_values(lambda chosen: np.log(self.crossing(limits, chosen)))
+            values = self._pseudo_values(
+                lambda chosen: np.log(self.crossing(limits, chosen))
+            )
         return (half_width(values) or 0.0) if np.isfinite(values).all() else math.inf
 
     def cycles_until(self, strokes: float) -> float:
         """Return the cycles of each history after the first block, up to some strokes."""
-        ends = np.cumsum([block.cycles for block in self.blocks]) - self.blocks[0].cycles
+        ends = (
+            np.cumsum([block.cycles for block in self.blocks]) - self.blocks[0].cycles
+        )
         return float(np.interp(strokes, self.strokes, ends))
 
     def band(self, key: str) -> tuple[Array, Array]:
@@ -235,7 +262,9 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     # With order 0 a drift would be exactly zero.
     order = max(int(np.argmin(errors)), int(key == "bdc_drift"))
     order, mean = min(order, places.size - 1), rows[:, chosen].mean(axis=1)
-    curve = np.polynomial.Polynomial.fit(places, mean, order, domain=[0.0, 1.0], w=weights[:, 0])
+    curve = np.polynomial.Polynomial.fit(
+        places, mean, order, domain=[0.0, 1.0], w=weights[:, 0]
+    )
     return np.asarray(curve(change / scale))
 
 
@@ -253,7 +282,8 @@ def run_refinements(
     done = list(refinements) or [Refinement()]
     is_unfinished = len(done) > 1 and next_block(problem, done[-1]) is not None
     if is_unfinished and next_refinement(problem, done[:-1]) is None:
-        done.pop()  # a looser tolerance is met without the refinement that was interrupted
+        # a looser tolerance is met without the refinement that was interrupted
+        done.pop()
     while True:
         last = done[-1]
         plan = next_block(problem, last)
@@ -266,7 +296,10 @@ def run_refinements(
             continue
         done[-1] = replace(last, blocks=(*last.blocks, advance(done, plan)))
         for limit in () if last.blocks else problem.limits:
-            each = [done[-1].curve(limit.key, np.array([k])) for k in range(done[-1].histories)]
+            each = [
+                done[-1].curve(limit.key, np.array([k]))
+                for k in range(done[-1].histories)
+            ]
             # The lower end of the interval of the new value.
             if np.mean(each) - (half_width(np.ravel(each)) or 0.0) >= limit.value:
                 raise _exceeded_when_new(limit, done[-1])
@@ -281,13 +314,19 @@ def _exceeded_when_new(limit: Limit, refinement: Refinement) -> InputError:
     )
 
 
-def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Service | None:
+def next_block(
+    problem: LifeProblem, refinement: Refinement
+) -> BlockPlan | Service | None:
     """Return what a refinement runs next; None if it is finished."""
     blocks = refinement.blocks
     if not blocks:
-        return BlockPlan(MIN_BLOCK, min(problem.first_share, problem.at_most / MIN_BLOCK))
+        return BlockPlan(
+            MIN_BLOCK, min(problem.first_share, problem.at_most / MIN_BLOCK)
+        )
     last, interval = blocks[-1], blocks[-1].interval
-    is_used_up = last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
+    is_used_up = (
+        last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
+    )
     if last.ended_by or is_used_up or refinement.determines(problem.limits):
         return None
     is_last = interval == len(problem.services)
@@ -295,19 +334,27 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     if last.strokes >= until:
         return problem.services[interval]
     if not last.cycles:
-        # After maintenance the rate is that of the bushing before it: the new state runs first.
-        return BlockPlan(MIN_BLOCK, min(problem.first_share, (until - last.strokes) / MIN_BLOCK))
-    finished = [block for block in blocks if block.cycles and block.interval == interval]
+        # After maintenance the rate is that of the bushing before it: the new state
+        # runs first.
+        return BlockPlan(
+            MIN_BLOCK, min(problem.first_share, (until - last.strokes) / MIN_BLOCK)
+        )
+    finished = [
+        block for block in blocks if block.cycles and block.interval == interval
+    ]
     rate = sum(block.rate for block in finished[-2:]) / len(finished[-2:])
     share = refinement.change / rate if rate > 0.0 else math.inf
     if len(finished) > 1:
-        share = min(share, MAX_STEP_GROWTH * (last.strokes - blocks[-2].strokes) / last.cycles)
+        share = min(
+            share, MAX_STEP_GROWTH * (last.strokes - blocks[-2].strokes) / last.cycles
+        )
     share = min(share, (until - last.strokes) / refinement.block)
     if len(finished) == 1:
         return BlockPlan(refinement.block, share)
-    # Each cycle stood for strokes after it, at the rate of its own surfaces: to the trapezoidal
-    # rule the sum lacks half of a cycle's change of the rate for each cycle.  All histories get the
-    # mean, so that no scatter adds up.  The new state was observed where the next block started.
+    # Each cycle stood for strokes after it, at the rate of its own surfaces: to the
+    # trapezoidal rule the sum lacks half of a cycle's change of the rate for each
+    # cycle.  All histories get the mean, so that no scatter adds up.  The new state was
+    # observed where the next block started.
     before = finished[-2]
     distance = 0.5 * (last.cycles + (before.cycles if len(finished) > 2 else 0))
     stood_for = (last.strokes - before.strokes) / last.cycles
@@ -315,7 +362,9 @@ def next_block(problem: LifeProblem, refinement: Refinement) -> BlockPlan | Serv
     return BlockPlan(refinement.block, share, lacking / refinement.block)
 
 
-def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinement | None:
+def next_refinement(
+    problem: LifeProblem, refinements: Refinements
+) -> Refinement | None:
     """Return the next refinement; None if the life is known, or the cycles are used up.
 
     InputError if a limit is exceeded when new.
@@ -333,9 +382,12 @@ def next_refinement(problem: LifeProblem, refinements: Refinements) -> Refinemen
     if has_coarser and cycles * last.histories > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(cycles)), MIN_BLOCK)
-    # The first cycles of a life stand for few strokes, however fine the steps; the others scale.
+    # The first cycles of a life stand for few strokes, however fine the steps; the
+    # others scale.
     rates = np.array([block.rate for block in last.blocks[1:]])
-    change = float(rates @ np.diff(np.minimum(last.strokes, last.crossing(problem.limits))))
+    change = float(
+        rates @ np.diff(np.minimum(last.strokes, last.crossing(problem.limits)))
+    )
     scaled = min(max(change / last.change, 1.0), max(finished, 1.0))
     return Refinement(last.change * scaled / (cycles - finished + scaled), block)
 
@@ -345,7 +397,9 @@ def _finished_cycles(refinements: Refinements, limits: Sequence[Limit]) -> list[
     return [max(each.cycles_until(each.crossing(limits)), 1.0) for each in refinements]
 
 
-def _next_cycles(problem: LifeProblem, sampling: float, finished: Sequence[float]) -> float:
+def _next_cycles(
+    problem: LifeProblem, sampling: float, finished: Sequence[float]
+) -> float:
     """Return the cycles of the refinement after some with finished cycles.
 
     The sampling error is that of the cycles of all of them.
@@ -361,11 +415,14 @@ def _next_cycles(problem: LifeProblem, sampling: float, finished: Sequence[float
 def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> float:
     """Return the cycles of each history that two refinements take at least, before any has run.
 
-    A cycle of the first one wears no joint by more than a part of its clearance, m, so that a limit
-    on a depth takes some cycles. The second one has at least twice as many.
+    A cycle of the first one wears no joint by more than a part of its clearance, m, so
+    that a limit on a depth takes some cycles. The second one has at least twice as
+    many.
     """
     parts = [
-        limit.value / (FIRST_CHANGE * clearances[limit.joint]) if limit.name == "depth" else 0.0
+        limit.value / (FIRST_CHANGE * clearances[limit.joint])
+        if limit.name == "depth"
+        else 0.0
         for limit in problem.limits
     ]
     first = max(min(parts), MIN_BLOCK)
@@ -376,10 +433,10 @@ def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> floa
 def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     """Return the cycles of each history that are expected until the life is known.
 
-    After the last refinement others follow by the rule of ``next_refinement``. The error of the
-    scatter falls with the root of the cycles of all refinements. That of the step follows from the
-    distance of the first life and the last one. In the first refinement the scatter follows from
-    the depths worn so far.
+    After the last refinement others follow by the rule of ``next_refinement``. The
+    error of the scatter falls with the root of the cycles of all refinements. That of
+    the step follows from the distance of the first life and the last one. In the first
+    refinement the scatter follows from the depths worn so far.
     """
     *coarser, last = refinements
     limits = problem.limits
@@ -397,7 +454,9 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         return left
     distance = max(FIRST_DISTANCE * problem.tolerance, FIRST_SCATTER * sampling)
     if coarser:
-        change = abs(math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits)))
+        change = abs(
+            math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits))
+        )
         distance = change if 0.0 < change < math.inf else distance
     while True:
         sampling *= math.sqrt(pooled / sum(ends))
@@ -414,7 +473,9 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         ends.append(cycles)
 
 
-def _expected_sampling(problem: LifeProblem, refinement: Refinement, cycles: float) -> float:
+def _expected_sampling(
+    problem: LifeProblem, refinement: Refinement, cycles: float
+) -> float:
     """Return the sampling error expected after some cycles, by the depths worn so far.
 
     The tolerance is expected before the depths of the histories can be compared.
@@ -424,16 +485,21 @@ def _expected_sampling(problem: LifeProblem, refinement: Refinement, cycles: flo
         return problem.tolerance
     levels = refinement.blocks[-1].levels
     depths = [levels[limit.key] for limit in problem.limits if limit.key in levels]
-    halves = [half_width(np.log(depth)) or 0.0 for depth in depths if np.all(depth > 0.0)]
+    halves = [
+        half_width(np.log(depth)) or 0.0 for depth in depths if np.all(depth > 0.0)
+    ]
     share = min(completed / cycles, 1.0)
     return min(halves) * math.sqrt(share) if halves else problem.tolerance
 
 
-def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int) -> float:
+def _left_in_last(
+    problem: LifeProblem, refinements: Refinements, completed: int
+) -> float:
     """Return the cycles of each history up to the life that the last refinement lacks.
 
-    They are spread evenly over the depth that wears off: a limit on a quantity of the surfaces
-    tells the completed part, and the refinement before tells it for one of a stroke.
+    They are spread evenly over the depth that wears off: a limit on a quantity of the
+    surfaces tells the completed part, and the refinement before tells it for one of a
+    stroke.
     """
     *coarser, last = refinements
     blocks, limits, lefts = last.blocks, problem.limits, []
@@ -466,9 +532,10 @@ def _left_in_last(problem: LifeProblem, refinements: Refinements, completed: int
 def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEstimate:
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
-    The logarithm of the life is the mean over the refinements, each weighted by its cycles.  The
-    error of the step of a refinement goes as one over its cycles, or faster.  Where it is larger
-    than the scatter in the last refinement, that refinement alone is taken.
+    The logarithm of the life is the mean over the refinements, each weighted by its
+    cycles.  The error of the step of a refinement goes as one over its cycles, or
+    faster.  Where it is larger than the scatter in the last refinement, that refinement
+    alone is taken.
     """
     end = refinements[-1].crossing(limits)
     if not 0.0 < end < math.inf:
@@ -497,14 +564,16 @@ def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:
         return math.inf
     variances = (weights * halves / [quantile(each) for each in freedom]) ** 2
     variance = float(variances.sum())
-    return quantile(variance**2 / float((variances**2 / freedom).sum())) * math.sqrt(variance)
+    return quantile(variance**2 / float((variances**2 / freedom).sum())) * math.sqrt(
+        variance
+    )
 
 
 def _step_slope(cycles: Array, logarithms: Array) -> float:
     """Return the error of the step of a refinement times its cycles; infinite if it is unknown.
 
-    It is twice the slope of the logarithms over one over the cycles, by least squares with the
-    cycles as weights.
+    It is twice the slope of the logarithms over one over the cycles, by least squares
+    with the cycles as weights.
     """
     if cycles.min() * MIN_REFINEMENT > cycles.max():
         return math.inf

@@ -29,9 +29,14 @@ def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
     """Return the motion on which each run came to rest, from its rows of cycles."""
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     indices = range(len(joints))
-    places = [[cycle_column(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices]
+    places = [
+        [cycle_column(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices
+    ]
     forces = [cycle_column("force_max", k) for k in indices]
-    return [rest_of(signatures(rows[:, places] / clearances, rows[:, forces])) for rows in runs]
+    return [
+        rest_of(signatures(rows[:, places] / clearances, rows[:, forces]))
+        for rows in runs
+    ]
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
@@ -65,7 +70,9 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     )
 
 
-def _motion(joints: Joints, runs: Sequence[Array], replicates: int, period: int | None) -> Motion:
+def _motion(
+    joints: Joints, runs: Sequence[Array], replicates: int, period: int | None
+) -> Motion:
     """Return the motion of some rows of cycles, with two rows of start-up before each."""
 
     def mean(name: str, joint: int | None = None) -> Estimate:

@@ -1,7 +1,7 @@
 """Statistics and arrays of a stage: peaks, means over cycles with intervals, wear, deviations.
 
-The largest value of a run is one sample of a chaotic motion; means over cycles stand beside it.
-The start-up cycles are left out, where enough more ran.
+The largest value of a run is one sample of a chaotic motion; means over cycles stand
+beside it. The start-up cycles are left out, where enough more ran.
 """
 
 import json
@@ -56,7 +56,12 @@ Recorders = Sequence[Recorder]
 
 _OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
-COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")  # of ``deviation``: m, m/s, s, m
+COLUMNS = (
+    "displacement_off",
+    "velocity_off",
+    "lag",
+    "stroke",
+)  # of ``deviation``: m, m/s, s, m
 SHARP = 0.01  # of the scatter of bottom dead centre, over which its instant is sharp
 BOOTSTRAP_SAMPLES = 10  # of a raw wear map, from which a bootstrap gives its interval
 STILL = 1e-9  # of the stroke, by which an ideal slider at rest moves
@@ -67,16 +72,21 @@ class StageWear:
     """Depth that the wear update after a stage adds, with its samples, m."""
 
     added: Array  # (joints, 2, bins)
-    maps: Array  # samples of it, by batches of cycles or by replicates; none: no intervals
+    # samples of it, by batches of cycles or by replicates; none: no intervals
+    maps: Array
     weights: Array  # cycles in each sample, (n,)
     successive: tuple[int, ...]  # samples of each run, which are correlated
-    coarser: Array | None  # added in half as many steps: the difference is the error of the step
+    coarser: (
+        Array | None
+    )  # added in half as many steps: the difference is the error of the step
     by_replicate: Array  # added by each replicate alone, (replicates, joints, 2, bins)
-    # True if a wear update cycle by cycle is extrapolated from surfaces that stood still: the
-    # noise of few cycles hides its deepest places.
+    # True if a wear update cycle by cycle is extrapolated from surfaces that stood
+    # still: the noise of few cycles hides its deepest places.
     is_frozen: bool
     is_smoothed: bool  # True if ``added`` is smoothed
-    flattening: Array | None  # by which smoothing lowers ``added`` and the samples alike
+    flattening: (
+        Array | None
+    )  # by which smoothing lowers ``added`` and the samples alike
 
     def series(self, values: Array) -> list[Array]:
         """Return values of the samples by run."""
@@ -117,7 +127,11 @@ def stage_result(
 
 
 def _stage_wear(
-    scene: Scene, index: int, factor: float, ensemble: Ensemble, update: WearUpdate | None
+    scene: Scene,
+    index: int,
+    factor: float,
+    ensemble: Ensemble,
+    update: WearUpdate | None,
 ) -> StageWear:
     count, together = ensemble.replicates, ensemble.together
     batches, weights = map_batches(together.maps)
@@ -130,9 +144,12 @@ def _stage_wear(
         added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
         coarser = None if update.coarser is None else update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
-    volumes = zip(*(run.batches.sum(axis=(-2, -1)).T for run in together.maps), strict=True)
-    # Cycles on one surface are no samples of the motion on other surfaces, nor are those of one
-    # replicate where the worn volumes of the replicates differ at a joint: replicates are.
+    volumes = zip(
+        *(run.batches.sum(axis=(-2, -1)).T for run in together.maps), strict=True
+    )
+    # Cycles on one surface are no samples of the motion on other surfaces, nor are
+    # those of one replicate where the worn volumes of the replicates differ at a joint:
+    # replicates are.
     are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
     if scene.replicate_count > 1 and not are_alike:
         samples, weights = by_replicate, np.ones(len(by_replicate))
@@ -141,7 +158,10 @@ def _stage_wear(
         samples, weights = samples[:0], weights[:0]
         successive = [0]
     is_frozen = update is None and index > 0 and scene.wears_in_steps
-    is_smoothed, flattening = bool(ensemble.bins), None if update is None else update.flattening
+    is_smoothed, flattening = (
+        bool(ensemble.bins),
+        None if update is None else update.flattening,
+    )
     return StageWear(
         added,
         samples,
@@ -164,7 +184,8 @@ def _statistics(
     diagnostics: dict[str, float | int | str],
 ) -> StageStatistics:
     """Return the statistics of a stage; only its cycles if they are not finite."""
-    # After the first stage the runs on surfaces of their own are the samples, not their cycles.
+    # After the first stage the runs on surfaces of their own are the samples, not their
+    # cycles.
     independent = ensemble.alone.recorders if index > 0 else ()
     recorders, alone = (
         [run for run in runs if len(run.cycles)]
@@ -180,7 +201,9 @@ def _statistics(
     mean_peak = _mean_without_interval if is_mixture or are_high else _mean
     output: dict[str, Any] = {name: _largest(recorders, name) for name in _OUTPUTS}
     output["velocity_min"] = -_largest(recorders, "velocity_min", sign=-1.0)
-    output |= {f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS}
+    output |= {
+        f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS
+    }
     magnitude = "acceleration_max_per_cycle"
     output[magnitude] = output[magnitude].positive
     made = float(diagnostics.get("contact_made_J", 0.0))
@@ -192,7 +215,9 @@ def _statistics(
         drive_work_per_cycle=_drive_work(recorders, alone),
         output=OutputStatistics(**output),
         joints={
-            joint.name: _joint_statistics(joint, k, recorders, alone, wear, mean_peak, surfaces[k])
+            joint.name: _joint_statistics(
+                joint, k, recorders, alone, wear, mean_peak, surfaces[k]
+            )
             for k, joint in enumerate(joints)
         },
         bdc=bottom_statistics(scene, recorders, alone),
@@ -200,7 +225,9 @@ def _statistics(
         energy_residual=float(diagnostics["energy_residual_J"]),
         energy_exchanged=float(diagnostics["drive_exchange_J"]),
         energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
-        load_distance_step_error=ensemble.state.step_errors.get("load_distance_step_error"),
+        load_distance_step_error=ensemble.state.step_errors.get(
+            "load_distance_step_error"
+        ),
         peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
         settling=settling,
     )
@@ -211,22 +238,31 @@ def _statistics(
     return statistics
 
 
-def _largest(recorders: Recorders, name: str, joint: int | None = None, sign: float = 1.0) -> float:
-    samples = (after_startup(recorder.each_cycle(name, joint)) for recorder in recorders)
+def _largest(
+    recorders: Recorders, name: str, joint: int | None = None, sign: float = 1.0
+) -> float:
+    samples = (
+        after_startup(recorder.each_cycle(name, joint)) for recorder in recorders
+    )
     return max(float((sign * rows).max()) for rows in samples)
 
 
-def _mean(recorders: Recorders, alone: Recorders, name: str, joint: int | None = None) -> Estimate:
+def _mean(
+    recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
+) -> Estimate:
     """Return the mean over cycles of a quantity; see ``pooled``."""
-    rows = ([run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone))
+    rows = (
+        [run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone)
+    )
     return pooled(*rows)[0]
 
 
 def _drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
     """Return the mean drive work of a cycle, J.
 
-    The samples are the drive work minus the change of stored energy.  In the long run their mean is
-    the same.  It scatters less: energy stored at the end of a cycle is returned in the next.
+    The samples are the drive work minus the change of stored energy.  In the long run
+    their mean is the same.  It scatters less: energy stored at the end of a cycle is
+    returned in the next.
     """
 
     def used(run: Recorder) -> Array:
@@ -288,9 +324,9 @@ def _joint_statistics(
 def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, WearPeak]:
     """Return the deepest places of the wear map of one joint by side.
 
-    The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed map has no
-    such bias, and a few maps are too few for a bootstrap: the interval is that of the samples at
-    the deepest place.
+    The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed
+    map has no such bias, and a few maps are too few for a bootstrap: the interval is
+    that of the samples at the deepest place.
     """
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
@@ -306,18 +342,25 @@ def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, Wea
         place, value, error = int(depth.argmax()), float(depth.max()), None
         if wear.coarser is not None:
             error = abs(value - float(of_sides(wear.coarser, rows).max()))
-        deepest, angle = Estimate(value), Estimate(float(bin_centres(joint.bins)[place]))
+        deepest, angle = (
+            Estimate(value),
+            Estimate(float(bin_centres(joint.bins)[place])),
+        )
         if len(samples):
             centre = np.average(samples, axis=0, weights=wear.weights)
             share = inefficiency(wear.series(samples[:, place]))
-            draws = centre + math.sqrt(share) * (resampled(samples, wear.weights) - centre)
+            draws = centre + math.sqrt(share) * (
+                resampled(samples, wear.weights) - centre
+            )
             deepest, angle = peak_of(depth, draws, len(samples), centre)
             if is_at_place:
                 half = half_width_of_runs(wear.series(samples[:, place]))
                 deepest = Estimate.symmetric(value, half, len(samples))
                 deepest = widened(deepest, value - float(centre[place]))
             if wear.flattening is not None:
-                deepest = widened(deepest, float(of_sides(wear.flattening, rows)[place]))
+                deepest = widened(
+                    deepest, float(of_sides(wear.flattening, rows)[place])
+                )
             deepest = widened(deepest, error or 0.0)
             deepest = deepest.positive if is_at_place else deepest
         peaks[name] = WearPeak(deepest, angle, error)
@@ -329,15 +372,17 @@ def bottom_statistics(
 ) -> BottomStatistics | None:
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
-    None if there is no sampled stroke. The ideal motion of a servo that dwells there has no instant
-    to be later than: there is no delay if the ideal motion stays within ``SHARP`` of the scatter
-    for longer than ``DWELL``. Nor is there one if the ideal stroke has several equal bottoms.
+    None if there is no sampled stroke. The ideal motion of a servo that dwells there
+    has no instant to be later than: there is no delay if the ideal motion stays within
+    ``SHARP`` of the scatter for longer than ``DWELL``. Nor is there one if the ideal
+    stroke has several equal bottoms.
     """
     ideal = bottom_of(scene.ideal)
     if ideal is None:
         return None
     finished, alone = (
-        [run for run in runs if len(run.cycles) > ideal.first] for runs in (recorders, alone)
+        [run for run in runs if len(run.cycles) > ideal.first]
+        for runs in (recorders, alone)
     )
     if not finished:
         return None
@@ -349,9 +394,12 @@ def bottom_statistics(
     dwell = dwell_of(scene.ideal, near)
     delay = angle = delay_scatter = None
     delays, alone_delays = (
-        [ideal.delay(run.each_cycle("bottom_time")) for run in runs] for runs in (finished, alone)
+        [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
+        for runs in (finished, alone)
     )
-    every_delay = np.concatenate([after_startup(rows) for rows in (*delays, *alone_delays)])
+    every_delay = np.concatenate(
+        [after_startup(rows) for rows in (*delays, *alone_delays)]
+    )
     resolution = max(0.0 if scatter is None else scatter.mean, STILL * ideal.stroke)
     equal = equal_bottoms(ideal, every_delay, resolution)
     if dwell < DWELL * ideal.period and not equal:
@@ -363,7 +411,9 @@ def bottom_statistics(
         ideal_time=ideal.time,
         ideal_dwell=dwell,
         height=height,
-        error=Estimate.symmetric(height.mean - ideal.height, height.half_width, height.samples),
+        error=Estimate.symmetric(
+            height.mean - ideal.height, height.half_width, height.samples
+        ),
         range_of_all=float(np.ptp(np.concatenate(samples))),
         range=span,
         range_strokes=count,
@@ -378,14 +428,16 @@ def bottom_statistics(
 def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float, ...]:
     """Return the times in the cycle, s, of bottoms of an ideal stroke that are not told apart.
 
-    They are the minima within ``resolution``, m, of the lowest, and those to which a stroke with
-    one of the delays, s, is nearest. Empty if there is only one.
+    They are the minima within ``resolution``, m, of the lowest, and those to which a
+    stroke with one of the delays, s, is nearest. Empty if there is only one.
     """
     times = np.array([time for time, _ in ideal.minima])
     if times.size < 2:
         return ()
     nearest = np.abs(delay[:, np.newaxis] - (times - ideal.time)).argmin(axis=1)
-    is_equal = np.array([height - ideal.height < resolution for _, height in ideal.minima])
+    is_equal = np.array(
+        [height - ideal.height < resolution for _, height in ideal.minima]
+    )
     is_equal[nearest] = True
     equal = times[is_equal]
     return tuple((equal % ideal.period).tolist()) if equal.size > 1 else ()
@@ -394,8 +446,8 @@ def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float
 def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:
     """Return the arrays of a stage by their names in ``stage-K.npz``; SI units.
 
-    Series, contacts and torques are those of the first run; rows of cycles of the second set
-    follow those of the first.
+    Series, contacts and torques are those of the first run; rows of cycles of the
+    second set follow those of the first.
     """
     joints, recording = ensemble.linkage.clearances, scene.recording
     recorder, recorders = ensemble.recorders[0], ensemble.recorders
@@ -438,16 +490,19 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added[k, i, : joint.bins]
     are_alike = len({joint.bins for joint in joints}) == 1
-    angles = {"angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints}
+    angles = {
+        "angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints
+    }
     return arrays | {name: bin_centres(bins) for name, bins in angles.items()}
 
 
 def deviation(scene: Scene, recorder: Recorder) -> Array:
     """Return the deviation of a run from the ideal motion in each recorded cycle.
 
-    It covers as many cycles as are recorded of a scene without work. The delay is the one by which
-    the ideal motion fits best, up to a constant offset: by least squares, of first order in the
-    delay. Columns are COLUMNS, and of each clearance joint the fraction of the time out of contact.
+    It covers as many cycles as are recorded of a scene without work. The delay is the
+    one by which the ideal motion fits best, up to a constant offset: by least squares,
+    of first order in the delay. Columns are COLUMNS, and of each clearance joint the
+    fraction of the time out of contact.
     """
     last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
     recorded = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
@@ -456,7 +511,8 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
     )
     joints = range(recorder.records.memory.size)
     flights = [
-        (recorder.series("penetration", k)[recorded] <= 0.0).astype(np.float64) for k in joints
+        (recorder.series("penetration", k)[recorded] <= 0.0).astype(np.float64)
+        for k in joints
     ]
     since, period = time - scene.run_up, scene.mechanism.period
     # The last row of a series may lie a rounding before the end of its cycle.
@@ -470,13 +526,21 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         rows = slice(first, end)
         at = time[rows]
         ideal = scene.ideal_slider(at, closed=False)
-        off, faster, wanted = moved[rows] - ideal[:, 0], speed[rows] - ideal[:, 1], ideal[:, 1]
+        off, faster, wanted = (
+            moved[rows] - ideal[:, 0],
+            speed[rows] - ideal[:, 1],
+            ideal[:, 1],
+        )
         centred, square = off - _time_mean(at, off), _time_mean(at, wanted**2)
         lag = -_time_mean(at, centred * wanted) / square if square > 0.0 else 0.0
         means = (off**2, faster**2, *(flight[rows] for flight in flights))
-        off_mean, faster_mean, *open_parts = (_time_mean(at, values) for values in means)
+        off_mean, faster_mean, *open_parts = (
+            _time_mean(at, values) for values in means
+        )
         stroke = float(np.ptp(moved[rows]))
-        deviations.append([math.sqrt(off_mean), math.sqrt(faster_mean), lag, stroke, *open_parts])
+        deviations.append(
+            [math.sqrt(off_mean), math.sqrt(faster_mean), lag, stroke, *open_parts]
+        )
     return np.array(deviations).reshape(len(deviations), len(COLUMNS) + len(flights))
 
 

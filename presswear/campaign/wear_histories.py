@@ -37,7 +37,13 @@ from presswear.physics.wear import worn_volume
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
-from presswear.results.life import Ended, LifeResult, LimitResult, Phase, RefinementResult
+from presswear.results.life import (
+    Ended,
+    LifeResult,
+    LimitResult,
+    Phase,
+    RefinementResult,
+)
 from presswear.results.stage import WearStep
 from presswear.scene.options import Life, Service
 from presswear.scene.scene import Scene
@@ -46,12 +52,20 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
-MEASURED_BLOCKS = 2  # of the first refinement: in the second, kernels are compiled and joints worn
-STAGE_CYCLES = 8  # of each history, in whose time a stage runs until its wear maps are known
-_MAX_INTERVALS = 64  # service intervals of a refinement, so that no two of them start alike
+MEASURED_BLOCKS = (
+    2  # of the first refinement: in the second, kernels are compiled and joints worn
+)
+STAGE_CYCLES = (
+    8  # of each history, in whose time a stage runs until its wear maps are known
+)
+_MAX_INTERVALS = (
+    64  # service intervals of a refinement, so that no two of them start alike
+)
 MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
-MIN_BLOCK = 0.1  # strokes of a block over those of the one before, for its wear rate to count
+MIN_BLOCK = (
+    0.1  # strokes of a block over those of the one before, for its wear rate to count
+)
 MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
@@ -61,9 +75,16 @@ class LifeState:
     """State of a service life."""
 
     refinements: tuple[Refinement, ...] = ()  # the last one may be unfinished
-    place: tuple[int, int] = (0, 0)  # refinement and service interval of the present runs
-    running: EnsembleState = EnsembleState()  # these runs, from the start of the interval
-    watched: EnsembleState | None = None  # runs that do not wear, which show whether they settle
+    place: tuple[int, int] = (
+        0,
+        0,
+    )  # refinement and service interval of the present runs
+    running: EnsembleState = (
+        EnsembleState()
+    )  # these runs, from the start of the interval
+    watched: EnsembleState | None = (
+        None  # runs that do not wear, which show whether they settle
+    )
 
 
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
@@ -75,7 +96,9 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     for k, joint in enumerate(scene.linkage().clearances):
         item = depth[:, k, :, : joint.bins]
         levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
-        levels[f"{joint.name}.wear_volume"] = np.array([worn_volume(joint, one) for one in item])
+        levels[f"{joint.name}.wear_volume"] = np.array(
+            [worn_volume(joint, one) for one in item]
+        )
     if "total_clearance" in limited:
         values = [total_clearance(linkage_on(scene, one)) for one in depth]
         levels["total_clearance"] = np.array(values)
@@ -92,9 +115,12 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     if ideal is not None:
         off = rows[:, :, cycle_column("bottom_height")] - ideal.height
         mean = off.mean(axis=1)
-        # Where a history wears out in one stroke, only the histories together have a variance.
+        # Where a history wears out in one stroke, only the histories together have a
+        # variance.
         is_single = off.shape[1] == 1
-        variance = np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
+        variance = (
+            np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
+        )
         samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
     return samples
 
@@ -104,10 +130,14 @@ class WearHistories:
     """Wear histories of a scene."""
 
     runner: Runner
-    initial: Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
+    initial: (
+        Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
+    )
     problem: LifeProblem
     state: LifeState = field(default_factory=LifeState)
-    keep: Callable[[LifeState], None] = lambda state: None  # called whenever it has changed
+    keep: Callable[[LifeState], None] = lambda state: (
+        None
+    )  # called whenever it has changed
 
     def store(self, **changes: Any) -> None:
         """Change the state and keep it."""
@@ -119,7 +149,9 @@ class WearHistories:
         """Motions on the surfaces at the start; None if no cycle is complete."""
         runs = () if self.state.watched is None else self.state.watched.runs
         rows = [run.arrays["recorder/cycles"] for run in runs if run]
-        return settling_of(self.runner.scene.linkage().clearances, rows) if rows else None
+        return (
+            settling_of(self.runner.scene.linkage().clearances, rows) if rows else None
+        )
 
     def watch(self) -> None:
         """Run the histories without wear for as long as a stage is watched."""
@@ -134,7 +166,9 @@ class WearHistories:
         runner = self.runner
         runner.later = fewest_cycles_of(scene) / scene.replicate_count
         runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, ())
-        ensemble = runner.run(self.initial, spec, watched, lambda s: self.store(watched=s))
+        ensemble = runner.run(
+            self.initial, spec, watched, lambda s: self.store(watched=s)
+        )
         if ensemble.failure:
             raise RunFailed(ensemble.failure, ensemble.finding)
         self.store(watched=ensemble.state)
@@ -145,7 +179,12 @@ class WearHistories:
         Where all of them came to rest on one motion, wear begins in that motion.
         """
         watched = self.state.watched
-        if interval == 0 and watched and self.settling and self.settling.verdict == "settled":
+        if (
+            interval == 0
+            and watched
+            and self.settling
+            and self.settling.verdict == "settled"
+        ):
             runs = (run and replace(run, status=None) for run in watched.runs)
             return replace(watched, runs=tuple(runs))
         return EnsembleState((None,) * self.runner.scene.replicate_count)
@@ -157,9 +196,12 @@ class WearHistories:
             return self._maintain(before[-1], plan)
         runner, scene = self.runner, self.runner.scene
         count = scene.replicate_count
-        interval, strokes = (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
+        interval, strokes = (
+            (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
+        )
         blocks = [block for block in before if block.interval == interval]
-        # A service interval starts on the surfaces after maintenance, or on those of the scene.
+        # A service interval starts on the surfaces after maintenance, or on those of
+        # the scene.
         first = blocks[0].depth if blocks and not blocks[0].cycles else self.initial
         earlier = blocks[-1].depth if blocks else first
         running = self.start_up(interval)
@@ -171,14 +213,18 @@ class WearHistories:
         running = replace(running, until=(finished + plan.cycles,) * count)
         self.state = replace(self.state, place=(number, interval), running=running)
         start = 0 if before else start_up
-        runner.later = max(cycles_left(self.problem, refinements) - plan.cycles - start, 0.0)
+        runner.later = max(
+            cycles_left(self.problem, refinements) - plan.cycles - start, 0.0
+        )
         runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, before)
 
         wear = wear_update.wear_per_cycle(plan.share, plan.extra)
         label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
         place = number + _MAX_INTERVALS * interval
         spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
-        ensemble = runner.run(first, spec, running, lambda state: self.store(running=state))
+        ensemble = runner.run(
+            first, spec, running, lambda state: self.store(running=state)
+        )
         if ensemble.failure:
             if not before:
                 raise RunFailed(ensemble.failure, ensemble.finding)
@@ -186,12 +232,15 @@ class WearHistories:
         joints, recorders = ensemble.linkage.clearances, ensemble.recorders
         depth = ensemble.surface_depth
         worn = worn_out(joints, depth)
-        # A history whose surfaces are worn out ends early: all are taken back to that cycle.
+        # A history whose surfaces are worn out ends early: all are taken back to that
+        # cycle.
         counts = np.array([len(recorder.cycles) - finished for recorder in recorders])
         cycles = int(counts.min())
         part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
         depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
-        rows = np.array([recorder.cycles[finished : finished + cycles] for recorder in recorders])
+        rows = np.array(
+            [recorder.cycles[finished : finished + cycles] for recorder in recorders]
+        )
         removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
         if not before:
             self._check_reach(depth, plan.share * cycles)
@@ -206,7 +255,9 @@ class WearHistories:
             depth,
             f"{worn.joint}: {worn.what}" if worn else "",
             ensemble.state.wall - running.wall,
-            _settled(joints, [recorder.cycles[: finished + cycles] for recorder in recorders]),
+            _settled(
+                joints, [recorder.cycles[: finished + cycles] for recorder in recorders]
+            ),
         )
 
     def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
@@ -217,22 +268,35 @@ class WearHistories:
         bushing[...] = np.roll(bushing, half_turn, axis=1) if service.is_turned else 0.0
         interval = last.interval + 1
         return replace(
-            last, cycles=0, interval=interval, levels=self._levels(depth), rate=0.0, depth=depth
+            last,
+            cycles=0,
+            interval=interval,
+            levels=self._levels(depth),
+            rate=0.0,
+            depth=depth,
         )
 
     def _levels(self, depth: Array) -> dict[str, Array]:
-        return levels_of(self.runner.scene, depth, [limit.name for limit in self.problem.limits])
+        return levels_of(
+            self.runner.scene, depth, [limit.name for limit in self.problem.limits]
+        )
 
     def _check_reach(self, depth: Array, strokes: float) -> None:
         """Raise InputError if, at the rate when new, a joint wears through long before a limit."""
         scene = self.runner.scene
-        joints, life, levels = scene.linkage().clearances, scene.life, self._levels(depth)
+        joints, life, levels = (
+            scene.linkage().clearances,
+            scene.life,
+            self._levels(depth),
+        )
         assert life is not None
         limits = self.problem.limits
         is_of_depth = all(limit.name in ("depth", "wear_volume") for limit in limits)
         if not is_of_depth or self.initial.any() or self.problem.services:
             return
-        worn = depth.mean(axis=0).max(axis=(1, 2)) / [joint.clearance for joint in joints]
+        worn = depth.mean(axis=0).max(axis=(1, 2)) / [
+            joint.clearance for joint in joints
+        ]
         reached = max(float(levels[limit.key].mean()) / limit.value for limit in limits)
         deepest = int(np.argmax(worn))
         is_before = worn[deepest] > REACH * reached > 0.0
@@ -248,8 +312,9 @@ class WearHistories:
 def problem_of(scene: Scene, life: Life) -> LifeProblem:
     """Return limits and accuracy of a service life of a scene.
 
-    The first cycles wear as much whatever the wear coefficients are, so that the surfaces follow
-    one another alike, and a life is inversely proportional to the coefficients.
+    The first cycles wear as much whatever the wear coefficients are, so that the
+    surfaces follow one another alike, and a life is inversely proportional to the
+    coefficients.
     """
     joints = scene.clearance_joints
     coefficient = max(scene.bearing(name).materials.wear_coefficient for name in joints)
@@ -276,10 +341,10 @@ def run_life(
 ) -> tuple[tuple[Refinement, ...], LifeResult]:
     """Run the service life of a scene, or resume it; return its refinements as well.
 
-    ``report`` is called with a preliminary life after each refinement that another one follows.
-    ``announce`` is called once, early, with the cycles of all replicates and the time, s, that the
-    life and the stages through it will still take.
-    InputError if a limit is exceeded when new; RunFailed if a run fails before anything is known.
+    ``report`` is called with a preliminary life after each refinement that another one
+    follows. ``announce`` is called once, early, with the cycles of all replicates and
+    the time, s, that the life and the stages through it will still take. InputError if
+    a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
     scene, life = runner.scene, runner.scene.life
     assert life is not None
@@ -292,7 +357,9 @@ def run_life(
         histories.store(refinements=tuple(refinements))
         if len(refinements) == 1 and len(refinements[0].blocks) == MEASURED_BLOCKS:
             left = cycles_left(problem, refinements)
-            left += (scene.wear_updates + 1) * _stage_cycles(runner, refinements[0].blocks)
+            left += (scene.wear_updates + 1) * _stage_cycles(
+                runner, refinements[0].blocks
+            )
             last = refinements[0].blocks[-1]
             each = last.wall_s / max(last.cycles, 1)
             announce(left * scene.replicate_count, left * each)
@@ -307,10 +374,16 @@ def run_life(
     return done, replace(life_result(scene, problem, done), settling=histories.settling)
 
 
-def _settled(joints: Sequence[ClearanceJoint], histories: Sequence[Array]) -> int | None:
+def _settled(
+    joints: Sequence[ClearanceJoint], histories: Sequence[Array]
+) -> int | None:
     """Return how many wear histories repeat at their end, from their rows of cycles."""
     settling = settling_of(joints, histories)
-    return None if settling is None or settling.verdict == "unwatched" else settling.settled
+    return (
+        None
+        if settling is None or settling.verdict == "unwatched"
+        else settling.settled
+    )
 
 
 def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:
@@ -327,7 +400,9 @@ def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:
     return max(WATCHED_SECONDS / seconds, STAGE_CYCLES)
 
 
-def preliminary_life(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
+def preliminary_life(
+    scene: Scene, problem: LifeProblem, refinements: Refinements
+) -> LifeResult:
     """Return the life of some refinements that others follow, with the state as its message."""
     life = life_result(scene, problem, refinements)
     error = "has an unknown error"
@@ -337,7 +412,9 @@ def preliminary_life(scene: Scene, problem: LifeProblem, refinements: Refinement
         sampling = f"{100.0 * life.sampling:.2g} % by the scatter of the motion"
         error = f"has an error of {sampling}, and an unknown error of the wear steps"
     count = len(refinements)
-    message = f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
+    message = (
+        f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
+    )
     return replace(life, ended="preliminary", message=message)
 
 
@@ -345,7 +422,9 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) -> LifeResult:
+def life_result(
+    scene: Scene, problem: LifeProblem, refinements: Refinements
+) -> LifeResult:
     """Return the life as results store it."""
     last, end = refinements[-1], refinements[-1].blocks[-1]
     life = estimate_life(refinements, problem.limits)
@@ -365,16 +444,24 @@ def life_result(scene: Scene, problem: LifeProblem, refinements: Refinements) ->
             item = life  # here coarser refinements that another limit ended count too
         errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
         reached = (float(values[-1]) for values in last.band(limit.key))
-        limits.append(LimitResult(limit.key, limit.unit, limit.value, *errors, *reached))
+        limits.append(
+            LimitResult(limit.key, limit.unit, limit.value, *errors, *reached)
+        )
     stored = []
     for each in refinements:
-        strokes, error = each.crossing(problem.limits), each.sampling_error(problem.limits)
-        stored.append(RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error)))
+        strokes, error = (
+            each.crossing(problem.limits),
+            each.sampling_error(problem.limits),
+        )
+        stored.append(
+            RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error))
+        )
     curves = {"strokes": last.strokes}
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):
         value, half = last.band(key)
         curves[key] = np.column_stack([value, value - half, value + half])
-    # A life is inversely proportional to the wear coefficients, all of them high or low together.
+    # A life is inversely proportional to the wear coefficients, all of them high or low
+    # together.
     joints, services = scene.clearance_joints, problem.services[: end.interval]
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
@@ -461,29 +548,40 @@ def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], A
 def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
     """Return the phases of a joint's wear: running-in, steady, accelerated.
 
-    Wear rates that are constant between a few changes are fitted to those of the blocks: as many
-    as the Bayesian information criterion allows, in which a change that may be anywhere counts
-    twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
+    Wear rates that are constant between a few changes are fitted to those of the
+    blocks: as many as the Bayesian information criterion allows, in which a change that
+    may be anywhere counts twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
     """
-    cycles, strokes = np.array([block.cycles for block in refinement.blocks]), refinement.strokes
+    cycles, strokes = (
+        np.array([block.cycles for block in refinement.blocks]),
+        refinement.strokes,
+    )
     lengths = np.diff(strokes)
-    # The correction for the block before would be most of the rate of a much shorter one.
+    # The correction for the block before would be most of the rate of a much shorter
+    # one.
     is_short = np.append(False, lengths[1:] < MIN_BLOCK * lengths[:-1])
     finished = np.flatnonzero((cycles[1:] > 0) & ~is_short)
     if not finished.size:
         return ()
-    volume = np.array([block.levels[f"{joint}.wear_volume"] for block in refinement.blocks])
+    volume = np.array(
+        [block.levels[f"{joint}.wear_volume"] for block in refinement.blocks]
+    )
     rates = np.diff(volume, axis=0)[finished] / lengths[finished, np.newaxis]
     weights = cycles[finished + 1].astype(float)
     edges = list(_phase_edges(rates.mean(axis=1), weights))
     while True:
-        means = [np.average(rates[a:b], axis=0, weights=weights[a:b]) for a, b in pairwise(edges)]
+        means = [
+            np.average(rates[a:b], axis=0, weights=weights[a:b])
+            for a, b in pairwise(edges)
+        ]
         # The same histories ran in both phases: their differences are judged.
         alike = [
             k
             for k, (first, second) in enumerate(pairwise(means), 1)
             if abs(float((second - first).mean()))
-            <= max(half_width(second - first) or 0.0, MIN_RATE_CHANGE * float(first.mean()))
+            <= max(
+                half_width(second - first) or 0.0, MIN_RATE_CHANGE * float(first.mean())
+            )
         ]
         if not alike:
             break
@@ -497,8 +595,17 @@ def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
     names += [ACCELERATED] * rising
     since, until = strokes[finished], strokes[finished + 1]
     return tuple(
-        Phase(joint, name, float(since[a]), float(until[b - 1]), value, half_width(mean) or 0.0)
-        for name, value, mean, (a, b) in zip(names, values, means, pairwise(edges), strict=True)
+        Phase(
+            joint,
+            name,
+            float(since[a]),
+            float(until[b - 1]),
+            value,
+            half_width(mean) or 0.0,
+        )
+        for name, value, mean, (a, b) in zip(
+            names, values, means, pairwise(edges), strict=True
+        )
     )
 
 
@@ -512,7 +619,9 @@ def _phase_edges(rates: Array, weights: Array) -> tuple[int, ...]:
         for a, b in pairwise(edges):
             mean = float(np.average(rates[a:b], weights=weights[a:b]))
             rest += float(weights[a:b] @ (rates[a:b] - mean) ** 2) / total
-        return count * math.log(max(rest, least)) + (3 * len(edges) - 5) * math.log(count)
+        return count * math.log(max(rest, least)) + (3 * len(edges) - 5) * math.log(
+            count
+        )
 
     partitions = (
         (0, *inner, count)

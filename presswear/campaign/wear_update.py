@@ -1,16 +1,17 @@
 """Wear update between two stages; each replicate wears its surfaces.
 
-Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of which one
-cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies after each cycle what
-this cycle stands for.  A bump carries more pressure and wears faster, so that noise is worn away
-again, as long as a cycle's share is less than the elastic overlap of the surfaces.  The error of
-the step goes as one over the number of cycles; a refinement with twice as many shows it.
+Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of
+which one cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies
+after each cycle what this cycle stands for.  A bump carries more pressure and wears
+faster, so that noise is worn away again, as long as a cycle's share is less than the
+elastic overlap of the surfaces.  The error of the step goes as one over the number of
+cycles; a refinement with twice as many shows it.
 
-In one jump, as in the paper, a map is multiplied with its noise: the surface is the rougher, the
-fewer cycles the map is of.  Maps are therefore smoothed, unless the scene keeps them raw.  The
-replicates then run twice: together, on the mean of all their maps, and each alone on its own map.
-Those alone are independent and give the scatter; their distance from those together is counted as
-an error.
+In one jump, as in the paper, a map is multiplied with its noise: the surface is the
+rougher, the fewer cycles the map is of.  Maps are therefore smoothed, unless the scene
+keeps them raw.  The replicates then run twice: together, on the mean of all their maps,
+and each alone on its own map. Those alone are independent and give the scatter; their
+distance from those together is counted as an error.
 """
 
 import math
@@ -39,18 +40,24 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array
 
 QUICK_CYCLES = 8  # of each replicate in a stage of a quick life
-FIRST_REFINEMENT = 8  # cycles of each replicate in the first refinement of a wear update
+FIRST_REFINEMENT = (
+    8  # cycles of each replicate in the first refinement of a wear update
+)
 
 
 @dataclass(frozen=True)
 class WearUpdate:
     """Wear update as far as it is known."""
 
-    depth: Array  # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
+    depth: (
+        Array  # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
+    )
     added: Array  # depth that it added, m
     steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
     coarser: Array | None = None  # depth added in half as many steps, m
-    flattening: Array | None = None  # by which smoothing lowers the mean of ``added``, m
+    flattening: Array | None = (
+        None  # by which smoothing lowers the mean of ``added``, m
+    )
 
 
 def initial_depth(scene: Scene) -> Array:
@@ -58,7 +65,9 @@ def initial_depth(scene: Scene) -> Array:
     joints = scene.linkage().clearances
     depth = np.zeros(map_shape(joints))
     for sides, joint in zip(depth, joints, strict=True):
-        for side, surface in zip(sides, (joint.bearing_surface, joint.pin_surface), strict=True):
+        for side, surface in zip(
+            sides, (joint.bearing_surface, joint.pin_surface), strict=True
+        ):
             side[: joint.bins] = surface.depth if surface.is_worn else 0.0
     return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
@@ -68,14 +77,16 @@ def wear_per_cycle(
 ) -> Callable[[int, Array], Array]:
     """Return the ``wear`` of a plan in which each cycle after the start-up stands for a share.
 
-    Each adds an extra depth as well, m, shape (joints, 2, bins). Where this would give more
-    material back than a cycle takes, nothing is taken, and elsewhere so much less that the volume
-    stays.
+    Each adds an extra depth as well, m, shape (joints, 2, bins). Where this would give
+    more material back than a cycle takes, nothing is taken, and elsewhere so much less
+    that the volume stays.
     """
     return partial(_lost, share, extra, start_up)
 
 
-def _lost(share: float, extra: Array | float, start_up: int, cycle: int, added: Array) -> Array:
+def _lost(
+    share: float, extra: Array | float, start_up: int, cycle: int, added: Array
+) -> Array:
     if cycle <= start_up:
         return np.zeros_like(added)
     wanted = added * share + extra
@@ -84,13 +95,17 @@ def _lost(share: float, extra: Array | float, start_up: int, cycle: int, added: 
     lost = np.maximum(wanted, 0.0)
     whole = lost.sum(axis=-1, keepdims=True)
     remaining = np.maximum(wanted.sum(axis=-1, keepdims=True), 0.0)
-    return lost * np.divide(remaining, whole, out=np.ones_like(whole), where=whole > 0.0)
+    return lost * np.divide(
+        remaining, whole, out=np.ones_like(whole), where=whole > 0.0
+    )
 
 
 def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     """Return a wear update in one jump, of all replicates together and of each alone."""
     together, alone = ensemble.together, ensemble.alone
-    mean = np.broadcast_to(smoothed_mean(together.maps, ensemble.bins), together.depth.shape)
+    mean = np.broadcast_to(
+        smoothed_mean(together.maps, ensemble.bins), together.depth.shape
+    )
     sets = [(together.depth, mean), (alone.depth, alone.added_by_run())]
     if ensemble.replicates == 1:
         sets = sets[:1]
@@ -100,7 +115,8 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     recorders, joints = together.recorders, ensemble.linkage.clearances
     cycles, indices = sum(maps.samples for maps in together.maps), range(len(joints))
     peaks = [
-        [after_startup(run.each_cycle("force_max", k)).max() for k in indices] for run in recorders
+        [after_startup(run.each_cycle("force_max", k)).max() for k in indices]
+        for run in recorders
     ]
     step = WearStep(
         cycles_per_update=cycles_per_update,
@@ -117,9 +133,9 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
 def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     """Return the cycles that a wear update after some runs represents.
 
-    By default they are those that wear the deepest place by a tenth of the clearance at the wear
-    rate of the runs, to one digit; in a quick life those in which half of the first limit is
-    reached.
+    By default they are those that wear the deepest place by a tenth of the clearance at
+    the wear rate of the runs, to one digit; in a quick life those in which half of the
+    first limit is reached.
     """
     if scene.cycles_per_update is not None and not scene.is_quick:
         return scene.cycles_per_update
@@ -132,14 +148,20 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     return max(float(f"{0.1 / change:.1g}"), 1.0) if change > 0.0 else 1.0
 
 
-def _largest_reached(scene: Scene, joints: Sequence[ClearanceJoint], added: Array) -> float:
+def _largest_reached(
+    scene: Scene, joints: Sequence[ClearanceJoint], added: Array
+) -> float:
     """Return the largest part of a limit of a quick life that some wear reaches."""
     assert scene.life is not None
     names, reached = [joint.name for joint in joints], []
     for limit in scene.life.limits(scene.clearance_joints):
         k = names.index(limit.joint)
         depth = added[k, :, : joints[k].bins]
-        wear = worn_volume(joints[k], depth) if limit.name == "wear_volume" else float(depth.max())
+        wear = (
+            worn_volume(joints[k], depth)
+            if limit.name == "wear_volume"
+            else float(depth.max())
+        )
         reached.append(wear / limit.value)
     return max(reached)
 
@@ -152,7 +174,10 @@ def start_up_of(settling: Settling | None) -> int:
 
 
 def cycle_by_cycle(
-    ensemble: Ensemble, cycles_per_update: float, coarser: WearUpdate | None, start_up: int
+    ensemble: Ensemble,
+    cycles_per_update: float,
+    coarser: WearUpdate | None,
+    start_up: int,
 ) -> WearUpdate:
     """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
     joints, recorders = ensemble.linkage.clearances, ensemble.recorders
@@ -161,7 +186,11 @@ def cycle_by_cycle(
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
     deepest = growth[:, :, 1].mean(axis=0)
     forces = np.max(
-        [[run.each_cycle("force_max", k) for k in range(len(joints))] for run in recorders], axis=0
+        [
+            [run.each_cycle("force_max", k) for k in range(len(joints))]
+            for run in recorders
+        ],
+        axis=0,
     )[:, start_up:]
     cycles = growth.shape[1]
     share = cycles_per_update / cycles
@@ -182,17 +211,24 @@ def cycle_by_cycle(
     widths = smoothing_widths(added.mean(axis=0), runs, added, np.ones(runs), bins)
     added = smoothed(added, widths, bins)
     depth, mean = ensemble.depth + added, added.mean(axis=0)
-    # Smoothed once more, a map loses about as much again, without the noise of the raw map.
+    # Smoothed once more, a map loses about as much again, without the noise of the raw
+    # map.
     flattening = mean - smoothed(mean, widths, bins)
-    return WearUpdate(depth, added, steps, None if coarser is None else coarser.added, flattening)
+    return WearUpdate(
+        depth, added, steps, None if coarser is None else coarser.added, flattening
+    )
 
 
-def by_joint(joints: Sequence[ClearanceJoint], values: Iterable[float]) -> dict[str, float]:
+def by_joint(
+    joints: Sequence[ClearanceJoint], values: Iterable[float]
+) -> dict[str, float]:
     """Return numbers by joint."""
     return dict(zip((joint.name for joint in joints), map(float, values), strict=True))
 
 
-def by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
+def by_side(
+    joints: Sequence[ClearanceJoint], depths: Array
+) -> dict[str, dict[str, float]]:
     """Return depths of shape (joints, 2) by joint and side."""
     rows = (dict(zip(SIDES, map(float, sides), strict=True)) for sides in depths)
     return dict(zip((joint.name for joint in joints), rows, strict=True))
@@ -201,14 +237,16 @@ def by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[s
 def largest_change(joints: Sequence[ClearanceJoint], added: Array) -> float:
     """Return the largest added depth, shape (joints, 2, bins), relative to the clearance."""
     pairs = zip(joints, added, strict=True)
-    return max((float(sides.max()) / joint.clearance for joint, sides in pairs), default=0.0)
+    return max(
+        (float(sides.max()) / joint.clearance for joint, sides in pairs), default=0.0
+    )
 
 
 def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
     """Return the largest relative error of the volumes and the deepest places of a wear update.
 
-    The half width over the replicates and the difference from the coarser update are added as the
-    root of the sum of squares; infinite without a coarser one.
+    The half width over the replicates and the difference from the coarser update are
+    added as the root of the sum of squares; infinite without a coarser one.
     """
     if update.coarser is None:
         return math.inf
@@ -235,20 +273,26 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
         return RunSpec(scene.cycles)
     if scene.is_quick:
         return RunSpec(STARTUP_CYCLES + QUICK_CYCLES)
-    # A jump multiplies the noise of its map, which changes whatever comes after it long before it
-    # shows in the map: all the cycles that are allowed, as in the paper.
+    # A jump multiplies the noise of its map, which changes whatever comes after it long
+    # before it shows in the map: all the cycles that are allowed, as in the paper.
     jumps = index < scene.wear_updates and not scene.wears_in_steps
     most = max(scene.max_cycles // scene.replicate_count, 1)
-    return RunSpec(most, None if jumps or not scene.clearance_joints else scene.tolerance)
+    return RunSpec(
+        most, None if jumps or not scene.clearance_joints else scene.tolerance
+    )
 
 
 def refinement_spec(
-    scene: Scene, index: int, cycles_per_update: float, update: WearUpdate | None, start_up: int
+    scene: Scene,
+    index: int,
+    cycles_per_update: float,
+    update: WearUpdate | None,
+    start_up: int,
 ) -> RunSpec | None:
     """Return the next refinement of the wear update after a stage; None if it is known.
 
-    With the number of cycles set, half of them and then all; else twice as many in each refinement,
-    until two agree, or the cycles are used up.
+    With the number of cycles set, half of them and then all; else twice as many in each
+    refinement, until two agree, or the cycles are used up.
     """
     done = 0 if update is None else len(update.steps)
     if scene.cycles is not None:
@@ -258,7 +302,8 @@ def refinement_spec(
         most = scene.max_cycles // scene.replicate_count
         cycles = 2 * done or min(FIRST_REFINEMENT, max(most, 1))
         is_enough = update is not None and (
-            cycles > most or wear_error(scene.linkage().clearances, update) <= scene.tolerance
+            cycles > most
+            or wear_error(scene.linkage().clearances, update) <= scene.tolerance
         )
     if is_enough:
         return None
@@ -274,7 +319,8 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     error = stage.statistics.wear_error
     if scene.cycles is not None or error is None or error <= scene.tolerance:
         return []
-    # The error of sampling falls with the square root of the cycles, and refinements double.
+    # The error of sampling falls with the square root of the cycles, and refinements
+    # double.
     more = (error / scene.tolerance) ** 2
     steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
     if steps > 1:

@@ -21,7 +21,9 @@ def dynamics(arguments: argparse.Namespace, console: Console) -> int:
                 raise InputError(f"--{name} needs --over")
     if folder.is_dir() and arguments.over is None:
         if arguments.engine or arguments.set:
-            raise InputError(f"{folder} is a result folder: --engine and --set need --over")
+            raise InputError(
+                f"{folder} is a result folder: --engine and --set need --over"
+            )
         return _describe(folder, console)
     scene = requested_scene(arguments)
     if arguments.over is not None:
@@ -36,7 +38,9 @@ def requested_scene(arguments: argparse.Namespace) -> Scene:
     settings = terminal.parse_settings(arguments.set)
     engine = arguments.engine or settings.get("engine", "dae")
     if engine != "dae" or "wear_updates" in settings:
-        raise InputError(f"presswear {arguments.command} uses engine = dae and no wear updates")
+        raise InputError(
+            f"presswear {arguments.command} uses engine = dae and no wear updates"
+        )
     return terminal.requested_scene(arguments)
 
 
@@ -75,7 +79,9 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             shares[direction] = share
             report(f"{name}, {direction}", sum(shares.values()) / len(shares))
 
-        diagram = compute(scene, parameter, cycles, folder, start_of, arguments.jobs, show)
+        diagram = compute(
+            scene, parameter, cycles, folder, start_of, arguments.jobs, show
+        )
     terminal.print_lines(console, *diagram.summary())
     terminal.print_lines(console, f"picture in {save(draw_diagram(diagram), folder)}")
     return 0

@@ -19,7 +19,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
-        # It may stand before or after the command; neither may reset the value of the other.
+        # It may stand before or after the command; neither may reset the value of the
+        # other.
         self.add_argument(
             "-v",
             "--verbose",
@@ -33,7 +34,10 @@ class Parser(argparse.ArgumentParser):
         arguments, rest = super().parse_known_args(args, namespace)
         if rest:
             options = self._option_string_actions
-            hint = nearest(rest[0].partition("=")[0], options) or f"; see {self.prog} --help"
+            hint = (
+                nearest(rest[0].partition("=")[0], options)
+                or f"; see {self.prog} --help"
+            )
             setting = _intended_setting(rest, getattr(arguments, "scene", ""))
             if "--set" in options and setting:
                 hint = f"; use --set {shlex.quote(setting)} to set a value of the scene"
@@ -59,7 +63,11 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
         return rest[0] if equals else "KEY=VALUE"
     key = key.lstrip("-")
     try:
-        keys = {setting.key for setting in settings_of(load_scene(scene))} if scene else set()
+        keys = (
+            {setting.key for setting in settings_of(load_scene(scene))}
+            if scene
+            else set()
+        )
     except InputError:
         keys = set()
     if key not in keys:
@@ -71,7 +79,11 @@ def joined(words: Sequence[str]) -> list[str]:
     """Return the words of a line with a command of two words, ``dynamics settle``, as one."""
     first = next((k for k, word in enumerate(words) if not word.startswith("-")), 0)
     command = " ".join(words[first : first + 2])
-    return [*words[:first], command, *words[first + 2 :]] if command in COMMANDS else list(words)
+    return (
+        [*words[:first], command, *words[first + 2 :]]
+        if command in COMMANDS
+        else list(words)
+    )
 
 
 def parser_for(words: Sequence[str]) -> Parser:
@@ -121,7 +133,9 @@ def _texts() -> dict[str, str]:
         "kinds": ", ".join(EXAMPLES),
         "until": Life().until,
         "at_most": f"{Life().at_most:g}",
-        "quantities": "; ".join(f"{name}: {each.text}" for name, each in FOLLOWED.items()),
+        "quantities": "; ".join(
+            f"{name}: {each.text}" for name, each in FOLLOWED.items()
+        ),
     }
 
 
@@ -143,7 +157,9 @@ def _add_arguments(
         group.add_argument(name, **settings)
 
 
-def number(kind: str, least: str, most: str = "", unit: str = "") -> Callable[[str], float]:
+def number(
+    kind: str, least: str, most: str = "", unit: str = ""
+) -> Callable[[str], float]:
     """Return a converter to an ``integer`` or a finite ``number`` within a range."""
     low, high = float(least), float(most or "1e9")
     what = "a whole number" if kind == "integer" else "a number"
@@ -151,7 +167,9 @@ def number(kind: str, least: str, most: str = "", unit: str = "") -> Callable[[s
 
     def convert(text: str) -> float:
         try:
-            is_plain = text.isascii() and (text.isdigit() if kind == "integer" else "_" not in text)
+            is_plain = text.isascii() and (
+                text.isdigit() if kind == "integer" else "_" not in text
+            )
             value = float(text) if is_plain else math.nan
         except ValueError:
             value = math.nan
@@ -173,11 +191,17 @@ def folder(text: str) -> Path:
 def size(text: str) -> tuple[int, int]:
     """Return width and height of a picture, pixels."""
     match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
-    if match is None or not all(MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()):
+    if match is None or not all(
+        MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()
+    ):
         raise argparse.ArgumentTypeError(
             f"{text[:80]}: must be WIDTHxHEIGHT, each {MIN_SIZE} to {MAX_SIZE} pixels"
         )
     return int(match[1]), int(match[2])
 
 
-CONVERTERS: dict[str, Callable[[str], Any]] = {"path": Path, "folder": folder, "size": size}
+CONVERTERS: dict[str, Callable[[str], Any]] = {
+    "path": Path,
+    "folder": folder,
+    "size": size,
+}

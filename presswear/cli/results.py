@@ -29,13 +29,20 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
         raise InputError(f"--limit needs a sweep; {arguments.folder} is a run")
     from presswear.show.report import write_report
 
-    print_lines(console, f"report in {write_report(load_result(arguments.folder, console))}")
+    print_lines(
+        console, f"report in {write_report(load_result(arguments.folder, console))}"
+    )
     return 0
 
 
 def export(arguments: argparse.Namespace, console: Console) -> int:
     """Write stored results as tables for other programs."""
-    from presswear.results.export import life_table, strokes_table, table_of, write_table
+    from presswear.results.export import (
+        life_table,
+        strokes_table,
+        table_of,
+        write_table,
+    )
 
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
@@ -45,7 +52,9 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.life:
         table = life_table(result)
     else:
-        table = (strokes_table if arguments.strokes else table_of)(result, arguments.stage)
+        table = (strokes_table if arguments.strokes else table_of)(
+            result, arguments.stage
+        )
     write_table(arguments.file, table)
     rows = next(iter(table.values())).size
     print_lines(console, f"{rows} rows of {len(table)} columns in {arguments.file}")
@@ -61,13 +70,17 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.at is not None and still is None:
         raise InputError("--at needs --still; use --from and --to for a film")
     if arguments.life and (arguments.stage, arguments.compare) != (None, None):
-        raise InputError("--life shows all stages: it cannot be combined with --stage or --compare")
+        raise InputError(
+            "--life shows all stages: it cannot be combined with --stage or --compare"
+        )
     if still is not None:
         check_ending(still, ".png", option="--still")
     if movie is not None:
         kind = check_ending(movie, ".mp4", ".gif", option="--movie")
         if kind == ".mp4" and shutil.which("ffmpeg") is None:
-            raise InputError(f"--movie {movie}: .mp4 needs ffmpeg; install it or write a .gif")
+            raise InputError(
+                f"--movie {movie}: .mp4 needs ffmpeg; install it or write a .gif"
+            )
     from presswear.show.replay.clip import equal_limits, life_clip
 
     if arguments.life:
@@ -76,7 +89,9 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
         clips = [_clip(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
         folder, stage = Path(arguments.compare), arguments.stage
-        if match := re.fullmatch(r"(?:(.+):)?([0-9]+)", arguments.compare):  # K or DIR:K
+        if match := re.fullmatch(
+            r"(?:(.+):)?([0-9]+)", arguments.compare
+        ):  # K or DIR:K
             folder, stage = Path(match[1] or arguments.folder), int(match[2])
         clips = equal_limits([*clips, _clip(folder, stage, console)])
     if still is not None:
@@ -119,7 +134,9 @@ def _still(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
 
     time = _time("--at", arguments.at, clips[0], clips[0].default_start)
     pixels = still(clips, frames_at(clips, time), arguments.size)
-    write_whole(arguments.still, lambda file: Image.fromarray(pixels).save(file, format="png"))
+    write_whole(
+        arguments.still, lambda file: Image.fromarray(pixels).save(file, format="png")
+    )
     print_lines(console, f"picture in {arguments.still}")
     return 0
 
@@ -142,6 +159,7 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
         tracked = bar.track(images, total=count, description=f"{count} pictures")
         write_movie(arguments.movie, iter(tracked), rate)
     print_lines(
-        console, f"film in {arguments.movie}: {count} pictures, {count / rate:.1f} s, {note}"
+        console,
+        f"film in {arguments.movie}: {count} pictures, {count / rate:.1f} s, {note}",
     )
     return 0

@@ -58,24 +58,32 @@ def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Sc
     if arguments.surfaces is not None:
         from presswear.results.result import read_surfaces
 
-        scene = on_surfaces(scene, read_surfaces(arguments.surfaces), arguments.surfaces)
+        scene = on_surfaces(
+            scene, read_surfaces(arguments.surfaces), arguments.surfaces
+        )
     scene.check()
     return scene
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Run a scene into its result folder."""
-    change = None if has_no_options(arguments) else partial(with_options, arguments=arguments)
+    change = (
+        None
+        if has_no_options(arguments)
+        else partial(with_options, arguments=arguments)
+    )
     return run_scene(arguments, console, change)
 
 
 def run_scene(
-    arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene] | None
+    arguments: argparse.Namespace,
+    console: Console,
+    change: Callable[[Scene], Scene] | None,
 ) -> int:
     """Run or resume a scene, write its report, and return the exit code.
 
-    ``change`` applies the options; without options a resumed run uses its stored scene and needs
-    no scene file.
+    ``change`` applies the options; without options a resumed run uses its stored scene
+    and needs no scene file.
     """
     terminal.check_resume(arguments.resume, arguments.out)
     is_stored = arguments.resume and (arguments.out / "result.json").exists()
@@ -102,12 +110,18 @@ def run_scene(
     with window as live:
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         warnings = [f"warning: {doubt}" for doubt in doubts(scene)]
-        terminal.print_lines(console, title_of(scene), *warnings, *store.remarks, *remarks)
+        terminal.print_lines(
+            console, title_of(scene), *warnings, *store.remarks, *remarks
+        )
         if scene.life and not (scene.is_quick or store.is_finished or store.resumed):
-            terminal.print_lines(console, f"the life {_least_need(fewest_cycles_of(scene))}")
+            terminal.print_lines(
+                console, f"the life {_least_need(fewest_cycles_of(scene))}"
+            )
         if unfinished:
             advice = terminal.resume_command(arguments, unfinished, scene)
-            terminal.print_lines(console, f"{unfinished} holds an unfinished run; {advice}")
+            terminal.print_lines(
+                console, f"{unfinished} holds an unfinished run; {advice}"
+            )
         if store.is_finished:
             terminal.print_lines(console, f"the run in {folder} is already complete")
         command = terminal.resume_command(arguments, folder, scene)
@@ -118,9 +132,15 @@ def run_scene(
             ):
                 shown = RunObserver(bar, scene, arguments.yes)
                 observers = [shown, *([live] if live else [])]
-                with workers_of(scene, arguments.jobs, observers, store.interval) as workers:
-                    if workers.count > 1 and not (arguments.no_report or store.is_finished):
-                        Thread(target=_prepare_report, args=(scene,), daemon=True).start()
+                with workers_of(
+                    scene, arguments.jobs, observers, store.interval
+                ) as workers:
+                    if workers.count > 1 and not (
+                        arguments.no_report or store.is_finished
+                    ):
+                        Thread(
+                            target=_prepare_report, args=(scene,), daemon=True
+                        ).start()
                     run_into(store, scene, observers, workers)
         except InputError as error:
             raise InputError(f"{arguments.scene}: {error}") from None
@@ -132,7 +152,9 @@ def run_scene(
 
         with console.status("drawing the figures") as line:
             report = write_report(
-                result, lambda count: line.update(f"drawing {count} figures"), has_all_figures=False
+                result,
+                lambda count: line.update(f"drawing {count} figures"),
+                has_all_figures=False,
             )
         terminal.print_lines(console, f"results in {folder}, report in {report}")
     terminal.print_lines(console, *contact_warnings(result.scene, result.stages))
@@ -167,7 +189,9 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
     with suppress(InputError):  # the file may be gone
         changes = changes_from(scene, terminal.load_scene(arguments.scene))
         # An option of the command that started the run is no change of the file.
-        one = next((each for each in changes if scene.origins.get(each.key) != SET), None)
+        one = next(
+            (each for each in changes if scene.origins.get(each.key) != SET), None
+        )
         if one is not None:
             unit = f" {one.unit}".rstrip()
             text = f"{arguments.scene} has changed: {one.key} = {one.value}{unit}, stored is "
@@ -179,12 +203,16 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
 class RunObserver(Observer):
     """Observer that shows the progress of a run and prints each finished stage."""
 
-    def __init__(self, bar: ProgressBar, scene: Scene, is_confirmed: bool = True) -> None:
+    def __init__(
+        self, bar: ProgressBar, scene: Scene, is_confirmed: bool = True
+    ) -> None:
         self._bar, self._scene, self._is_confirmed = bar, scene, is_confirmed
         self._compile_time = 0.0  # within this stage, s
         self._compiled = 0.0  # of all stages, s, with the time before the first report
         self._compile_start: float | None = None
-        self._start: float | None = None  # completed part at the first report, of a resumed run
+        self._start: float | None = (
+            None  # completed part at the first report, of a resumed run
+        )
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
         self._printed = clock.perf_counter()
 
@@ -214,7 +242,9 @@ class RunObserver(Observer):
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
             self._printed = clock.perf_counter()
             left = terminal.time_left(self._bar.tasks[self._task])
-            terminal.print_lines(self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip())
+            terminal.print_lines(
+                self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip()
+            )
 
     def on_life_start(self, cycles: float, seconds: float) -> None:
         """Print what a life will take; ask a user at a terminal before a long one."""
@@ -240,7 +270,9 @@ class RunObserver(Observer):
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
         per_million = 1e6 / stage.cycles_per_update
-        volumes = {name: joint.wear_volume.scaled(per_million) for name, joint in joints}
+        volumes = {
+            name: joint.wear_volume.scaled(per_million) for name, joint in joints
+        }
         lines += _largest("mean peak force", "N", forces)
         wear = _largest("wear per 10⁶ strokes", "m^3", volumes)
         remark = self._scene.bin_remark
@@ -251,9 +283,8 @@ class RunObserver(Observer):
 
 def _need(cycles: float, seconds: float) -> str:
     """Return what a life will still take, in words."""
-    return (
-        f"needs about {large(cycles, digits=2)} cycles of all replicates, {lasting(seconds)} more"
-    )
+    count = large(cycles, digits=2)
+    return f"needs about {count} cycles of all replicates, {lasting(seconds)} more"
 
 
 def _least_need(cycles: float) -> str:
@@ -318,7 +349,9 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     """Run a service life, or compare several."""
     change = partial(_with_life, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
-        return _compare(change(terminal.load_scene(arguments.scene)), arguments, console)
+        return _compare(
+            change(terminal.load_scene(arguments.scene)), arguments, console
+        )
     is_plain = has_no_options(arguments) and not (arguments.until or arguments.quick)
     is_plain = is_plain and arguments.at_most is None
     is_resumed = arguments.resume and arguments.out is not None
@@ -334,7 +367,9 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
         scene = changed(scene, {"conventions": "refined"})
     is_open = arguments.wear_updates is None and "wear_updates" not in specified
     if is_open and (arguments.quick or scene.wear_updates == 0):
-        scene = changed(scene, {"wear_updates": "1" if arguments.quick else WEAR_UPDATES})
+        scene = changed(
+            scene, {"wear_updates": "1" if arguments.quick else WEAR_UPDATES}
+        )
     limits = ", ".join(arguments.until) or None
     life = {"life": Life.kind, "life.until": limits, "life.at_most": arguments.at_most}
     life["life.quick"] = "on" if arguments.quick else None
@@ -343,9 +378,15 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:
     """Return the settings of the lives to compare with, by label."""
-    variants = {f"bush replaced: {each}": {"life.replaced": each} for each in arguments.replace}
-    variants |= {f"bush turned: {each}": {"life.turned": each} for each in arguments.turn}
-    variants |= {each: terminal.parse_settings(each.split(",")) for each in arguments.compare}
+    variants = {
+        f"bush replaced: {each}": {"life.replaced": each} for each in arguments.replace
+    }
+    variants |= {
+        f"bush turned: {each}": {"life.turned": each} for each in arguments.turn
+    }
+    variants |= {
+        each: terminal.parse_settings(each.split(",")) for each in arguments.compare
+    }
     for joint in scene.clearance_joints if arguments.materials else ():
         for name, pair in MATERIALS.items():
             if pair != scene.bearing(joint).materials:
@@ -363,11 +404,15 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     for label, settings in _variants(scene, arguments).items():
         variant = changed(scene, settings)
         if variant.modelled() == scene.modelled():
-            raise InputError(f"{label}: changes nothing, so there is nothing to compare")
+            raise InputError(
+                f"{label}: changes nothing, so there is nothing to compare"
+            )
         scenes[name_for(label)] = variant
     folder = terminal.output_folder(arguments, "lives")
     if not scene.is_quick:
-        terminal.print_lines(console, f"each life {_least_need(fewest_cycles_of(scene))}")
+        terminal.print_lines(
+            console, f"each life {_least_need(fewest_cycles_of(scene))}"
+        )
     with _several_runs(console, "lives", folder, len(scenes)) as (show, bar):
         together = min(arguments.jobs or cores(), len(scenes))
         announce = _announcing(bar, len(scenes) / together, arguments.yes)
@@ -381,7 +426,9 @@ def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
             if ratio:
                 line = f"{ratio} times as long, longer with a probability of {longer}; {line}"
         terminal.print_lines(console, f"{name}: {line}")
-    terminal.print_lines(console, f"results in {folder}; presswear report FOLDER writes a report")
+    terminal.print_lines(
+        console, f"results in {folder}; presswear report FOLDER writes a report"
+    )
     return 0
 
 
@@ -390,7 +437,8 @@ def _announcing(
 ) -> Callable[[str, float, float], None]:
     """Return a function for ``run_scenes`` that prints what each of several lives will take.
 
-    All of them take about ``turns`` times as long as one. A user at a terminal is asked once.
+    All of them take about ``turns`` times as long as one. A user at a terminal is asked
+    once.
     """
     asked = is_confirmed
 
@@ -441,7 +489,10 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     settings = terminal.parse_settings(arguments.set)
     scene = changed(scene, terminal.merge_options(settings, options))
     folder = terminal.output_folder(arguments, f"{scene.name}-improve")
-    with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as (show, _):
+    with _several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as (
+        show,
+        _,
+    ):
         improvement = improve(scene, folder, arguments.jobs, show)
     for key, items in improvement.effects.items():
         lines = (f"  {item}" for item in items)

@@ -28,10 +28,15 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
     """List the scenes, or the settings of a scene."""
     if arguments.scene is None:
         width = max(map(len, SCENES))
-        print_lines(console, *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()))
+        print_lines(
+            console,
+            *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()),
+        )
         return 0
     scene = load_scene(arguments.scene)
-    lines = (f"{setting.key:20} {setting.described()}" for setting in settings_of(scene))
+    lines = (
+        f"{setting.key:20} {setting.described()}" for setting in settings_of(scene)
+    )
     print_lines(console, *lines)
     return 0
 
@@ -57,9 +62,13 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     """Draw the mechanism of a scene, or print its equations of motion."""
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     if arguments.equations:
-        console.print(_equations_of(scene), highlight=False, markup=False, soft_wrap=True)
+        console.print(
+            _equations_of(scene), highlight=False, markup=False, soft_wrap=True
+        )
         return 0
-    time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
+    time = parse_quantity(
+        "--at", arguments.at, Quantity("s", -math.inf, math.inf, "", "")
+    )
     file = arguments.out or Path(f"{scene.name}.png")
     check_ending(file, ".png", option="--out")
     from presswear.show.figures import save

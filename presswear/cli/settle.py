@@ -25,7 +25,9 @@ def settle(arguments: argparse.Namespace, console: Console) -> int:
     folder = terminal.output_folder(arguments, f"{scene.name}-settle")
     stored = "finished starts are stored"
     with terminal.resumable_steps(console, "final motions", folder, stored) as report:
-        result = compute(scene, watch, folder, start_of, parameter, arguments.jobs, report)
+        result = compute(
+            scene, watch, folder, start_of, parameter, arguments.jobs, report
+        )
     for settled in result.values:
         terminal.print_lines(console, *summary(result, settled))
         terminal.print_table(console, *motion_rows(settled))

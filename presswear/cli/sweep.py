@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 SHOWN_ROWS = 12
 COLUMN_GAP = 3  # characters between two columns
 LONG = 3600.0  # time of a sweep that needs --yes, s
-MEASURED_ROWS = 2  # completed rows after which the time is estimated: the first may compile
+MEASURED_ROWS = (
+    2  # completed rows after which the time is estimated: the first may compile
+)
 SETTINGS = ("engine", "cycles", "wear_updates")  # settings that have an option
 
 
@@ -55,7 +57,9 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
             check_stopped()
             failed = f", {progress.failed} failed" if progress.failed else ""
             text = f"sweep: {progress.done} of {progress.rows}{failed}"
-            bar.update(task, total=progress.rows, completed=progress.done, description=text)
+            bar.update(
+                task, total=progress.rows, completed=progress.done, description=text
+            )
             if not is_confirmed and progress.done >= MEASURED_ROWS:
                 is_confirmed = True
                 _check_time(progress)
@@ -112,7 +116,17 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     from presswear.sweeps.responses import request
     from presswear.sweeps.sweep import FILE, Sweep, load_sweep
 
-    fields = ("vary", "sample", "range", "response", "limit", "replicates", "seed", "keep", "set")
+    fields = (
+        "vary",
+        "sample",
+        "range",
+        "response",
+        "limit",
+        "replicates",
+        "seed",
+        "keep",
+        "set",
+    )
     names = (*fields, *SETTINGS)
     is_bare = arguments.resume and not any(getattr(arguments, name) for name in names)
     if is_bare and (arguments.out / FILE).exists():
@@ -146,7 +160,9 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
 def _print(console: Console, table: "Table") -> None:
     """Print the first rows, with as many responses as the terminal is wide enough for."""
     heads, *rows = table.texts(SHOWN_ROWS)
-    widths = (COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
+    widths = (
+        COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True)
+    )
     fitting = sum(end <= console.width for end in accumulate(widths))
     count = max(fitting, len(table.parameters) + 1)
     shown = [f">{head}" for head in heads[:count]]

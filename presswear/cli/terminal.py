@@ -62,9 +62,13 @@ def load_scene(name: str) -> Scene:
     if name.endswith(SUFFIX):
         return scene_from(Path(name))
     if name.endswith(".py"):
-        raise InputError(f"{name} is a Python script; run it with: python {shlex.quote(name)}")
+        raise InputError(
+            f"{name} is a Python script; run it with: python {shlex.quote(name)}"
+        )
     if name in EXAMPLES and name not in SCENES:
-        raise InputError(f"{name} is a mechanism; write a file of it with: presswear new {name}")
+        raise InputError(
+            f"{name} is a mechanism; write a file of it with: presswear new {name}"
+        )
     if Path(name).suffix[1:].isalpha() or Path(name).exists():
         expected = f"a scene of presswear list, a file NAME{SUFFIX}, or a result folder"
         raise InputError(f"{name}: expected {expected}")
@@ -78,7 +82,9 @@ def requested_scene(arguments: Namespace) -> Scene:
     return scene
 
 
-def merge_options(settings: Mapping[str, str], options: Mapping[str, Any]) -> dict[str, str]:
+def merge_options(
+    settings: Mapping[str, str], options: Mapping[str, Any]
+) -> dict[str, str]:
     """Return the settings with options that set a value too; a value of None is left out."""
     merged = dict(settings)
     for key, value in options.items():
@@ -122,7 +128,9 @@ def check_resume(resume: bool, path: Path | None) -> None:
     try:
         check_folder(path)
     except InputError as error:
-        raise InputError(f"--resume --out {error}; omit --resume to start a new run") from None
+        raise InputError(
+            f"--resume --out {error}; omit --resume to start a new run"
+        ) from None
 
 
 def output_folder(arguments: Namespace, name: str) -> Path:
@@ -130,14 +138,18 @@ def output_folder(arguments: Namespace, name: str) -> Path:
     check_resume(arguments.resume, arguments.out)
     folder: Path = arguments.out or free_folder(name)
     if not arguments.resume and folder.exists() and any(folder.iterdir()):
-        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+        raise InputError(
+            f"--out {folder}: it is not empty; name a new folder, or add --resume"
+        )
     return folder
 
 
 def resume_command(arguments: Namespace, path: Path, scene: Scene) -> str:
     """Return the command that continues a run, or a sweep, of a scene in a folder."""
     flag = " --trust" if scene.user_laws else ""
-    words = shlex.join([arguments.command, arguments.scene, "--resume", "--out", str(path)])
+    words = shlex.join(
+        [arguments.command, arguments.scene, "--resume", "--out", str(path)]
+    )
     return f"continue with: presswear {words}{flag}"
 
 
@@ -150,7 +162,9 @@ def resumable(command: str, path: Path, stored: Callable[[], str]) -> Iterator[N
     try:
         yield
     except RunFailed as error:
-        raise RunFailed(f"{error}; {command}" if path.exists() else f"{error}") from error
+        raise RunFailed(
+            f"{error}; {command}" if path.exists() else f"{error}"
+        ) from error
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
@@ -184,13 +198,18 @@ def print_lines(console: Console, *lines: str) -> None:
 
 
 def print_table(
-    console: Console, heads: Sequence[str], rows: Iterable[Sequence[Any]], title: str = ""
+    console: Console,
+    heads: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    title: str = "",
 ) -> None:
     """Print a table of texts, which wrap, and of numbers: their headings begin with ``>``."""
     table = Table(box=SIMPLE, pad_edge=False, title=title or None, title_justify="left")
     for head in heads:
         number: Any = {"justify": "right", "no_wrap": True}
-        table.add_column(head.lstrip(">"), **(number if head[:1] == ">" else {"overflow": "fold"}))
+        table.add_column(
+            head.lstrip(">"), **(number if head[:1] == ">" else {"overflow": "fold"})
+        )
     for row in rows:
         table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     console.print(table, highlight=False)
@@ -204,8 +223,8 @@ def verdict(passed: bool) -> Text:
 class _TimeLeft(ProgressColumn):
     """Time left at the mean speed so far.
 
-    Fields of the task: ``idle`` is the time of compilation, ``share`` the completed part by the
-    latest estimate, and ``start`` the part that a resumed run started with.
+    Fields of the task: ``idle`` is the time of compilation, ``share`` the completed
+    part by the latest estimate, and ``start`` the part that a resumed run started with.
     """
 
     def render(self, task: Task) -> Text:
@@ -215,10 +234,15 @@ class _TimeLeft(ProgressColumn):
 
 def time_left(task: Task) -> str:
     """Return the time left in words; nothing while little is done."""
-    share, start = task.fields.get("share", task.percentage / 100.0), task.fields.get("start", 0.0)
+    share, start = (
+        task.fields.get("share", task.percentage / 100.0),
+        task.fields.get("start", 0.0),
+    )
     if not share - start >= MIN_SHARE or share >= 1.0 or task.elapsed is None:
         return ""
-    seconds = (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 - share) / (share - start)
+    seconds = (
+        (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 - share) / (share - start)
+    )
     return f"{lasting(round(max(seconds, 0.0)))} left"
 
 
@@ -231,11 +255,15 @@ def progress_bar(console: Console) -> Progress:
         TaskProgressColumn(table_column=Column(no_wrap=True)),
         _TimeLeft(Column(no_wrap=True)),
     )
-    return Progress(*columns, console=console, disable=not console.is_terminal, expand=True)
+    return Progress(
+        *columns, console=console, disable=not console.is_terminal, expand=True
+    )
 
 
 @contextmanager
-def named_progress(console: Console, name: str) -> Iterator[Callable[[str, float], None]]:
+def named_progress(
+    console: Console, name: str
+) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar; yield a function of the present step and the completed share.
 
     It raises KeyboardInterrupt after a signal.
@@ -256,7 +284,10 @@ def resumable_steps(
 ) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar of a command that ``--resume`` continues; see ``named_progress``."""
     command = f"the same command with --resume --out {path} continues"
-    with resumable(command, path, lambda: stored), named_progress(console, name) as report:
+    with (
+        resumable(command, path, lambda: stored),
+        named_progress(console, name) as report,
+    ):
         yield report
 
 
@@ -271,7 +302,9 @@ class _StandardError(logging.Handler):
 def logging_to_stderr(is_verbose: bool) -> Iterator[None]:
     """Log to standard error; if not ``is_verbose``, warnings alone."""
     logger, handler = logging.getLogger("presswear"), _StandardError()
-    words = "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
+    words = (
+        "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
+    )
     handler.setFormatter(logging.Formatter(words, "%H:%M:%S"))
     level = logger.level
     logger.addHandler(handler)

@@ -16,17 +16,24 @@ from presswear.tools.files import check_folder, only_writer
 if TYPE_CHECKING:
     from presswear.validation.cases import Outcome
 
-MIN_CYCLES, MAX_CYCLES = 1e-3, 100.0  # time over which trajectories are compared, cycles
+MIN_CYCLES, MAX_CYCLES = (
+    1e-3,
+    100.0,
+)  # time over which trajectories are compared, cycles
 Check = tuple[str, str, tuple[float, ...], bool]  # quantity, unit, numbers, passed
 
 
 def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
     """Compare two engines, or a run with the table of another program."""
-    excluded = ("set", "out", "duration") if arguments.against else ("until", "tolerance")
+    excluded = (
+        ("set", "out", "duration") if arguments.against else ("until", "tolerance")
+    )
     for name in excluded:
         if getattr(arguments, name) not in (None, []):
             verb = "cannot be combined with" if arguments.against else "needs"
-            raise InputError(f"--{name} {verb} --against; see presswear crosscheck --help")
+            raise InputError(
+                f"--{name} {verb} --against; see presswear crosscheck --help"
+            )
     return (_against if arguments.against else _engines)(arguments, console)
 
 
@@ -50,9 +57,15 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
-    reason = "trajectories diverge" if outcome.diverged else "the end; trajectories do not diverge"
+    reason = (
+        "trajectories diverge"
+        if outcome.diverged
+        else "the end; trajectories do not diverge"
+    )
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
-    checks = ((c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks)
+    checks = (
+        (c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks
+    )
     _print_checks(console, (">difference", ">bound"), checks)
     print_lines(console, *outcome.undecided)
     print_lines(console, f"table and figure in {folder}")
@@ -61,20 +74,28 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
 
 def _against(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene is None:
-        raise InputError("--against needs the result folder to compare with: crosscheck DIR")
+        raise InputError(
+            "--against needs the result folder to compare with: crosscheck DIR"
+        )
     from presswear.results.export import TOLERANCE, compare_tables, read_table, table_of
 
     folder = Path(arguments.scene)
     check_folder(folder)
     theirs = read_table(arguments.against)
     ours = table_of(terminal.load_result(folder, console), 0)
-    columns = compare_tables(ours, theirs, arguments.until, arguments.tolerance or TOLERANCE)
-    checks = ((c.column, c.unit, (c.greatest, c.rms, c.bound), c.passed) for c in columns)
+    columns = compare_tables(
+        ours, theirs, arguments.until, arguments.tolerance or TOLERANCE
+    )
+    checks = (
+        (c.column, c.unit, (c.greatest, c.rms, c.bound), c.passed) for c in columns
+    )
     _print_checks(console, (">largest", ">rms", ">bound of rms"), checks)
     return 0 if all(each.passed for each in columns) else 1
 
 
-def _print_checks(console: Console, names: tuple[str, ...], checks: Iterable[Check]) -> None:
+def _print_checks(
+    console: Console, names: tuple[str, ...], checks: Iterable[Check]
+) -> None:
     rows = (
         [quantity, *(f"{value:.2e}" for value in numbers), unit, verdict(passed)]
         for quantity, unit, numbers, passed in checks
@@ -90,7 +111,11 @@ def verify(arguments: argparse.Namespace, console: Console) -> int:
 
     selected = reference_problems.reference_cases()
     if arguments.hard:
-        selected = [case for case in hard_cases.hard_cases() if arguments.long or not case.is_long]
+        selected = [
+            case
+            for case in hard_cases.hard_cases()
+            if arguments.long or not case.is_long
+        ]
     outcomes: list[Outcome] = []
     with terminal.named_progress(console, "verify") as report:
         for k, case in enumerate(selected):
@@ -126,13 +151,16 @@ def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
         mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
         cells += [f"{outcome.seconds:.1f}", case.engine, outcome.label]
         rows.append([case.name, *cells, mark])
-    print_table(console, ("case", ">value", ">bound", ">s", "engine", "checked", ""), rows)
+    print_table(
+        console, ("case", ">value", ">bound", ">s", "engine", "checked", ""), rows
+    )
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     """Measure speed against error, or the cost of each feature.
 
-    It measures and does not judge: the exit code is 0 however slow or inaccurate a method is.
+    It measures and does not judge: the exit code is 0 however slow or inaccurate a
+    method is.
     """
     scene = terminal.requested_scene(arguments)
     folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
@@ -141,11 +169,17 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.tools.serialize import write_json
     from presswear.validation import benchmark, benchmark_problems
 
-    extent: Any = benchmark_problems.QUICK if arguments.quick else benchmark_problems.FULL
+    extent: Any = (
+        benchmark_problems.QUICK if arguments.quick else benchmark_problems.FULL
+    )
     if arguments.features:
-        extent = benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
+        extent = (
+            benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
+        )
     extent = replace(extent, repeats=arguments.repeats or extent.repeats)
-    measure: Any = benchmark.feature_costs if arguments.features else benchmark.work_precision
+    measure: Any = (
+        benchmark.feature_costs if arguments.features else benchmark.work_precision
+    )
     with only_writer(folder):
         with terminal.named_progress(console, "benchmark") as report:
             measured = measure(scene, extent, report)
@@ -156,7 +190,9 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
             benchmark.write_csv(benchmark.table(measured), folder / "benchmark.csv")
             save(benchmark.draw_work_precision(measured), folder)
             _print_methods(console, measured)
-        write_json(folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()})
+        write_json(
+            folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()}
+        )
     print_lines(console, f"results in {folder}")
     return 0
 
@@ -173,16 +209,26 @@ def _print_methods(console: Console, points: Any) -> None:
         print_table(console, heads, rows, problem.name)
     for point in points:
         if point.failure:
-            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            words = (
+                f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            )
             print_lines(console, words)
 
 
 def _print_features(console: Console, table: Any) -> None:
     rows = []
     for row in table:
-        times = f"{row['cpu_s_per_simulated_s']:.3f}", f"{1e6 * row['cpu_s_per_step']:.2f}"
-        ratios = f"{row['ratio_per_step']:.2f}", f"{row['ratio_per_simulated_second']:.2f}"
-        rows.append([f"{row['feature']}: {row['state']}", row["engine"], *times, *ratios])
+        times = (
+            f"{row['cpu_s_per_simulated_s']:.3f}",
+            f"{1e6 * row['cpu_s_per_step']:.2f}",
+        )
+        ratios = (
+            f"{row['ratio_per_step']:.2f}",
+            f"{row['ratio_per_simulated_second']:.2f}",
+        )
+        rows.append(
+            [f"{row['feature']}: {row['state']}", row["engine"], *times, *ratios]
+        )
     heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"

@@ -58,21 +58,31 @@ class Plan:
 
     cycle: float  # duration, s
     cycles: int  # at most
-    recorded_cycles: int = 5  # at the start, whose series and single contacts are stored
+    recorded_cycles: int = (
+        5  # at the start, whose series and single contacts are stored
+    )
     rows_per_cycle: int = ROWS_AT_LEAST  # of a series, at least
-    # Parts of each cycle at which its state is stored and a step ends, rising, above 0 up to 1
+    # Parts of each cycle at which its state is stored and a step ends, rising, above 0
+    # up to 1
     sections: tuple[float, ...] = ()
     torques: bool = True  # whether the series hold the torques of the drives
-    observers: tuple[Observer, ...] = ()  # notified after each cycle; each can end the run
+    observers: tuple[
+        Observer, ...
+    ] = ()  # notified after each cycle; each can end the run
     # Called many times a second with the completed fraction, 0 to 1, and the recorder
     report: Callable[[float, Recorder], object] = lambda part, recorder: None
-    # Returns the depth, m, that the surfaces lose after a cycle, from the number of cycles and the
-    # depth that the last one added, both of shape (joints, 2, m); None: the surfaces stay.
+    # Returns the depth, m, that the surfaces lose after a cycle, from the number of
+    # cycles and the depth that the last one added, both of shape (joints, 2, m); None:
+    # the surfaces stay.
     wear: Callable[[int, Array], Array] | None = None
-    resume: State | None = None  # of a run with the same linkage, start, engine and plan
-    run_up: float = 0.0  # time before the first cycle, s; it is in the series, and in no cycle
-    # Times from the start of a cycle between which the bottom of its stroke is searched, s; the
-    # first may be negative.  None: start and end of the cycle.
+    resume: State | None = (
+        None  # of a run with the same linkage, start, engine and plan
+    )
+    run_up: float = (
+        0.0  # time before the first cycle, s; it is in the series, and in no cycle
+    )
+    # Times from the start of a cycle between which the bottom of its stroke is
+    # searched, s; the first may be negative.  None: start and end of the cycle.
     stroke: tuple[float, float] | None = None
 
     def time_of(self, cycles: float) -> float:
@@ -135,7 +145,9 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     output["index"] = 3 * linkage.index(point.body)
     output["cos"], output["sin"] = math.cos(point.direction), math.sin(point.direction)
     output["x"], output["y"] = point.x, point.y
-    output["start"] = output_motion(output[0], start.position, start.position, start.position)[0]
+    output["start"] = output_motion(
+        output[0], start.position, start.position, start.position
+    )[0]
     first, end = plan.stroke or (0.0, cycle)
     output["velocity"] = output["bottom"] = math.inf
     output["period"], output["stroke_length"] = cycle, end - first
@@ -153,9 +165,13 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         onset=np.zeros(count),
         memory=np.zeros(count, MEMORY),
         counters=counters,
-        stored_contacts=np.empty((count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT),
+        stored_contacts=np.empty(
+            (count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT
+        ),
         output=output,
-        series=np.empty((rows, SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques)),
+        series=np.empty(
+            (rows, SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques)
+        ),
         film=film,
         sampler=sampler,
         cycle=np.zeros(cycle_columns(count, drives)),
@@ -176,7 +192,11 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     """Return a sentence on the model that an engine solves, and on its prescribed bodies."""
     if names := sorted(prescribed):
         model = f"{model}, {listed(names)} prescribed"
-    named = [load.name for load in linkage.live_loads if isinstance(load, Force) and load.name]
+    named = [
+        load.name
+        for load in linkage.live_loads
+        if isinstance(load, Force) and load.name
+    ]
     if named:
         model = f"{model}; forces: {', '.join(named)}"
     if linkage.rubbing_pins:
@@ -188,7 +208,9 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     if not joints:
         return f"{model}; clearance: none"
     friction = any(joint.friction.coefficient > 0.0 for joint in joints)
-    worn = any(joint.bearing_surface.is_worn or joint.pin_surface.is_worn for joint in joints)
+    worn = any(
+        joint.bearing_surface.is_worn or joint.pin_surface.is_worn for joint in joints
+    )
     wear = any(joint.wear is not None for joint in joints)
     return (
         f"{model}; clearance: {', '.join(joint.name for joint in joints)}; "

@@ -23,13 +23,20 @@ class Simulation:
     """A linkage in an engine, ready to run."""
 
     advance: Callable[[float], Finding | None]  # integrates up to a time, s
-    state: Callable[[], tuple[float, Array, Array]]  # time, s, and q and v of all bodies, copied
+    state: Callable[
+        [], tuple[float, Array, Array]
+    ]  # time, s, and q and v of all bodies, copied
     ledger: Callable[[], Ledger]  # energies since the run began
-    worn: Callable[[], None]  # fills the contacts of the present state on changed surfaces
-    # Live arrays that, with ``sums`` and the recorder, hold the state between two cycles
+    worn: Callable[
+        [], None
+    ]  # fills the contacts of the present state on changed surfaces
+    # Live arrays that, with ``sums`` and the recorder, hold the state between two
+    # cycles
     arrays: Mapping[str, NDArray[Any]]
     sums: dict[str, float]  # counts and times summed over the cycles
-    diagnostics: Callable[[], dict[str, float | int | str]]  # of this engine for ``Run``
+    diagnostics: Callable[
+        [], dict[str, float | int | str]
+    ]  # of this engine for ``Run``
     remedy: str  # what makes the steps of this engine finer
     constraints: Constraints | None = None  # what may drift
     close: Callable[[], None] = lambda: None  # frees what the engine holds
@@ -39,10 +46,16 @@ class Simulation:
 Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 Case = tuple[Linkage, Start, Plan]
 
-_WORN_OFF = "worn_off"  # among the sums: elastic energy of what was worn off under load, J
-# Energies of the ledger by the column of the cycle that adds to them; the sums hold their values
-# at the end of the last cycle, J
-_ENERGIES = {CONTACT_MADE: "made", DRIVE_WORK: "drive_work", STORED_ENERGY_CHANGE: "stored"}
+_WORN_OFF = (
+    "worn_off"  # among the sums: elastic energy of what was worn off under load, J
+)
+# Energies of the ledger by the column of the cycle that adds to them; the sums hold
+# their values at the end of the last cycle, J
+_ENERGIES = {
+    CONTACT_MADE: "made",
+    DRIVE_WORK: "drive_work",
+    STORED_ENERGY_CHANGE: "stored",
+}
 
 
 def _balance(running: Simulation) -> Ledger:
@@ -85,14 +98,20 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
 class _Cycles:
     """The cycles of a run.
 
-    Every cycle begins in the same way from the state that the last one left, whether this
-    process computed that or read it: a run that was killed and goes on gives the same numbers.
+    Every cycle begins in the same way from the state that the last one left, whether
+    this process computed that or read it: a run that was killed and goes on gives the
+    same numbers.
     """
 
     def __init__(
         self, linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
     ) -> None:
-        self.linkage, self.recorder, self.plan, self.running = linkage, recorder, plan, running
+        self.linkage, self.recorder, self.plan, self.running = (
+            linkage,
+            recorder,
+            plan,
+            running,
+        )
 
     def run(self) -> tuple[Status, Finding | None]:
         """Run to the end; return how the run ended and what went wrong, if anything."""
@@ -120,7 +139,9 @@ class _Cycles:
         done = len(self.recorder.cycles)
         if done == 0:
             return None
-        answers = [one.on_cycle(self.recorder, self._state) for one in self.plan.observers]
+        answers = [
+            one.on_cycle(self.recorder, self._state) for one in self.plan.observers
+        ]
         if done >= self.plan.cycles:
             return "completed"
         return "enough" if any(answers) else None
@@ -157,7 +178,9 @@ class _Cycles:
             energy = getattr(ledger, name)
             recorder.records.cycle[column] = energy - running.sums[name]
             running.sums[name] = energy
-        now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
+        now = Condition(
+            time, ledger, position, velocity, running.remedy, running.constraints
+        )
         return examine(self.linkage, recorder, now)
 
     def _wear(self, lost: Array) -> None:

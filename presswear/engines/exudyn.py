@@ -32,22 +32,25 @@ class StuckError(RuntimeError):
 class Solver:
     """Exudyn's solver in one run, made anew for every cycle.
 
-    With error control Exudyn has chosen its next step before it calls PostStep.  The step that
-    contacts allow is therefore applied in PreStep, to the step and to the time it will end at.
-    A step that is repeated because of its error is Exudyn's own to shorten.
+    With error control Exudyn has chosen its next step before it calls PostStep.  The
+    step that contacts allow is therefore applied in PreStep, to the step and to the
+    time it will end at. A step that is repeated because of its error is Exudyn's own to
+    shorten.
     """
 
     recorder: Recorder
     plan: Plan
-    accept: Callable[[float], float]  # next step, s, from the time of an accepted one; NaN: broken
+    accept: Callable[
+        [float], float
+    ]  # next step, s, from the time of an accepted one; NaN: broken
     kind: Any  # exudyn.DynamicSolverType
     settings: Any
     longest: float  # step, s
     remedy: str  # what may help where the solver gives up
     counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
-    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s; the
-    # time of the last accepted step, and the next step as the contacts allow it (``following``)
-    # and as the solver proposes it, s
+    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall
+    # time, s; the time of the last accepted step, and the next step as the contacts
+    # allow it (``following``) and as the solver proposes it, s
     sums: dict[str, float] = field(init=False)
     _end: float = 0.0  # of the present cycle, s
     _has_ended: bool = False  # the cycle ran to its end
@@ -59,7 +62,15 @@ class Solver:
     _iteration: Any = None
 
     def __post_init__(self) -> None:
-        names = ("steps", "sent_back", *self.counts, "wall", "time", "following", "proposed")
+        names = (
+            "steps",
+            "sent_back",
+            *self.counts,
+            "wall",
+            "time",
+            "following",
+            "proposed",
+        )
         self.sums = dict.fromkeys(names, 0.0)
         self._progress = Progress(self.plan.cycle)
 
@@ -97,7 +108,8 @@ class Solver:
             if iteration is None:
                 iteration = self._iteration = system.sys["dynamicSolver"].it
                 if self.time > 0.0:
-                    # Exudyn shows the state that a cycle starts from; it is accounted for.
+                    # Exudyn shows the state that a cycle starts from; it is accounted
+                    # for.
                     self._take(min(sums["following"], self._end - t))
                     return True
                 sums["steps"] -= 1.0
@@ -110,7 +122,8 @@ class Solver:
             if t >= self._end - END_TOLERANCE:
                 self._has_ended = True
                 sums["following"], sums["proposed"] = following, iteration.maxStepSize
-                # Exudyn tells the step that error control takes next only behind PostStep.
+                # Exudyn tells the step that error control takes next only behind
+                # PostStep.
                 if iteration.automaticStepSizeError > 0.0:
                     factor = iteration.automaticStepSizeError ** (-1.0 / 5.0)
                     proposed = STEP_SAFETY * iteration.currentStepSize * factor
@@ -121,7 +134,9 @@ class Solver:
                 plan.advanced(t, self.recorder)
                 self._finding = self._judge(t)
                 return self._finding is None
-        except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
+        except (
+            BaseException
+        ) as error:  # Exudyn would wrap it: kept, raised after the solve
             self._error = error
             return False
         return True
@@ -132,19 +147,22 @@ class Solver:
         if t > self.plan.settled:
             lost, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
             if made := made_energy(records.packed, lost, exchange):
-                return Finding("energy", made, t, "", made_remedy(records.packed, self.remedy))
+                return Finding(
+                    "energy", made, t, "", made_remedy(records.packed, self.remedy)
+                )
         return self._progress.judge(int(self.sums["steps"]), t)
 
     def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
         """Run from the present state up to the end of a cycle; return what went wrong.
 
-        Exudyn does not say which step it would take behind its own end: that lies further off,
-        and PostStep ends the solve.
+        Exudyn does not say which step it would take behind its own end: that lies
+        further off, and PostStep ends the solve.
 
         Parameters
         ----------
         live : mapping of str to ndarray
-            Live arrays that the solver begins from, by the names that Exudyn gives them.
+            Live arrays that the solver begins from, by the names that Exudyn gives
+            them.
         end : float
             End of the cycle, s.
         """
@@ -165,7 +183,8 @@ class Solver:
             with quiet():
                 system.SolveDynamic(self.settings, solverType=self.kind)
         except (exu.ExudynError, StuckError) as error:
-            # What a user function raises comes wrapped from the safe module, not from the fast.
+            # What a user function raises comes wrapped from the safe module, not from
+            # the fast.
             stuck = isinstance(error, StuckError) or StuckError.__name__ in str(error)
             if stuck or isinstance(error, exu.SolverError):
                 message = "the solver found no solution at the shortest step"
@@ -186,7 +205,9 @@ class Solver:
         if solver.output.simulationStoppedByUser and not self._is_broken:
             raise KeyboardInterrupt
         if not message and not self._is_broken:
-            raise RuntimeError(f"Exudyn ended at {self.time:.17g} s, not at {end:.17g} s")
+            raise RuntimeError(
+                f"Exudyn ended at {self.time:.17g} s, not at {end:.17g} s"
+            )
         message = message or "the state is no longer finite"
         return Finding("state", message, self.time, "", self.remedy)
 
@@ -201,7 +222,9 @@ def settings_of(longest: float, shortest: float) -> Any:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
-    settings.show.computationTime = False  # its timers take a sixteenth of an explicit step
+    settings.show.computationTime = (
+        False  # its timers take a sixteenth of an explicit step
+    )
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest
@@ -213,7 +236,10 @@ def settings_of(longest: float, shortest: float) -> Any:
 @contextmanager
 def quiet() -> Iterator[None]:
     """Keep Exudyn's banners and log files off; errors and interrupts arrive as exceptions."""
-    console, log = exu.config.printToConsole, exu.special.exceptions.writeErrorsToLogFile
+    console, log = (
+        exu.config.printToConsole,
+        exu.special.exceptions.writeErrorsToLogFile,
+    )
     exu.config.printToConsole = False
     exu.special.exceptions.writeErrorsToLogFile = False
     try:

@@ -1,18 +1,19 @@
 """Settings of the engines: how finely each integrates.
 
-A tolerance that is not specified follows from the purpose of the run; the values are chosen from
-``presswear benchmark``.  For a trajectory they are the coarsest that keep the bounds of the
-cross-check up to the horizon (slider to 1e-6 m, touchdowns to 1e-6 s), a decade finer for the open
-tree and the in-house solver, at a fifth more computing time.  The in-house solver uses order 8
-there, at twice the price of order 5, because it checks Exudyn's DOPRI5.  Forces and wear are
-statistics of a chaotic motion.  For forces in-house the tolerance is the coarsest without a
-measurable bias in any of six scenes, for wear one whose bias is below 2 % of the load distance
-(``docs/tolerances.py``, table in ``docs/theory/integration.md``).  For the open tree it is a decade
-finer than the coarsest without a detectable error.  Each run measures its step error itself
+A tolerance that is not specified follows from the purpose of the run; the values are
+chosen from ``presswear benchmark``.  For a trajectory they are the coarsest that keep
+the bounds of the cross-check up to the horizon (slider to 1e-6 m, touchdowns to 1e-6
+s), a decade finer for the open tree and the in-house solver, at a fifth more computing
+time.  The in-house solver uses order 8 there, at twice the price of order 5, because it
+checks Exudyn's DOPRI5.  Forces and wear are statistics of a chaotic motion.  For forces
+in-house the tolerance is the coarsest without a measurable bias in any of six scenes,
+for wear one whose bias is below 2 % of the load distance (``docs/tolerances.py``, table
+in ``docs/theory/integration.md``).  For the open tree it is a decade finer than the
+coarsest without a detectable error.  Each run measures its step error itself
 (``campaign/replicates.py``).
 
-A scene checks the ranges; the benchmark exceeds them on purpose.  The code of an engine is
-imported when it runs.
+A scene checks the ranges; the benchmark exceeds them on purpose.  The code of an engine
+is imported when it runs.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
 Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
 Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
 
-WEAR_ERROR = 0.1  # relative error of the wear maps for which the tolerances below are chosen
+WEAR_ERROR = (
+    0.1  # relative error of the wear maps for which the tolerances below are chosen
+)
 LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
@@ -41,16 +44,25 @@ class _Engine(Named):
     """Longest step, tolerance and run of any engine."""
 
     word: ClassVar[str]
-    tolerance_name: ClassVar[str] = ""  # of its setting; none where steps are not error-controlled
+    tolerance_name: ClassVar[str] = (
+        ""  # of its setting; none where steps are not error-controlled
+    )
     tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
-    step_time: ClassVar[float]  # typical computing time of a step with one or two contacts, s
+    step_time: ClassVar[
+        float
+    ]  # typical computing time of a step with one or two contacts, s
     worn_step_time: ClassVar[float]  # the same on worn surfaces, s
-    free_step: float | None  # longest step between contacts, s; None: a part of the cycle
+    free_step: (
+        float | None
+    )  # longest step between contacts, s; None: a part of the cycle
 
-    def resolved(self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR) -> Self:
+    def resolved(
+        self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
+    ) -> Self:
         """Return a copy with unspecified settings set for the purpose.
 
-        For wear the tolerance is proportional to the wanted relative error of the wear maps.
+        For wear the tolerance is proportional to the wanted relative error of the wear
+        maps.
         """
         changes: dict[str, Any] = {}
         if self.tolerance_name and getattr(self, self.tolerance_name) is None:
@@ -81,7 +93,9 @@ class _Engine(Named):
         """Return a copy with the tolerance divided by a factor; None without error control."""
         if not self.tolerance_name:
             return None
-        return replace(cast(Any, self), **{self.tolerance_name: self.tolerance / factor})
+        return replace(
+            cast(Any, self), **{self.tolerance_name: self.tolerance / factor}
+        )
 
     @property
     def module(self) -> str:
@@ -96,8 +110,13 @@ class _Engine(Named):
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
-        driver, engine = import_module("presswear.engines.driver"), import_module(self.module)
-        run: Run = driver.simulate(engine.prepare, self.resolved(), (linkage, start, plan))
+        driver, engine = (
+            import_module("presswear.engines.driver"),
+            import_module(self.module),
+        )
+        run: Run = driver.simulate(
+            engine.prepare, self.resolved(), (linkage, start, plan)
+        )
         return run
 
 
@@ -126,9 +145,10 @@ class ExudynTree(_Engine):
 class ExudynJoints(_Engine):
     """Exudyn with bodies and joints, implicit: any linkage.
 
-    The steps of a pin at rest grow from ``steps_per_contact`` to ``steps_sustained`` as their error
-    allows.  ``newton`` is the relative and absolute tolerance of Newton's method: above 1e-9 its
-    noise in the accelerations shortens these steps.  ``least_step`` is the shortest step, s.
+    The steps of a pin at rest grow from ``steps_per_contact`` to ``steps_sustained`` as
+    their error allows.  ``newton`` is the relative and absolute tolerance of Newton's
+    method: above 1e-9 its noise in the accelerations shortens these steps.
+    ``least_step`` is the shortest step, s.
     """
 
     word: ClassVar[str] = "exudyn-joints"
@@ -154,10 +174,10 @@ class ExudynJoints(_Engine):
 class InHouse(_Engine):
     """In-house solver with located touchdowns, for an open tree or with Lagrange multipliers.
 
-    The tolerance is per step, times 1 mm or mrad in positions and times ``1 m/s + |v|`` in
-    velocities.  Minimal coordinates are used if clearance cuts every loop with a degree of freedom,
-    otherwise all coordinates with multipliers.  ``alpha`` and ``beta`` are Baumgarte's
-    coefficients, 1/s (equation 19).
+    The tolerance is per step, times 1 mm or mrad in positions and times ``1 m/s + |v|``
+    in velocities.  Minimal coordinates are used if clearance cuts every loop with a
+    degree of freedom, otherwise all coordinates with multipliers.  ``alpha`` and
+    ``beta`` are Baumgarte's coefficients, 1/s (equation 19).
     """
 
     word: ClassVar[str] = "dae"
@@ -177,7 +197,9 @@ class InHouse(_Engine):
         "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
         "default: by the purpose",
     )
-    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: step")
+    equal_step: float = quantity(
+        1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: step"
+    )
     coordinates: str = choice(
         "auto",
         ("auto", "fewest", "all"),

@@ -1,8 +1,9 @@
 """Motions of drives: mean speeds, harmonics, tables, rises, followed curves, and a press's servo.
 
-A motion is a mean speed and, beside it, what repeats with the cycle of the drive: a Fourier series,
-and a table or rises with dwells between them, which become pieces. Pieces are functions of the
-phase w t, which grows by 2 pi in a cycle. A new law of rises is a few numbers in ``RISES``.
+A motion is a mean speed and, beside it, what repeats with the cycle of the drive: a
+Fourier series, and a table or rises with dwells between them, which become pieces.
+Pieces are functions of the phase w t, which grows by 2 pi in a cycle. A new law of
+rises is a few numbers in ``RISES``.
 """
 
 import math
@@ -13,7 +14,14 @@ from typing import Annotated, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
-from presswear.linkage.elements import ANGLE, LENGTH, MAX_ANGLE, Attachment, OutputPoint, angle
+from presswear.linkage.elements import (
+    ANGLE,
+    LENGTH,
+    MAX_ANGLE,
+    Attachment,
+    OutputPoint,
+    angle,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, choice, quantity, written
@@ -35,9 +43,9 @@ from there; amplitude, frequency and initial phase of its sine."""
 
 _SINE = 1.0 / (4.0 + math.pi)  # unit of the modified sine
 _PI_SINE = math.pi * _SINE
-# Each begins and ends without velocity and acceleration. Source: R. L. Norton, Cam Design and
-# Manufacturing Handbook; greatest velocities and accelerations are 2 and 2 pi, 1.7596 and 5.5280,
-# 1.875 and 5.7735.
+# Each begins and ends without velocity and acceleration. Source: R. L. Norton, Cam
+# Design and Manufacturing Handbook; greatest velocities and accelerations are 2 and 2
+# pi, 1.7596 and 5.5280, 1.875 and 5.7735.
 RISES: Mapping[str, Sequence[Piece]] = {
     "cycloidal": ((0.0, (0.0, 1.0), (-1.0 / _TURN, _TURN, 0.0)),),
     "modified-sine": (
@@ -80,9 +88,13 @@ class Rise(Checked):
 class Pieces(NamedTuple):
     """Piecewise part of a motion, a function of the phase; ``n`` pieces."""
 
-    start: Array  # (n,), phases, rad; the last piece goes on to the first of the next cycle
-    polynomial: Array  # (n, DEGREE + 1), in the phase since the piece began, the constant first
-    wave: Array  # (n, 3), amplitude, frequency and initial phase, rad, of a sine that is added
+    # (n,), phases, rad; the last piece goes on to the first of the next cycle
+    start: Array
+    polynomial: (
+        Array  # (n, DEGREE + 1), in the phase since the piece began, the constant first
+    )
+    # (n, 3), amplitude, frequency and initial phase, rad, of a sine that is added
+    wave: Array
     net: float  # way in a cycle, which the pieces leave out
 
     def at(self, phase: Array) -> tuple[Array, Array, Array]:
@@ -179,15 +191,22 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
         if abs(level) < 1e-12 * math.fsum(map(abs, ways)):
             level = 0.0
         if then - rise.end > _PHASE_TOL:
-            rows.append((rise.end, np.array([level, *np.zeros(DEGREE)]), (0.0, 0.0, 0.0)))
-    starts, polynomials, waves = (np.array(column) for column in zip(*rows, strict=True))
+            rows.append(
+                (rise.end, np.array([level, *np.zeros(DEGREE)]), (0.0, 0.0, 0.0))
+            )
+    starts, polynomials, waves = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
     polynomials[:, 0] -= level / _TURN * starts
     polynomials[:, 1] -= level / _TURN
     return _periodic(starts, polynomials, waves, level)
 
 
 def _next_starts(rises: tuple[Rise, ...]) -> list[float]:
-    return [*(rise.start for rise in rises[1:]), *(rise.start + _TURN for rise in rises[:1])]
+    return [
+        *(rise.start for rise in rises[1:]),
+        *(rise.start + _TURN for rise in rises[:1]),
+    ]
 
 
 def _check_table(table: Sequence[Sequence[float]], owner: str) -> None:
@@ -240,7 +259,9 @@ class _Motion(Checked):
                 )
         count = len(self.pieces.start)
         if count > MAX_PIECES:
-            raise InputError(f"rises of {owner}: {count} pieces; allowed are {MAX_PIECES} at most")
+            raise InputError(
+                f"rises of {owner}: {count} pieces; allowed are {MAX_PIECES} at most"
+            )
 
 
 def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Array]:
@@ -254,7 +275,11 @@ def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Arr
         faster = faster - w * w * (a * cosine + b * sine)
     if motion.pieces.start.size:
         value, slope, bend = motion.pieces.at(base * time)
-        place, speed, faster = place + value, speed + base * slope, faster + base**2 * bend
+        place, speed, faster = (
+            place + value,
+            speed + base * slope,
+            faster + base**2 * bend,
+        )
     return place, speed, faster
 
 
@@ -286,23 +311,26 @@ def torque_limit() -> Any:
 class Drive(_Motion):
     """Drive of a body: a mean speed and a periodic motion.
 
-    theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t),
-    with a_k, b_k of ``harmonics``, rad, and f from a table or from rises, less its start.
+    theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t +
+    f(w t), with a_k, b_k of ``harmonics``, rad, and f from a table or from rises, less
+    its start.
 
     Attributes
     ----------
     table : tuple of (float, float)
-        Phase, rad, and f there, rad, nodes of a periodic cubic spline. If the last row lies one
-        period after the first, it gives the net rotation of the body in a cycle; otherwise the body
-        returns to its initial angle. Rows of four have the first and second derivative by the phase
-        as well; then pieces are of degree 5.
+        Phase, rad, and f there, rad, nodes of a periodic cubic spline. If the last row
+        lies one period after the first, it gives the net rotation of the body in a
+        cycle; otherwise the body returns to its initial angle. Rows of four have the
+        first and second derivative by the phase as well; then pieces are of degree 5.
     follow : Follow or None
-        Motion of a point in place of that of the body; ``angle`` is the body's at the start,
-        ``speed`` its mean speed.
+        Motion of a point in place of that of the body; ``angle`` is the body's at the
+        start, ``speed`` its mean speed.
     """
 
     body: str
-    speed: float = quantity(0.0, "rad/s", -MAX_SPEED, MAX_SPEED, "", "mean speed, counterclockwise")
+    speed: float = quantity(
+        0.0, "rad/s", -MAX_SPEED, MAX_SPEED, "", "mean speed, counterclockwise"
+    )
     angle: float = angle("angle of the body at the start")
     frequency: float = quantity(
         0.0, "rad/s", 0.0, MAX_SPEED, "", "frequency of the cycle; 0: the mean speed"
@@ -319,10 +347,14 @@ class Drive(_Motion):
         kinds = "harmonics", "table", "rises", "follow"
         names = [name for name in kinds if getattr(self, name)]
         if self.follow is not None and len(names) > 1:
-            raise InputError(f"drive of {self.body}: {names[0]} and follow cannot be combined")
+            raise InputError(
+                f"drive of {self.body}: {names[0]} and follow cannot be combined"
+            )
         if names and not self.base > 0.0:
             fault = f"with {names[0]} and a mean speed of 0 it must be above 0"
-            raise InputError(f"frequency of {self.body} = {self.frequency:g} rad/s: {fault}")
+            raise InputError(
+                f"frequency of {self.body} = {self.frequency:g} rad/s: {fault}"
+            )
 
     @property
     def name(self) -> str:
@@ -358,9 +390,12 @@ class Drive(_Motion):
         return self.angle + mean * time + beside, mean + faster, acceleration
 
 
-# A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings between two of its
-# dead points, so that the slider may be at any height between theirs, wherever crank 2 is.
-_MIN_APPROACH = 0.125  # part of the cycle in which the slider comes down to its slow part
+# A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings
+# between two of its dead points, so that the slider may be at any height between
+# theirs, wherever crank 2 is.
+_MIN_APPROACH = (
+    0.125  # part of the cycle in which the slider comes down to its slow part
+)
 
 
 def _servo_angle(degrees: float, text: str, low: float = -_TURN) -> Any:
@@ -379,7 +414,13 @@ class Dwell(Checked):
 
     stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     part: float = quantity(
-        1.0 / 9.0, "", 0.0, 0.5, "chosen", "fraction of the cycle in the dwell", open_low=True
+        1.0 / 9.0,
+        "",
+        0.0,
+        0.5,
+        "chosen",
+        "fraction of the cycle in the dwell",
+        open_low=True,
     )
     bottom: float = _servo_angle(120.0, _BOTTOM, 0.0)
     angle: float = _servo_angle(-20.0, _START)
@@ -404,11 +445,15 @@ class Forming(Checked):
 
     kind: ClassVar[str] = "forming"
 
-    speed: float = quantity(0.05, "m/s", 1e-4, 10.0, "chosen", "constant speed in the work")
+    speed: float = quantity(
+        0.05, "m/s", 1e-4, 10.0, "chosen", "constant speed in the work"
+    )
     height: float = quantity(
         6e-3, "m", 1e-5, 10.0, "chosen", "height at which the constant speed begins"
     )
-    end: float = quantity(1e-3, "m", 1e-6, 10.0, "chosen", "height at the end of forming")
+    end: float = quantity(
+        1e-3, "m", 1e-6, 10.0, "chosen", "height at the end of forming"
+    )
     stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     bottom: float = _servo_angle(150.0, _BOTTOM, 0.0)
     angle: float = _servo_angle(0.0, _START)
@@ -417,17 +462,21 @@ class Forming(Checked):
         super().__post_init__()
         if not self.end < self.height < self.stroke:
             limits = f"end = {written(self.end, 'm')} and stroke = {written(self.stroke, 'm')}"
-            raise InputError(f"height = {written(self.height, 'm')}: must lie between {limits}")
+            raise InputError(
+                f"height = {written(self.height, 'm')}: must lie between {limits}"
+            )
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that moves the slider, a point, so; frequency in rad/s.
 
-        InputError for a speed with which there is no time for the way down, or too much.
+        InputError for a speed with which there is no time for the way down, or too
+        much.
         """
         # It stops over the way ``end`` at half the speed, as a mean.
         way = self.height + self.end
         low = way * frequency / (math.pi - _TURN * _MIN_APPROACH)
-        # Slower at first than 0.4 of the speed, as a mean, it would go up before it comes down.
+        # Slower at first than 0.4 of the speed, as a mean, it would go up before it
+        # comes down.
         high = (2.5 * (self.stroke - self.height) + way) * frequency / math.pi
         if not low <= self.speed <= high:
             limits = " to ".join(written(value, "m/s") for value in (low, high))
@@ -452,16 +501,24 @@ class Pendulum(Checked):
 
     kind: ClassVar[str] = "pendulum"
 
-    amplitude: float = _servo_angle(10.0, "amplitude of crank 7, which determines the stroke", 0.0)
+    amplitude: float = _servo_angle(
+        10.0, "amplitude of crank 7, which determines the stroke", 0.0
+    )
     middle: float = _servo_angle(-20.0, "angle of crank 7 in the middle of its swing")
-    phase: float = _servo_angle(180.0, "angle of crank 2 at which crank 7 rises through its middle")
+    phase: float = _servo_angle(
+        180.0, "angle of crank 2 at which crank 7 rises through its middle"
+    )
 
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that swings; frequency in rad/s, slider not used."""
         cosine = -self.amplitude * math.sin(self.phase)
         series = [(cosine, self.amplitude * math.cos(self.phase))]
-        return Drive(body, angle=self.middle + cosine, frequency=frequency, harmonics=series)
+        return Drive(
+            body, angle=self.middle + cosine, frequency=frequency, harmonics=series
+        )
 
 
 Servo = Dwell | Forming | Pendulum
-SERVOS: Mapping[str, type[Servo]] = {servo.kind: servo for servo in (Dwell, Forming, Pendulum)}
+SERVOS: Mapping[str, type[Servo]] = {
+    servo.kind: servo for servo in (Dwell, Forming, Pendulum)
+}

@@ -25,7 +25,11 @@ LENGTH = Quantity("m", -MAX_LENGTH, MAX_LENGTH)
 ANGLE = Quantity("rad", -MAX_ANGLE, MAX_ANGLE)
 MASS = Quantity("kg", 1e-9, 1e9, "", "mass")
 INERTIA = Quantity(
-    "kg m^2", 0.0, 1e15, "", "about the mass centre; 0 is allowed for a body that cannot turn"
+    "kg m^2",
+    0.0,
+    1e15,
+    "",
+    "about the mass centre; 0 is allowed for a body that cannot turn",
 )
 BAR_LENGTH = Quantity("m", 1e-6, MAX_LENGTH, "", "length of a bar, tail to head")
 
@@ -76,9 +80,10 @@ frame, m."""
 class Body(Checked):
     """Rigid body: mass, kg, inertia about the mass centre, kg m^2, and points by name, m.
 
-    Points are in the frame of the body with origin at the mass centre, or in a drawing in which
-    ``centre`` is the mass centre, m. All bodies with a ``centre`` are in one drawing, in which the
-    points of a joint coincide. The inertia may be 0 where the body cannot turn.
+    Points are in the frame of the body with origin at the mass centre, or in a drawing
+    in which ``centre`` is the mass centre, m. All bodies with a ``centre`` are in one
+    drawing, in which the points of a joint coincide. The inertia may be 0 where the
+    body cannot turn.
     """
 
     name: str
@@ -95,15 +100,24 @@ class Body(Checked):
         if centre is not None:
             left, below = converted(f"centre of {self.name}", centre, Place)
             object.__setattr__(self, "drawn_at", (left, below))
-        points = {name: (x - left, y - below) for name, (x, y) in dict(self.points).items()}
+        points = {
+            name: (x - left, y - below) for name, (x, y) in dict(self.points).items()
+        }
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
-            raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
+            raise InputError(
+                f"points.centre of {self.name}: this is the name of the mass centre"
+            )
         object.__setattr__(self, "points", tuple(points.items()))
 
     def as_plain(self) -> dict[str, Any]:
         """Return the body as plain data, its points by name."""
         points = {name: list(place) for name, place in dict(self.points).items()}
-        return {"name": self.name, "mass": self.mass, "inertia": self.inertia, "points": points}
+        return {
+            "name": self.name,
+            "mass": self.mass,
+            "inertia": self.inertia,
+            "points": points,
+        }
 
     @property
     def effective_inertia(self) -> float:
@@ -121,8 +135,8 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
 ) -> Body:
     """Return a bar: a body with the points ``tail`` and ``head`` at its ends.
 
-    Its x axis points from tail to head, its mass centre is halfway. Numbers are in m, kg and
-    kg m^2, or texts with units. ``points`` names more points.
+    Its x axis points from tail to head, its mass centre is halfway. Numbers are in m,
+    kg and kg m^2, or texts with units. ``points`` names more points.
 
     Parameters
     ----------
@@ -149,7 +163,12 @@ class Pin(Checked):
         "stiffness of pin and rods in any direction; default: rigid",
     )
     damping_ratio: float = quantity(
-        0.02, "", 0.0, 1.0, "assumed", "damping of an elastic pin, part of the critical one"
+        0.02,
+        "",
+        0.0,
+        1.0,
+        "assumed",
+        "damping of an elastic pin, part of the critical one",
     )
 
 
@@ -157,9 +176,10 @@ class Pin(Checked):
 class Revolute:
     """Pin joint between two points, ideal or elastic, or with the friction of a bearing.
 
-    An elastic one is ideal in the ideal motion of its linkage; see ``Linkage.released``. Friction
-    is a moment r F_t(r omega, F) against the relative spin omega, with the radius r of the bearing,
-    the joint force F and the force F_t of the friction law.
+    An elastic one is ideal in the ideal motion of its linkage; see
+    ``Linkage.released``. Friction is a moment r F_t(r omega, F) against the relative
+    spin omega, with the radius r of the bearing, the joint force F and the force F_t of
+    the friction law.
     """
 
     name: str
@@ -190,12 +210,15 @@ class Revolute:
 class Guide(Checked):
     """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn.
 
-    By default the line goes through the mass centre as drawn, or else through the origin.
+    By default the line goes through the mass centre as drawn, or else through the
+    origin.
     """
 
     name: str
     body: str
-    x: float = place("point of the line, to the right of the origin; default: as drawn", None)
+    x: float = place(
+        "point of the line, to the right of the origin; default: as drawn", None
+    )
     y: float = place("point of the line, above the origin; default: as drawn", None)
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
@@ -220,14 +243,16 @@ class WearLaw:
     slip : {"angle", "sliding"}
         ``ds = (R_j + delta) |d phi|`` (equation 24), or ``|v_t| dt``.
     wear_distribution : {"bin", "arc"}
-        All into the bin of the contact with the mean pressure of equations 25 to 28, or over the
-        contact arc in proportion to the pressure there.
+        All into the bin of the contact with the mean pressure of equations 25 to 28, or
+        over the contact arc in proportion to the pressure there.
     """
 
     coefficient: float  # K_d, 1/Pa
     slip: Slip = "sliding"
     wear_distribution: WearDistribution = "arc"
-    bearing_share: float = 0.5  # part of the depth that the bearing loses; the pin loses the rest
+    bearing_share: float = (
+        0.5  # part of the depth that the bearing loses; the pin loses the rest
+    )
     angles: int = 360  # number of angular bins
 
 
@@ -240,8 +265,8 @@ class ClearanceJoint:
     map_frame : {"fixed", "body"}
         Wear maps stay fixed in direction, or turn with their bodies.
     contact : {"radial", "foundation"}
-        Surfaces meet at the pin's nearest point along e by the elasticity of the normal law, or
-        over the arc through an elastic foundation, whatever that elasticity is.
+        Surfaces meet at the pin's nearest point along e by the elasticity of the normal
+        law, or over the arc through an elastic foundation, whatever that elasticity is.
     """
 
     name: str

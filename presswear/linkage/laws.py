@@ -4,10 +4,10 @@ Most normal laws have the form
 
     F_n = F_e(delta) (1 + chi delta_dot / delta_dot_0),   F_n >= 0,
 
-with a damping factor ``chi`` that follows from the nominal restitution (equation 8 of the
-paper: chi = 3/4 (1 - ce^2), Lankarani and Nikravesh) and an elastic force F_e, as a rule
-K delta^n. Kelvin and Voigt's adds D delta_dot to it. A user law is a function that returns the
-whole force; its elastic part is its value at rest.
+with a damping factor ``chi`` that follows from the nominal restitution (equation 8 of
+the paper: chi = 3/4 (1 - ce^2), Lankarani and Nikravesh) and an elastic force F_e, as a
+rule K delta^n. Kelvin and Voigt's adds D delta_dot to it. A user law is a function that
+returns the whole force; its elastic part is its value at rest.
 """
 
 import math
@@ -35,7 +35,8 @@ class Damping(NamedTuple):
     """Damping factor chi as a function of the nominal restitution."""
 
     title: str  # source
-    least: float  # restitution below which the factor is infinite, or too large to compute with
+    # restitution below which the factor is infinite, or too large to compute with
+    least: float
     factor: Callable[[float], float]  # chi of a restitution
 
 
@@ -44,7 +45,9 @@ DAMPINGS: Mapping[str, Damping] = {
     "lankarani-nikravesh": Damping(
         "Lankarani and Nikravesh (1990)", 0.0, lankarani_nikravesh_damping
     ),
-    "hunt-crossley": Damping("Hunt and Crossley (1975)", 0.0, lambda e: 1.5 * (1.0 - e)),
+    "hunt-crossley": Damping(
+        "Hunt and Crossley (1975)", 0.0, lambda e: 1.5 * (1.0 - e)
+    ),
     "herbert-mcwhannell": Damping(
         "Herbert and McWhannell (1977)",
         0.0,
@@ -73,12 +76,15 @@ FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper
 """Parameters of a user friction law: m/s, N, -, m/s, m/s."""
 
 
-def greatest_bristle_damping(coefficient: float, static: float, stribeck: float) -> float:
+def greatest_bristle_damping(
+    coefficient: float, static: float, stribeck: float
+) -> float:
     """Return the greatest sigma_1, s/m, with which LuGre's friction never drives the sliding.
 
-    Bristles that are bent fully, sigma_0 z = c_s, and then slide at a speed v resist with
-    c_s + sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force. Bristles bent less
-    resist at any speed if these do, because the force is linear in z and at z = 0 it resists.
+    Bristles that are bent fully, sigma_0 z = c_s, and then slide at a speed v resist
+    with c_s + sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force.
+    Bristles bent less resist at any speed if these do, because the force is linear in z
+    and at z = 0 it resists.
     """
     x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
     part = np.exp(-x * x)
@@ -88,22 +94,31 @@ def greatest_bristle_damping(coefficient: float, static: float, stribeck: float)
 
 
 def hertz_stiffness(
-    bearing_radius: float, pin_radius: float, compliance: float, reading: StiffnessReading
+    bearing_radius: float,
+    pin_radius: float,
+    compliance: float,
+    reading: StiffnessReading,
 ) -> float:
     """Return the contact stiffness K, N/m^1.5, from the sum of (1 - nu^2) / E of both, 1/Pa.
 
-    ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which is two spheres
-    side by side. ``refined`` takes the pin in a hole, with R_i - R_j under the root.
+    ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which is
+    two spheres side by side. ``refined`` takes the pin in a hole, with R_i - R_j under
+    the root.
     """
-    combined = bearing_radius + pin_radius if reading == "paper" else bearing_radius - pin_radius
+    combined = (
+        bearing_radius + pin_radius
+        if reading == "paper"
+        else bearing_radius - pin_radius
+    )
     return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
 
 
 def liu_stiffness(width: float, clearance: float, compliance: float) -> float:
     """Return K, N/m^1.5, with which ``liu_force`` is the law of Liu, Zhang and Yang (2007).
 
-    They print F = (pi / 2) delta E* b sqrt(delta / (2 (c + delta))), so that small contacts have
-    K = pi b E* / (2 sqrt(2 c)). 1 / E* is the compliance, the sum of (1 - nu^2) / E of both, 1/Pa.
+    They print F = (pi / 2) delta E* b sqrt(delta / (2 (c + delta))), so that small
+    contacts have K = pi b E* / (2 sqrt(2 c)). 1 / E* is the compliance, the sum of (1 -
+    nu^2) / E of both, 1/Pa.
     """
     return math.pi * width / (2.0 * compliance * math.sqrt(2.0 * clearance))
 
@@ -121,7 +136,8 @@ def delivered_restitution(damping: float) -> float:
         if damping < 0.1:
             # The logarithm cancels against its argument: its series over chi^2.
             return sum(
-                damping ** (k - 2) / k * ((-1.0) ** k - restitution**k) for k in range(2, 22)
+                damping ** (k - 2) / k * ((-1.0) ** k - restitution**k)
+                for k in range(2, 22)
             )
         return (1.0 + restitution) * damping - math.log(
             (1.0 + damping) / (1.0 - damping * restitution)
@@ -134,7 +150,9 @@ def delivered_restitution(damping: float) -> float:
         return highest
     lowest = 0.0
     while lowest < (middle := 0.5 * (lowest + highest)) < highest:
-        lowest, highest = (middle, highest) if excess(middle) > 0.0 else (lowest, middle)
+        lowest, highest = (
+            (middle, highest) if excess(middle) > 0.0 else (lowest, middle)
+        )
     return lowest
 
 
@@ -158,8 +176,9 @@ class NormalLaw:
     Attributes
     ----------
     elasticity : {"power", "liu", "foundation"}
-        F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which Liu and others
-        (2007) fitted to cylinders that conform; the elastic foundation's, over all of the arc.
+        F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which Liu
+        and others (2007) fitted to cylinders that conform; the elastic foundation's,
+        over all of the arc.
     user_law : UserFunction or None
         The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """
@@ -203,11 +222,17 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
             rest = force(penetration, 0.0, onset)
             label = f"{key}: {law.name} at penetration = {penetration:g} m"
             if not rest > 0.0:
-                raise InputError(f"{label} gives {rest:g} N at rest: it must push, above 0 N")
+                raise InputError(
+                    f"{label} gives {rest:g} N at rest: it must push, above 0 N"
+                )
             if rest != force(penetration, 0.0, 0.1):
-                raise InputError(f"{label} gives a force at rest that depends on onset_speed")
+                raise InputError(
+                    f"{label} gives a force at rest that depends on onset_speed"
+                )
             for rate in (0.1 * onset, 0.5 * onset, onset):
-                closing, opening = (force(penetration, side * rate, onset) for side in (1.0, -1.0))
+                closing, opening = (
+                    force(penetration, side * rate, onset) for side in (1.0, -1.0)
+                )
                 if closing < rest or opening > rest:
                     raise InputError(
                         f"{label} makes energy: it gives {closing:g} N where it closes at {rate:g} "
@@ -217,25 +242,41 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
 
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
     """Raise InputError where a user friction law gives no number, creates energy or jumps."""
-    for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
+    for speed in (
+        0.1 * values["upper_speed"],
+        values["upper_speed"],
+        0.01,
+        0.1,
+        0.4,
+        1.0,
+        4.0,
+    ):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
             force = law.number(key, FRICTION_PARAMETERS, state)
             if force * sliding > 0.0:
-                fault = f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"
+                fault = (
+                    f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"
+                )
                 remedy = "a force against the sliding has the other sign"
                 raise InputError(f"{key}: {law.name} makes energy: {fault}; {remedy}")
     if jump := law.jump("sliding", {**values, "normal": 100.0}):
         place, below, above = jump
-        fault = f"{law.name} jumps from {below:g} to {above:g} N at sliding = {place:g} m/s"
-        raise InputError(f"{key}: {fault}: it must be continuous; use tanh(sliding / upper_speed)")
+        fault = (
+            f"{law.name} jumps from {below:g} to {above:g} N at sliding = {place:g} m/s"
+        )
+        raise InputError(
+            f"{key}: {fault}: it must be continuous; use tanh(sliding / upper_speed)"
+        )
 
 
 @dataclass(frozen=True)
 class Materials(Checked):
     """Elasticity and wear of a pin and a bearing as a pair."""
 
-    youngs_modulus: float = quantity(200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing")
+    youngs_modulus: float = quantity(
+        200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing"
+    )
     bearing_modulus: float | None = quantity(
         None, "Pa", 1e9, 1e12, "chosen", "E of the bearing; default: the pin's"
     )
@@ -264,8 +305,8 @@ def _steels(pin: float, bearing: float) -> Materials:
     return Materials(wear_coefficient=total, bearing_share=bearing / total)
 
 
-# Beside the paper's pair: stainless steels, rods in bores in water, after code_aster's data bank of
-# POST_USURE (``usuban``, GRAPPE_ALESAGE). Pin first.
+# Beside the paper's pair: stainless steels, rods in bores in water, after code_aster's
+# data bank of POST_USURE (``usuban``, GRAPPE_ALESAGE). Pin first.
 MATERIALS: dict[str, Materials] = {
     "paper": Materials(),
     "304L-304L": _steels(10e-15, 15e-15),

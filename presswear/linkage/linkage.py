@@ -1,8 +1,8 @@
 """A planar linkage as data, and how it is assembled from its parts.
 
-One description serves every engine. Coordinates of body ``i`` are the position of its mass centre
-and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the order of ``Linkage.bodies``. The frame is
-the name ``GROUND``; points on it are global.
+One description serves every engine. Coordinates of body ``i`` are the position of its
+mass centre and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the order of
+``Linkage.bodies``. The frame is the name ``GROUND``; points on it are global.
 """
 
 import math
@@ -37,8 +37,13 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, quantity, written
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
-MIN_CYCLE, MAX_CYCLE = 1e-5, 1e3  # s: a pin at rest in its bearing takes some 1e4 steps a second
-DRAWING_TOL = 1e-6  # distance of the points of a joint in the drawing, relative to its size
+MIN_CYCLE, MAX_CYCLE = (
+    1e-5,
+    1e3,
+)  # s: a pin at rest in its bearing takes some 1e4 steps a second
+DRAWING_TOL = (
+    1e-6  # distance of the points of a joint in the drawing, relative to its size
+)
 MAX_TURNS = 1000  # of a drive in a cycle
 MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
@@ -46,19 +51,23 @@ _FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreads
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
 
 # Fields of data classes; without a cycle its time follows from the drives.
-run_up = partial(count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest")
+run_up = partial(
+    count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest"
+)
 cycle = partial(
     quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
 )
-gravity = partial(quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
+gravity = partial(
+    quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y"
+)
 
 
 @dataclass(frozen=True)
 class Linkage(Checked):
     """Planar mechanism, driven, with or without clearance joints; see ``assemble`` for its parts.
 
-    Its joints are ideal; those with clearance are in ``clearances``. The output point is recorded
-    as ``slider``.
+    Its joints are ideal; those with clearance are in ``clearances``. The output point
+    is recorded as ``slider``.
     """
 
     kind: ClassVar[str] = "linkage"
@@ -100,7 +109,9 @@ class Linkage(Checked):
     @property
     def rubbing_pins(self) -> tuple[Revolute, ...]:
         """Ideal pin joints with friction."""
-        return tuple(joint for joint in self.revolutes if joint.friction.coefficient > 0.0)
+        return tuple(
+            joint for joint in self.revolutes if joint.friction.coefficient > 0.0
+        )
 
     @property
     def bushings(self) -> tuple[Bushing, ...]:
@@ -136,8 +147,14 @@ class Linkage(Checked):
     def period(self) -> float:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
         label = f"cycle of {self.name}, in which all drives make whole turns,"
-        speeds = [(drive.name, speed) for drive in self.drives for speed in drive.frequencies]
-        period = self._common_period([w for _, w in speeds]) if self.cycle is None else self.cycle
+        speeds = [
+            (drive.name, speed) for drive in self.drives for speed in drive.frequencies
+        ]
+        period = (
+            self._common_period([w for _, w in speeds])
+            if self.cycle is None
+            else self.cycle
+        )
         Quantity("s", MIN_CYCLE, MAX_CYCLE).check(label, period)
         for name, speed in speeds:
             turns = speed * period / (2.0 * math.pi)
@@ -149,7 +166,9 @@ class Linkage(Checked):
 
     def _common_period(self, speeds: Sequence[float]) -> float:
         if not speeds:
-            raise InputError(f"cycle of {self.name}: no drive turns; add one, or specify cycle, s")
+            raise InputError(
+                f"cycle of {self.name}: no drive turns; add one, or specify cycle, s"
+            )
         turns = 1
         for speed in speeds:
             ratio = Fraction(speed / speeds[0]).limit_denominator(MAX_COMMON_TURNS)
@@ -166,7 +185,11 @@ class Linkage(Checked):
     def phase(self) -> str:
         """Name of the angle that goes through a whole turn in a cycle."""
         turn = 2.0 * math.pi / self.period
-        cranks = [d for d in self.drives if not d.repeats and abs(abs(d.speed) / turn - 1.0) < 1e-9]
+        cranks = [
+            d
+            for d in self.drives
+            if not d.repeats and abs(abs(d.speed) / turn - 1.0) < 1e-9
+        ]
         return "crank angle" if cranks else "phase of the cycle"
 
     @property
@@ -202,7 +225,7 @@ class _Parts(Checked):
 
 
 @checked_arguments
-def assemble(
+def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
     bodies: Sequence[Any],
     joints: Sequence[Any] = (),
     drives: Sequence[Any] = (),
@@ -219,8 +242,8 @@ def assemble(
 ) -> Linkage:
     """Assemble a linkage from bodies, joints and drives, and check it.
 
-    Points are ``body.point``, ``body`` for its mass centre, or coordinates on the frame. Every part
-    may be given as plain data, too.
+    Points are ``body.point``, ``body`` for its mass centre, or coordinates on the
+    frame. Every part may be given as plain data, too.
 
     Parameters
     ----------
@@ -228,19 +251,20 @@ def assemble(
     output : str, tuple, Attachment or OutputPoint
         Output point; default: the mass centre of the last body.
     guess : mapping of str to float
-        Approximate initial angles, rad, of bodies that are neither driven nor guided. They select
-        one of the two assemblies of a loop.
+        Approximate initial angles, rad, of bodies that are neither driven nor guided.
+        They select one of the two assemblies of a loop.
     cycle : float, str or None
-        Time after which the motion repeats, s; None: the shortest in which every drive makes whole
-        turns.
+        Time after which the motion repeats, s; None: the shortest in which every drive
+        makes whole turns.
     run_up : int
-        Cycles in which the mechanism runs up from rest, in twice their time; 0: no run-up.
+        Cycles in which the mechanism runs up from rest, in twice their time; 0: no
+        run-up.
     gravity : float or str
         Acceleration along -y, m/s^2.
     loads : sequence of Load, Force or Moment
     direction : float, str or None
-        Direction along which the output point is observed, rad; None: along the guide of its body,
-        or else x.
+        Direction along which the output point is observed, rad; None: along the guide
+        of its body, or else x.
 
     Raises
     ------
@@ -256,7 +280,9 @@ def assemble(
     end = output or getattr(rows[-1], "name", "")
     tables = rows, joints, drives, springs, loads
     convert: Any = _Parts  # takes texts for numbers
-    parts: _Parts = convert(end, name, direction, dict(guess), cycle, run_up, gravity, *tables)
+    parts: _Parts = convert(
+        end, name, direction, dict(guess), cycle, run_up, gravity, *tables
+    )
     placing = _Placing(parts)
     for body in parts.guess:
         placing.check_body(body, "guess")
@@ -308,7 +334,9 @@ class _Placing:
             raise unknown(f"point of {body} in {where}", name, points)
         return Attachment(body, *points[name])
 
-    def output(self, end: OutputPoint | End, where: str, direction: float | None) -> OutputPoint:
+    def output(
+        self, end: OutputPoint | End, where: str, direction: float | None
+    ) -> OutputPoint:
         """Return a point that is observed along a direction, by default that of its guide."""
         at = end if isinstance(end, OutputPoint) else self.point(end, where)
         self.check_body(at.body, where)
@@ -355,9 +383,14 @@ class _Placing:
     def spring(self, spring: Spring) -> Spring:
         """Return a spring between points of two bodies."""
         where = f"spring {spring.name}"
-        first, second = self.point(spring.first, where), self.point(spring.second, where)
+        first, second = (
+            self.point(spring.first, where),
+            self.point(spring.second, where),
+        )
         if first.body == second.body:
-            raise InputError(f"{where}: both ends are on {first.body}, allowed are two bodies")
+            raise InputError(
+                f"{where}: both ends are on {first.body}, allowed are two bodies"
+            )
         return replace(spring, first=first, second=second)
 
     def load(self, load: AnyLoad) -> AnyLoad:
@@ -378,11 +411,20 @@ def _check(linkage: Linkage) -> None:
         "drive of": [drive.body for drive in linkage.drives],
     }
     for what, name in ((what, name) for what, row in names.items() for name in row):
-        if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
+        if (
+            not name.isprintable()
+            or name != name.strip()
+            or not name
+            or set(name) & _SIGNS
+        ):
             signs = " ".join(sorted(_SIGNS))
-            raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
+            raise InputError(
+                f"name of a {what} = {name!r}: a text without {signs} is expected"
+            )
         if name.startswith(_FORMULA):
-            fault = "must not begin with + - or @, which begin formulas in a spreadsheet"
+            fault = (
+                "must not begin with + - or @, which begin formulas in a spreadsheet"
+            )
             raise InputError(f"name of a {what} = {name!r}: {fault}")
         if names[what].count(name) > 1:
             raise InputError(f"{what} {name}: the name is used twice")
@@ -394,14 +436,21 @@ def _check(linkage: Linkage) -> None:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
     fixed = {guide.body for guide in linkage.guides}
-    fixed |= {drive.body for drive in linkage.drives if drive.speed == 0.0 and not drive.repeats}
+    fixed |= {
+        drive.body
+        for drive in linkage.drives
+        if drive.speed == 0.0 and not drive.repeats
+    }
     for body in linkage.bodies:
-        if body.inertia < MIN_INERTIA and not (body.inertia == 0.0 and body.name in fixed):
-            exception = (
-                "0 is allowed for a body that a guide, or a drive at rest, keeps from turning"
-            )
+        if body.inertia < MIN_INERTIA and not (
+            body.inertia == 0.0 and body.name in fixed
+        ):
+            holds = "a guide, or a drive at rest, keeps from turning"
+            exception = f"0 is allowed for a body that {holds}"
             allowed = f"must be {MIN_INERTIA:g} kg m^2 or more; {exception}"
-            raise InputError(f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}")
+            raise InputError(
+                f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}"
+            )
 
 
 def _check_drawing(linkage: Linkage) -> None:
@@ -450,15 +499,21 @@ def _parts_of(linkage: Linkage) -> _Parts:
         if isinstance(part, Attachment):
             if part.body == GROUND:
                 return part.x, part.y
-            points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(part.body)].points)
-            names = [name for name, place in points.items() if place == (part.x, part.y)]
+            points = {"centre": (0.0, 0.0)} | dict(
+                linkage.bodies[linkage.index(part.body)].points
+            )
+            names = [
+                name for name, place in points.items() if place == (part.x, part.y)
+            ]
             return f"{part.body}.{names[0]}" if names else part
         if isinstance(part, Revolute):
             ends = named(part.first), named(part.second)
             return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
         if not isinstance(part, Spring | Force | Drive | Follow):
             return part
-        return type(part)(**{item.name: named(getattr(part, item.name)) for item in fields(part)})
+        return type(part)(
+            **{item.name: named(getattr(part, item.name)) for item in fields(part)}
+        )
 
     return _Parts(
         named(linkage.output),
@@ -472,7 +527,9 @@ def _parts_of(linkage: Linkage) -> _Parts:
     )
 
 
-def place_of(linkage: Linkage, point: Attachment, position: Sequence[float]) -> tuple[float, float]:
+def place_of(
+    linkage: Linkage, point: Attachment, position: Sequence[float]
+) -> tuple[float, float]:
     """Return the place of a point of a body, or of the frame, m, in a position of all bodies."""
     if point.body == GROUND:
         return point.x, point.y
@@ -483,4 +540,6 @@ def place_of(linkage: Linkage, point: Attachment, position: Sequence[float]) -> 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
     """Return a linkage from what ``as_plain`` returned or a file has; messages name the place."""
-    return make(place, assemble, {key: value for key, value in data.items() if key != "kind"})
+    return make(
+        place, assemble, {key: value for key, value in data.items() if key != "kind"}
+    )

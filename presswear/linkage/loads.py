@@ -1,9 +1,9 @@
 """Springs, loads with their laws, and the process forces of a press.
 
-A law is continuous in position and speed, or in position and the greatest depth so far, so that no
-load can switch on and off without end; the one jump, a release, is undone only by the whole way
-back. Every engine locates the corners and jumps of a law, and no step crosses them; it does not
-know the corners of a user function.
+A law is continuous in position and speed, or in position and the greatest depth so far,
+so that no load can switch on and off without end; the one jump, a release, is undone
+only by the whole way back. Every engine locates the corners and jumps of a law, and no
+step crosses them; it does not know the corners of a user function.
 """
 
 import math
@@ -22,9 +22,12 @@ Sense = Literal["both", "along", "against"]
 Outside = Literal["zero", "hold"]
 
 MAX_LOAD = 1e12  # N or N m; the strongest press has 1e9
-MAX_SLOPE = 1e16  # of an elastic line, N/m or N m/rad: the greatest process force over MIN_DEPTH
+# of an elastic line, N/m or N m/rad: the greatest process force over MIN_DEPTH
+MAX_SLOPE = 1e16
 MAX_FREQUENCY = 1e6  # rad/s
-MIN_GAP = 1e-6  # between two nodes of a table, part of its length: closer ones are a jump
+MIN_GAP = (
+    1e-6  # between two nodes of a table, part of its length: closer ones are a jump
+)
 SLOPE_TOL = 1e-6  # relative, of a slope that is computed from the nodes of a table
 
 _TIME = Annotated[float, Quantity("s", -1e15, 1e15)]
@@ -58,9 +61,13 @@ class Load(Checked):
     """Constant force, N, at the mass centre of a body and moment, N m, on it."""
 
     body: str
-    x: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force to the right, at the mass centre")
+    x: float = quantity(
+        0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force to the right, at the mass centre"
+    )
     y: float = quantity(0.0, "N", -MAX_LOAD, MAX_LOAD, "", "force upwards")
-    moment: float = quantity(0.0, "N m", -MAX_LOAD, MAX_LOAD, "", "moment, counterclockwise")
+    moment: float = quantity(
+        0.0, "N m", -MAX_LOAD, MAX_LOAD, "", "moment, counterclockwise"
+    )
 
 
 @dataclass(frozen=True)
@@ -70,7 +77,9 @@ class Harmonics(Checked):
     kind: ClassVar[str] = "harmonics"
 
     mean: _LOAD = 0.0
-    frequency: float = quantity(0.0, "rad/s", 0.0, MAX_FREQUENCY, "", "of the first harmonic")
+    frequency: float = quantity(
+        0.0, "rad/s", 0.0, MAX_FREQUENCY, "", "of the first harmonic"
+    )
     harmonics: Sequence[tuple[_LOAD, _LOAD]] = ()
 
     def __post_init__(self) -> None:
@@ -89,7 +98,12 @@ class OverTime(Checked):
 
     table: Sequence[tuple[_TIME, _LOAD]]
     period: float | None = quantity(
-        None, "s", 0.0, 1e6, "", "period of the table; 0: it does not repeat; default: a cycle"
+        None,
+        "s",
+        0.0,
+        1e6,
+        "",
+        "period of the table; 0: it does not repeat; default: a cycle",
     )
 
     def __post_init__(self) -> None:
@@ -110,25 +124,26 @@ class OverTime(Checked):
 class OverPosition(Checked):
     """Table over the position of the point along the force, or the angle of the body.
 
-    A load with one ``sense`` resists the motion. It is 0 at rest and in the other sense, and grows
-    with the speed to its full size, like friction in a joint. With ``unloading`` the load is
-    elastic-plastic and independent of the speed. If the motion reverses, it falls along a straight
-    line to zero. On the way in it rises along this line up to the largest depth, and then follows
-    the table. A run that begins within the table begins at the largest depth.
+    A load with one ``sense`` resists the motion. It is 0 at rest and in the other
+    sense, and grows with the speed to its full size, like friction in a joint. With
+    ``unloading`` the load is elastic-plastic and independent of the speed. If the
+    motion reverses, it falls along a straight line to zero. On the way in it rises
+    along this line up to the largest depth, and then follows the table. A run that
+    begins within the table begins at the largest depth.
 
     Attributes
     ----------
     table : tuple of (float, float)
         Position, m, and force, N; or angle, rad, and moment, N m. Linear between.
     sense : {"both", "along", "against"}
-        Motion in which the load acts: both senses, only along the direction of the force
-        (counterclockwise), or only against it. Forces and moments are positive along the direction,
-        so that a load that resists motion against it is positive.
+        Motion in which the load acts: both senses, only along the direction of the
+        force (counterclockwise), or only against it. Forces and moments are positive
+        along the direction, so that a load that resists motion against it is positive.
     outside : {"zero", "hold"}
         Load beyond the ends of the table: zero, or the value at the end.
     release : bool
-        After the end of the table the load is zero until the motion is back at the start of the
-        table, as in blanking.
+        After the end of the table the load is zero until the motion is back at the
+        start of the table, as in blanking.
     """
 
     kind: ClassVar[str] = "over-position"
@@ -136,10 +151,17 @@ class OverPosition(Checked):
     table: Sequence[tuple[_POSITION, _LOAD]]
     sense: Sense = "both"
     outside: Outside = "zero"
-    zero: float = quantity(0.0, "m or rad", -MAX_ANGLE, MAX_ANGLE, "", "zero of the table")
+    zero: float = quantity(
+        0.0, "m or rad", -MAX_ANGLE, MAX_ANGLE, "", "zero of the table"
+    )
     release: bool = False
     unloading: float = quantity(
-        0.0, "N/m or N m/rad", 0.0, MAX_SLOPE, "", "slope of the elastic line back; 0: none"
+        0.0,
+        "N/m or N m/rad",
+        0.0,
+        MAX_SLOPE,
+        "",
+        "slope of the elastic line back; 0: none",
     )
 
     def __post_init__(self) -> None:
@@ -147,15 +169,25 @@ class OverPosition(Checked):
         super().__post_init__()
         table, sense = self.table, self.sense
         _check_rising(table)
-        ends = {"along": table[:1], "against": table[-1:], "both": (table[0], table[-1])}[sense]
-        jumps = (ends if self.release else (table[0], table[-1])) if self.outside == "zero" else ()
+        ends = {
+            "along": table[:1],
+            "against": table[-1:],
+            "both": (table[0], table[-1]),
+        }[sense]
+        jumps = (
+            (ends if self.release else (table[0], table[-1]))
+            if self.outside == "zero"
+            else ()
+        )
         for place, size in jumps:
             if size != 0.0:
                 end = f"{size:g} N or N m at the end, {place:g} m or rad,"
                 allowed = "allowed are 0 there, or outside = hold"
                 raise InputError(f"table: {end} would be a jump to 0; {allowed}")
         if self.release and (sense == "both" or len(table) < 2):
-            raise InputError("release: it needs a table of two nodes that acts in one sense")
+            raise InputError(
+                "release: it needs a table of two nodes that acts in one sense"
+            )
         wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[sense]
         for place, size in table:
             if wrong * size > 0.0:
@@ -172,7 +204,9 @@ class OverPosition(Checked):
             fault = f"{size:g} N or N m at {place:g} m or rad, where it begins"
             raise InputError(f"table: {fault}; with unloading allowed is 0")
         # Resistance against the way, whose signs cancel in either sense.
-        steepest = max(((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0)
+        steepest = max(
+            ((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0
+        )
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
             raise InputError(
                 f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
@@ -188,11 +222,17 @@ def _check_rising(table: Table) -> None:
     for k, (before, row) in enumerate(pairwise(table), start=1):
         if not row[0] - before[0] > least:
             fault = f"{row[0]:g} does not lie above {before[0]:g}, the row before it"
-            raise InputError(f"table[{k}]: {fault}, by a millionth of the table's length")
+            raise InputError(
+                f"table[{k}]: {fault}, by a millionth of the table's length"
+            )
 
 
 LAWS: Mapping[str, Any] = {law.kind: law for law in (Harmonics, OverTime, OverPosition)}
-LOAD_PARAMETERS = ("time", "position", "speed")  # of a user law: s; m or rad; m/s or rad/s
+LOAD_PARAMETERS = (
+    "time",
+    "position",
+    "speed",
+)  # of a user law: s; m or rad; m/s or rad/s
 
 
 def check_load(key: str, law: UserFunction) -> None:
@@ -212,7 +252,15 @@ def check_load(key: str, law: UserFunction) -> None:
                     )
 
 
-Law = float | Harmonics | OverTime | OverPosition | UserFunction | Callable[..., float] | str
+Law = (
+    float
+    | Harmonics
+    | OverTime
+    | OverPosition
+    | UserFunction
+    | Callable[..., float]
+    | str
+)
 
 
 @dataclass(frozen=True)
@@ -247,9 +295,9 @@ class Force(Checked):
     point : Attachment or str
         As ``body.point``, or as ``body`` for its mass centre.
     law : float, Harmonics, OverTime, OverPosition, callable or str
-        Size along the direction, N; a constant, a law, or a user function of LOAD_PARAMETERS, also
-        as ``FILE.py:NAME``. The position of a table is that of the point along the direction,
-        measured from the origin of the frame.
+        Size along the direction, N; a constant, a law, or a user function of
+        LOAD_PARAMETERS, also as ``FILE.py:NAME``. The position of a table is that of
+        the point along the direction, measured from the origin of the frame.
     """
 
     point: Attachment | str
@@ -265,7 +313,11 @@ class Force(Checked):
     @property
     def body(self) -> str:
         """Name of the body that it acts on."""
-        return self.point.partition(".")[0] if isinstance(self.point, str) else self.point.body
+        return (
+            self.point.partition(".")[0]
+            if isinstance(self.point, str)
+            else self.point.body
+        )
 
 
 @dataclass(frozen=True)
@@ -287,10 +339,11 @@ class Moment(Checked):
 AnyLoad = Load | Force | Moment
 
 
-# Process forces: the work lies towards an extreme of the output coordinate in the ideal motion, its
-# bottom dead centre: for the slider of a press the lowest place. Where that is the highest, a scene
-# observes the opposite direction, so that up is away from the work in every scene. Height is
-# counted from bottom dead centre, depth from where the work is touched.
+# Process forces: the work lies towards an extreme of the output coordinate in the ideal
+# motion, its bottom dead centre: for the slider of a press the lowest place. Where that
+# is the highest, a scene observes the opposite direction, so that up is away from the
+# work in every scene. Height is counted from bottom dead centre, depth from where the
+# work is touched.
 Extreme = Literal["lowest", "highest"]
 
 MAX_FORCE = 1e9  # of a process, N: that of the strongest press
@@ -316,8 +369,8 @@ _BOTTOM = "output coordinate at bottom dead centre, where the work is"
 class _Work(Checked):
     """Curve of a process and what follows from it; a cushion gives back what it takes.
 
-    It is elastic-plastic: where the motion turns back, the force falls as steeply as the curve
-    rises at most; see ``laws_of``.
+    It is elastic-plastic: where the motion turns back, the force falls as steeply as
+    the curve rises at most; see ``laws_of``.
     """
 
     @property
@@ -346,13 +399,28 @@ class Blanking(_Work):
     height: float = _depth(5e-3, _HEIGHT)
     thickness: float = _depth(1e-3, "thickness of the sheet")
     stiffness: float | None = quantity(
-        None, "N/m", 1.0, 1e12, "chosen", "of the elastic rise; default: force over rise"
+        None,
+        "N/m",
+        1.0,
+        1e12,
+        "chosen",
+        "of the elastic rise; default: force over rise",
     )
-    rise: float = _depth(1e-4, "depth over which the force rises, with the stretch of the frame")
+    rise: float = _depth(
+        1e-4, "depth over which the force rises, with the stretch of the frame"
+    )
     plateau: float = quantity(
-        0.4, "", 0.0, 1.0, "chosen", "fraction of the thickness at fracture", open_low=True
+        0.4,
+        "",
+        0.0,
+        1.0,
+        "chosen",
+        "fraction of the thickness at fracture",
+        open_low=True,
     )
-    snap: float = _depth(5e-5, "depth over which the force falls to zero after the fracture")
+    snap: float = _depth(
+        5e-5, "depth over which the force falls to zero after the fracture"
+    )
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
@@ -363,13 +431,20 @@ class Blanking(_Work):
             if not low <= self.stiffness <= high:
                 limits = " to ".join(written(value, "N/m") for value in (low, high))
                 allowed = f"with force = {written(self.force, 'N')} allowed is {limits}"
-                raise InputError(f"stiffness = {written(self.stiffness, 'N/m')}: {allowed}")
+                raise InputError(
+                    f"stiffness = {written(self.stiffness, 'N/m')}: {allowed}"
+                )
 
     @property
     def curve(self) -> Curve:  # noqa: D102
         rise = self.rise if self.stiffness is None else self.force / self.stiffness
         broken = rise + self.plateau * self.thickness
-        return (0.0, 0.0), (rise, self.force), (broken, self.force), (broken + self.snap, 0.0)
+        return (
+            (0.0, 0.0),
+            (rise, self.force),
+            (broken, self.force),
+            (broken + self.snap, 0.0),
+        )
 
     @property
     def fracture(self) -> float:  # noqa: D102
@@ -385,7 +460,9 @@ class Drawing(_Work):
     force: float = _force("largest force", 300.0)
     height: float = _depth(10e-3, _HEIGHT)
     depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
-    peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "fraction of the depth at the peak")
+    peak: float = quantity(
+        0.35, "", 0.05, 0.95, "chosen", "fraction of the depth at the peak"
+    )
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
 
@@ -413,7 +490,9 @@ class Coining(_Work):
 
 
 Process = Blanking | Drawing | Coining
-PROCESSES: Mapping[str, type[Process]] = {one.kind: one for one in (Blanking, Drawing, Coining)}
+PROCESSES: Mapping[str, type[Process]] = {
+    one.kind: one for one in (Blanking, Drawing, Coining)
+}
 
 
 def check_reach(process: Process, stroke: float, body: str) -> None:
@@ -430,12 +509,14 @@ def check_reach(process: Process, stroke: float, body: str) -> None:
 def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
     """Return the laws of a process and its cushion, of forces away from the work, by name.
 
-    Work that breaks or flows is loaded along its curve, and unloaded and loaded again along a
-    straight line as steep as the steepest rise of the curve, up to the greatest depth of the
-    stroke. Once it is worked through nothing acts until the stroke is over.
+    Work that breaks or flows is loaded along its curve, and unloaded and loaded again
+    along a straight line as steep as the steepest rise of the curve, up to the greatest
+    depth of the stroke. Once it is worked through nothing acts until the stroke is
+    over.
 
-    The work is touched at the position ``contact``, along the direction away from it, m. A new
-    blank lies there after a stroke, which is over at the height ``lift`` above, m.
+    The work is touched at the position ``contact``, along the direction away from it,
+    m. A new blank lies there after a stroke, which is over at the height ``lift``
+    above, m.
     """
 
     def table(curve: Curve) -> list[tuple[float, float]]:
@@ -446,7 +527,9 @@ def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosi
         return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
     steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
     stroke = table(((-lift, 0.0), *process.curve))
-    law = OverPosition(stroke, "against", zero=contact, release=True, unloading=steepest)
+    law = OverPosition(
+        stroke, "against", zero=contact, release=True, unloading=steepest
+    )
     laws = {process.kind: law}
     if process.cushion > 0.0:
         held = ((0.0, 0.0), (process.curve[1][0], process.cushion))

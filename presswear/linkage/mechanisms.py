@@ -1,9 +1,10 @@
 """Driven mechanisms made of a few quantities: the press of the paper and three simpler ones.
 
-Bodies of the press are numbered as in the paper: frame 1, crank 2, rod 3, triangular plate 4, rod
-5, slider 6, crank 7. The paper does not print enough to fix the mechanism; each value tells whether
-it is the paper's, chosen or assumed. The slider-crank is that of the literature on joints with
-clearance (Flores), from memory and not checked against a page.
+Bodies of the press are numbered as in the paper: frame 1, crank 2, rod 3, triangular
+plate 4, rod 5, slider 6, crank 7. The paper does not print enough to fix the mechanism;
+each value tells whether it is the paper's, chosen or assumed. The slider-crank is that
+of the literature on joints with clearance (Flores), from memory and not checked against
+a page.
 """
 
 import cmath
@@ -22,7 +23,9 @@ from presswear.tools.quantities import choice, named_set, one_of, quantity, writ
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
-MIN_SPEED = 0.1 * math.pi / 30.0  # of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
+MIN_SPEED = (
+    0.1 * math.pi / 30.0
+)  # of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
 LITERATURE = "literature, from memory"
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
@@ -31,7 +34,9 @@ BELOW, ABOVE = -1.0, 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
 _OF_BAR = "length", "mass", "inertia"
 _ROD = "; default: that of a thin rod"
-_MIN_ROD_RATIO = 1.0001  # rod over crank: an upright rod leaves the side of the slider open
+_MIN_ROD_RATIO = (
+    1.0001  # rod over crank: an upright rod leaves the side of the slider open
+)
 
 
 def _number(
@@ -44,9 +49,13 @@ _length = partial(_number, "m", MIN_LINK, MAX_LINK)
 _mass = partial(_number, "kg", 1e-6, 1e4)
 _inertia = partial(_number, "kg m^2", 1e-9, 1e4)
 _side = partial(_length, "paper, reading chosen")
-_p_length, _p_mass, _p_inertia = (partial(make, "paper") for make in (_length, _mass, _inertia))
+_p_length, _p_mass, _p_inertia = (
+    partial(make, "paper") for make in (_length, _mass, _inertia)
+)
 _l_length, _l_mass = (partial(make, LITERATURE) for make in (_length, _mass))
-_c_length, _c_mass, _c_inertia = (partial(make, "chosen") for make in (_length, _mass, _inertia))
+_c_length, _c_mass, _c_inertia = (
+    partial(make, "chosen") for make in (_length, _mass, _inertia)
+)
 _c_speed = partial(_number, "rad/s", MIN_SPEED, 5000.0, "chosen")
 
 
@@ -81,12 +90,14 @@ def _assembled(mechanism: Mechanism) -> Linkage:
 class Geometry(Checked):
     """Frame joint O2, sides of the plate, and the branch in which the linkage is assembled.
 
-    The paper prints none of these unambiguously. ``side_b`` is the side of the line from D to A on
-    which B lies, ``side_c`` that of the line from D to B on which C lies (RIGHT or LEFT);
-    ``slider_side`` is BELOW or ABOVE C.
+    The paper prints none of these unambiguously. ``side_b`` is the side of the line
+    from D to A on which B lies, ``side_c`` that of the line from D to B on which C lies
+    (RIGHT or LEFT); ``slider_side`` is BELOW or ABOVE C.
     """
 
-    hx: float = quantity(0.240, "m", -MAX_LINK, MAX_LINK, "chosen", "O2 to the right of O7")
+    hx: float = quantity(
+        0.240, "m", -MAX_LINK, MAX_LINK, "chosen", "O2 to the right of O7"
+    )
     hy: float = quantity(0.1345, "m", -MAX_LINK, MAX_LINK, "chosen", "O2 above O7")
     side_bd: float = _side(0.39, "plate side B to D")
     side_bc: float = _side(0.21, "plate side B to C")
@@ -105,12 +116,16 @@ class Geometry(Checked):
                 )
         short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
         if longest >= short + middle:
-            allowed = f"must be below the sum of the others, {written(short + middle, 'm')}"
+            allowed = (
+                f"must be below the sum of the others, {written(short + middle, 'm')}"
+            )
             fault = f"its longest side {written(longest, 'm')} {allowed}"
             raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
-GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
+GEOMETRIES: dict[
+    str, Geometry
+] = {  # they meet the two printed peaks about equally well
     "standard": Geometry(),
     "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
     "lifted": Geometry(
@@ -150,11 +165,15 @@ class Press(Mechanism):
     mass_5: float = _p_mass(0.1272, "mass of rod 5")
     mass_6: float = _p_mass(0.0288, "mass of slider 6")
     mass_7: float = _p_mass(0.0243, "mass of crank 7")
-    inertia_2: float = _p_inertia(5.396e-4, "inertia of crank 2 (affects the drive torque only)")
+    inertia_2: float = _p_inertia(
+        5.396e-4, "inertia of crank 2 (affects the drive torque only)"
+    )
     inertia_3: float = _p_inertia(1.1e-3, "inertia of rod 3")
     inertia_4: float = _p_inertia(3.779e-3, "inertia of plate 4")
     inertia_5: float = _p_inertia(1.771e-3, "inertia of rod 5")
-    inertia_7: float = _p_inertia(5.396e-4, "inertia of crank 7 (affects the drive torque only)")
+    inertia_7: float = _p_inertia(
+        5.396e-4, "inertia of crank 7 (affects the drive torque only)"
+    )
     gravity: float = gravity()
     speed: float = quantity(
         3.5 * math.pi,
@@ -177,11 +196,14 @@ class Press(Mechanism):
         across = self.geometry.side_c * math.sqrt(cd**2 - along**2)
         x, y = (bd + along) / 3.0, across / 3.0
         corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
-        return {name: Attachment("plate 4", a - x, b - y) for name, (a, b) in corners.items()}
+        return {
+            name: Attachment("plate 4", a - x, b - y)
+            for name, (a, b) in corners.items()
+        }
 
     def _assemble(self) -> Linkage:
-        # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14; the slider's
-        # angle of 90 degrees there is the direction of its guide.
+        # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14;
+        # the slider's angle of 90 degrees there is the direction of its guide.
         geometry, corner = self.geometry, self.plate_corners()
         return assemble(
             name="seven-bar press",
@@ -202,10 +224,22 @@ class Press(Mechanism):
                 Pin("C", "rod 5.head", corner["C"]),
                 Pin("D", "crank 7.head", corner["D"]),
                 Pin("E", "rod 5.tail", "slider 6"),
-                Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
+                Guide(
+                    "guide",
+                    "slider 6",
+                    geometry.hx,
+                    0.0,
+                    0.5 * math.pi,
+                    angle=0.5 * math.pi,
+                ),
             ),
             drives=(
-                Drive("crank 2", -self.speed, CRANK_2_START, torque_limit=self.torque_limit),
+                Drive(
+                    "crank 2",
+                    -self.speed,
+                    CRANK_2_START,
+                    torque_limit=self.torque_limit,
+                ),
                 replace(self._drive_7, torque_limit=self.torque_limit),
             ),
             output=OutputPoint("slider 6", 0.5 * math.pi),
@@ -238,7 +272,9 @@ class Press(Mechanism):
         }
 
 
-def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:
+def _meeting(
+    p: complex, q: complex, from_p: float, from_q: float, side: float
+) -> complex:
     """Return the point at distances from p and q, on a side of the line p to q, or nearly."""
     length = max(abs(q - p), 1e-12)
     along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
@@ -250,8 +286,8 @@ def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) 
 class SliderCrank(Mechanism):
     """Slider-crank: the crank turns about O, the rod joins it in A and the slider in B.
 
-    The slider moves on a line through O. Mass centres are at mid-length and the rod carries the
-    bearings (both assumed).
+    The slider moves on a line through O. Mass centres are at mid-length and the rod
+    carries the bearings (both assumed).
     """
 
     kind = "slider-crank"
@@ -271,11 +307,18 @@ class SliderCrank(Mechanism):
         *(-0.5 * math.pi, "rad", -2.0 * math.pi, 2.0 * math.pi, "chosen"),
         "direction from O to the slider, from x; -90 deg: below O",
     )
-    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    crank_inertia: float | None = _c_inertia(
+        None, f"inertia of the crank (torque only){_ROD}"
+    )
     rod_inertia: float | None = _c_inertia(None, f"inertia of the rod{_ROD}")
     gravity: float = gravity()
     speed: float = quantity(
-        5000.0 * math.pi / 30.0, "rad/s", MIN_SPEED, 5000.0, LITERATURE, "crank speed omega"
+        5000.0 * math.pi / 30.0,
+        "rad/s",
+        MIN_SPEED,
+        5000.0,
+        LITERATURE,
+        "crank speed omega",
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
@@ -285,7 +328,8 @@ class SliderCrank(Mechanism):
         _check_rod(self.rod_length, self.crank_length, "joint B does not close")
 
     def _assemble(self) -> Linkage:
-        # Crank and rod, from O to A and from A to B, begin in the direction of the slide.
+        # Crank and rod, from O to A and from A to B, begin in the direction of the
+        # slide.
         along = self.slide_angle
         upward = along if math.sin(along) >= 0.0 else along + math.pi
         return assemble(
@@ -312,8 +356,8 @@ class SliderCrank(Mechanism):
 class FourBar(Mechanism):
     """Four-bar linkage: the crank turns about O, the coupler joins it in A and the rocker in B.
 
-    The rocker turns about P, to the right of O. The output point is B. Mass centres are at
-    mid-length.
+    The rocker turns about P, to the right of O. The output point is B. Mass centres are
+    at mid-length.
     """
 
     kind = "four-bar"
@@ -328,10 +372,14 @@ class FourBar(Mechanism):
     crank_mass: float = _c_mass(0.3, "mass of the crank")
     coupler_mass: float = _c_mass(0.5, "mass of the coupler")
     rocker_mass: float = _c_mass(0.4, "mass of the rocker")
-    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    crank_inertia: float | None = _c_inertia(
+        None, f"inertia of the crank (torque only){_ROD}"
+    )
     coupler_inertia: float | None = _c_inertia(None, f"inertia of the coupler{_ROD}")
     rocker_inertia: float | None = _c_inertia(None, f"inertia of the rocker{_ROD}")
-    side: str = choice("above", ("above", "below"), "side of the frame on which the rocker begins")
+    side: str = choice(
+        "above", ("above", "below"), "side of the frame on which the rocker begins"
+    )
     gravity: float = gravity()
     speed: float = _c_speed(10.0 * math.pi, "crank speed omega")
     run_up: int = run_up()
@@ -363,9 +411,9 @@ class FourBar(Mechanism):
 class SixBar(Mechanism):
     """Knuckle-joint press: a crank and a rod straighten two links, which push the slider down.
 
-    The crank turns about O, the rod joins it in A and the upper link in B. The upper link turns
-    about P and joins the lower link in C, at the same place as B; the lower link joins the slider
-    in D, below P. Mass centres are at mid-length.
+    The crank turns about O, the rod joins it in A and the upper link in B. The upper
+    link turns about P and joins the lower link in C, at the same place as B; the lower
+    link joins the slider in D, below P. Mass centres are at mid-length.
     """
 
     kind = "six-bar"
@@ -373,7 +421,9 @@ class SixBar(Mechanism):
     default_joints = ("B",)
     origin = CHOSEN
 
-    crank_x: float = quantity(-0.27, "m", -MAX_LINK, MAX_LINK, "chosen", "O to the right of P")
+    crank_x: float = quantity(
+        -0.27, "m", -MAX_LINK, MAX_LINK, "chosen", "O to the right of P"
+    )
     crank_y: float = quantity(-0.06, "m", -MAX_LINK, MAX_LINK, "chosen", "O above P")
     crank_length: float = _c_length(0.042, "crank, O to A")
     rod_length: float = _c_length(0.24, "rod, A to B")
@@ -384,7 +434,9 @@ class SixBar(Mechanism):
     upper_mass: float = _c_mass(2.5, "mass of the upper link")
     lower_mass: float = _c_mass(3.0, "mass of the lower link")
     slider_mass: float = _c_mass(10.0, "mass of the slider")
-    crank_inertia: float | None = _c_inertia(None, f"inertia of the crank (torque only){_ROD}")
+    crank_inertia: float | None = _c_inertia(
+        None, f"inertia of the crank (torque only){_ROD}"
+    )
     rod_inertia: float | None = _c_inertia(None, f"inertia of the rod{_ROD}")
     upper_inertia: float | None = _c_inertia(None, f"inertia of the upper link{_ROD}")
     lower_inertia: float | None = _c_inertia(None, f"inertia of the lower link{_ROD}")
@@ -394,10 +446,13 @@ class SixBar(Mechanism):
     torque_limit: float | None = torque_limit()
 
     def _assemble(self) -> Linkage:
-        # The crank points from O to A, the rod from A to B, the links from P to B and C to D.
+        # The crank points from O to A, the rod from A to B, the links from P to B and C
+        # to D.
         o = complex(self.crank_x, self.crank_y)
         a = o + self.crank_length
-        b = _meeting(0j, a, self.upper_length, self.rod_length, LEFT if o.real < 0.0 else RIGHT)
+        b = _meeting(
+            0j, a, self.upper_length, self.rod_length, LEFT if o.real < 0.0 else RIGHT
+        )
         down = math.sqrt(max(self.lower_length**2 - b.real**2, 0.0))
         return assemble(
             name=self.kind,
@@ -430,10 +485,11 @@ class SixBar(Mechanism):
 class TwoPoint(Mechanism):
     """Two-point press: two geared cranks that mirror each other hold the slide on two rods.
 
-    The cranks turn about O1 and O2, to the left and right of the middle. The rods join them in A1
-    and A2 and the slide in B1 and B2. Crank 2 turns at the given speed, crank 1 in the opposite
-    sense. The guide holds the angle of the slide, so that one of all constraints repeats the
-    others, unless a joint of a rod has clearance. Mass centres are at mid-length.
+    The cranks turn about O1 and O2, to the left and right of the middle. The rods join
+    them in A1 and A2 and the slide in B1 and B2. Crank 2 turns at the given speed,
+    crank 1 in the opposite sense. The guide holds the angle of the slide, so that one
+    of all constraints repeats the others, unless a joint of a rod has clearance. Mass
+    centres are at mid-length.
     """
 
     kind = "two-point"
@@ -447,10 +503,14 @@ class TwoPoint(Mechanism):
     crank_mass: float = _c_mass(60.0, "mass of a crank")
     rod_mass: float = _c_mass(80.0, "mass of a rod")
     slider_mass: float = _c_mass(500.0, "mass of the slide with the upper tool")
-    crank_inertia: float | None = _c_inertia(None, f"inertia of a crank (torque only){_ROD}")
+    crank_inertia: float | None = _c_inertia(
+        None, f"inertia of a crank (torque only){_ROD}"
+    )
     rod_inertia: float | None = _c_inertia(None, f"inertia of a rod{_ROD}")
     gravity: float = gravity()
-    speed: float = _c_speed(2.0 * math.pi, "speed of crank 2; crank 1 has the opposite one")
+    speed: float = _c_speed(
+        2.0 * math.pi, "speed of crank 2; crank 1 has the opposite one"
+    )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
 
@@ -469,7 +529,9 @@ class TwoPoint(Mechanism):
                 Pin(f"A{number}", f"{crank}.head", f"{rod}.tail"),
                 Pin(f"B{number}", f"{rod}.head", f"slider.{number}"),
             ]
-            drives.append(Drive(crank, side * self.speed, up, torque_limit=self.torque_limit))
+            drives.append(
+                Drive(crank, side * self.speed, up, torque_limit=self.torque_limit)
+            )
         # The guide holds the angle of the slide: its inertia never enters.
         places = {"1": (-half, 0.0), "2": (half, 0.0)}
         bodies.append(Body("slider", self.slider_mass, 1.0, places))
@@ -498,6 +560,8 @@ def _check_rod(rod: float, crank: float, fault: str) -> None:
 def _bars(mechanism: Mechanism, *names: str) -> list[Body]:
     """Return bars of a mechanism whose fields begin with the first words of their names."""
     return [
-        Bar(name, *(getattr(mechanism, f"{name.split()[0]}_{item}") for item in _OF_BAR))
+        Bar(
+            name, *(getattr(mechanism, f"{name.split()[0]}_{item}") for item in _OF_BAR)
+        )
         for name in names
     ]

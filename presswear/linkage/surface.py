@@ -1,9 +1,10 @@
 """Worn surfaces: wear depth as a smooth periodic function of angle.
 
-A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering ``[k, k + 1) 2 pi / m``.
-Between the bin centres the depth is the monotone piecewise cubic of Fritsch and Carlson (SIAM J.
-Numer. Anal. 17, 1980): value and slope are continuous, seam included, and it never leaves the range
-of its neighbours, so that a worn surface cannot rise above the new one.
+A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering ``[k, k + 1)
+2 pi / m``. Between the bin centres the depth is the monotone piecewise cubic of Fritsch
+and Carlson (SIAM J. Numer. Anal. 17, 1980): value and slope are continuous, seam
+included, and it never leaves the range of its neighbours, so that a worn surface cannot
+rise above the new one.
 """
 
 import math
@@ -61,7 +62,9 @@ class Surface:
         object.__setattr__(self, "slope", slope)
 
     def __eq__(self, surface: object) -> bool:
-        return isinstance(surface, Surface) and np.array_equal(self.depth, surface.depth)
+        return isinstance(surface, Surface) and np.array_equal(
+            self.depth, surface.depth
+        )
 
     def __hash__(self) -> int:
         return hash(self.depth.tobytes())
@@ -85,5 +88,6 @@ class Surface:
         rise = self.depth[j] - self.depth[k]
         a, b = self.slope[k] * width, self.slope[j] * width
         return np.asarray(
-            self.depth[k] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
+            self.depth[k]
+            + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
         )

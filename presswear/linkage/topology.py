@@ -3,7 +3,14 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from presswear.linkage.elements import GROUND, Attachment, Body, Joint, Revolute, ends_of
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Body,
+    Joint,
+    Revolute,
+    ends_of,
+)
 from presswear.linkage.linkage import Linkage
 
 
@@ -13,7 +20,9 @@ class Branch(NamedTuple):
     joint: Joint | None  # to the parent; None for a body that no ideal joint holds
     before: Attachment  # end of the joint on the parent
     end: Attachment  # end of the joint on the body itself
-    parent: int  # position in the tree; -1 for the frame or a body with prescribed motion
+    parent: (
+        int  # position in the tree; -1 for the frame or a body with prescribed motion
+    )
 
 
 def bodies_of(joint: Joint) -> set[str]:
@@ -24,10 +33,11 @@ def bodies_of(joint: Joint) -> set[str]:
 def prescribed_of(linkage: Linkage) -> frozenset[str]:
     """Return the bodies whose motion ideal joints, guides and drives prescribe fully.
 
-    The largest set with as many rows of constraints inside it as coordinates. Each row is assigned
-    to one of its bodies, which has room for three. A body with room left can move, and so can one
-    that could pass a row on to it; all others are prescribed. The rows of a linkage that closes
-    away from its dead points are independent, so that counting them is enough.
+    The largest set with as many rows of constraints inside it as coordinates. Each row
+    is assigned to one of its bodies, which has room for three. A body with room left
+    can move, and so can one that could pass a row on to it; all others are prescribed.
+    The rows of a linkage that closes away from its dead points are independent, so that
+    counting them is enough.
     """
     rows = [bodies_of(joint) for joint in linkage.joints for _ in range(2)]
     rows += [{drive.body} for drive in linkage.drives]
@@ -51,7 +61,9 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
         assign(row, set())
     free = {name for name, held in assigned.items() if len(held) < 3}
     while True:
-        more = {name for name, held in assigned.items() if any(row & free for row in held)} - free
+        more = {
+            name for name, held in assigned.items() if any(row & free for row in held)
+        } - free
         if not more:
             return frozenset(assigned.keys() - free)
         free |= more
@@ -62,13 +74,15 @@ def _tree_of(
 ) -> tuple[list[Branch], list[Joint], list[Joint]]:
     """Return a tree that grows from roots joint by joint, parents before children.
 
-    Bodies that no joint reaches hang from nothing. The joints between two bodies of the tree, and
-    those that do not touch it, are returned behind it.
+    Bodies that no joint reaches hang from nothing. The joints between two bodies of the
+    tree, and those that do not touch it, are returned behind it.
     """
     branches, closing, waiting = list[Branch](), list[Joint](), list(joints)
     positions = dict.fromkeys(roots, -1)  # in ``branches``
     while True:
-        touching = (one for one in waiting if any(at.body in positions for at in ends_of(one)))
+        touching = (
+            one for one in waiting if any(at.body in positions for at in ends_of(one))
+        )
         joint = next(touching, None)
         if joint is not None:
             waiting.remove(joint)
@@ -79,7 +93,9 @@ def _tree_of(
                 closing.append(joint)
                 continue
         else:
-            name = next((body.name for body in bodies if body.name not in positions), None)
+            name = next(
+                (body.name for body in bodies if body.name not in positions), None
+            )
             if name is None:
                 return branches, closing, waiting
             before, end = Attachment(GROUND, 0.0, 0.0), Attachment(name, 0.0, 0.0)
@@ -90,9 +106,9 @@ def _tree_of(
 def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     """Return the free bodies as an open tree, parents before children, or why there is none.
 
-    Where clearance joints cut every loop that has a freedom, the rest hangs from the frame, from
-    bodies with prescribed motion, or from nothing. An open tree has no forces of its joints, which
-    the friction of rigid joints needs.
+    Where clearance joints cut every loop that has a freedom, the rest hangs from the
+    frame, from bodies with prescribed motion, or from nothing. An open tree has no
+    forces of its joints, which the friction of rigid joints needs.
     """
     prescribed = prescribed_of(linkage)
     for drive in linkage.drives:
@@ -114,7 +130,9 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
     return f"joint {closing[0].name} closes a loop" if closing else tuple(branches)
 
 
-def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], list[Revolute]]:
+def chain_of(
+    linkage: Linkage, bodies: frozenset[str]
+) -> tuple[list[Branch], list[Revolute]]:
     """Return prescribed bodies as a tree, and the pins that close it; ValueError for no chain."""
     # Guides first: what slides does so by its coordinate, and pins close the loops.
     joints: tuple[Joint, ...] = (*linkage.guides, *linkage.revolutes)

@@ -9,7 +9,10 @@ from presswear.paper.settings import make_scenes, run_label
 
 
 def run_paper(
-    folder: str | Path, engine: str | None = None, jobs: int | None = None, quick: bool = False
+    folder: str | Path,
+    engine: str | None = None,
+    jobs: int | None = None,
+    quick: bool = False,
 ) -> tuple[str, Path]:
     """Run every scene of the paper, or resume, and write the report.
 
@@ -35,9 +38,16 @@ def run_paper(
     def show(name: str, fraction: float, words: str) -> None:
         if fraction == 1.0 and name not in ended:
             ended.add(name)
-            left = (time.perf_counter() - started) * (len(scenes) / len(ended) - 1.0) / 60.0
+            left = (
+                (time.perf_counter() - started)
+                * (len(scenes) / len(ended) - 1.0)
+                / 60.0
+            )
             count = f"{len(ended)} of {len(scenes)}"
-            print(f"{count}: {run_label(name)}: {words}; about {left:.1f} min left", flush=True)
+            print(
+                f"{count}: {run_label(name)}: {words}; about {left:.1f} min left",
+                flush=True,
+            )
 
     results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
     return write_report(results, Path(folder))

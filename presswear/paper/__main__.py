@@ -17,7 +17,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--engine", help="exudyn (default) or dae")
     parser.add_argument("--jobs", type=int, help="runs at a time (default: all cores)")
-    parser.add_argument("--quick", action="store_true", help="run four cycles of each stage")
+    parser.add_argument(
+        "--quick", action="store_true", help="run four cycles of each stage"
+    )
     try:
         answer, report = run_paper(**vars(parser.parse_args(arguments)))
     except pw.InputError as error:

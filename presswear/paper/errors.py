@@ -9,11 +9,20 @@ from importlib.resources import files
 import presswear as pw
 from presswear.paper.evidence import Evidence
 from presswear.paper.printed import Place
-from presswear.paper.settings import BASE, SENSITIVITIES, SETTINGS, WEAR, base_scene, run_name
+from presswear.paper.settings import (
+    BASE,
+    SENSITIVITIES,
+    SETTINGS,
+    WEAR,
+    base_scene,
+    run_name,
+)
 from presswear.paper.verdicts import ratio
 from presswear.show.page import Table, plain_table, text_of
 
-_ROWS = tomllib.loads(files("presswear.paper").joinpath("errors.toml").read_text("utf-8"))["errors"]
+_ROWS = tomllib.loads(
+    files("presswear.paper").joinpath("errors.toml").read_text("utf-8")
+)["errors"]
 CHORD = "chord"
 PLACE = Place(WEAR, 1, "A")  # of the depth
 RUNS = [run_name(BASE, WEAR)]
@@ -38,7 +47,9 @@ def effect(evidence: Evidence, case: str) -> pw.Estimate | float | None:
     if len(ours) < 2:
         return None
     change = ratio(ours[:1], ours[1:])
-    low, high = (None if end is None else end - 1.0 for end in (change.low, change.high))
+    low, high = (
+        None if end is None else end - 1.0 for end in (change.low, change.high)
+    )
     return pw.Estimate(change.mean - 1.0, low, high)
 
 
@@ -53,5 +64,10 @@ def error_table(evidence: Evidence) -> Table:
             text = text_of(effect(evidence, case), "%")
         lines.append((place, printed, right, text))
     setting = SETTINGS[WEAR].label
-    head = ("equation", "printed", "right", f"effect on the depth at A, first wear, {setting} (%)")
+    head = (
+        "equation",
+        "printed",
+        "right",
+        f"effect on the depth at A, first wear, {setting} (%)",
+    )
     return plain_table(head, lines, numeric=False)

@@ -16,28 +16,42 @@ from presswear.tools.arrays import Array
 
 Ends = tuple[float, float]
 
-MIN_DEPTH = 0.05  # depth from which a place counts as worn, relative to the deepest of its surface
+# depth from which a place counts as worn, relative to the deepest of its surface
+MIN_DEPTH = 0.05
 MIN_SAMPLES = 3  # cycles for a range of single cycles
-DEVIATIONS = ("displacement_off", "velocity_off", "lag", "stroke")  # columns of `deviation`
+DEVIATIONS = (
+    "displacement_off",
+    "velocity_off",
+    "lag",
+    "stroke",
+)  # columns of `deviation`
 
 QUANTITIES = {
     name: Row(label, path, unit, digits=digits)
     for name, (label, path, unit, digits) in TABLES["quantities"].items()
 }
-OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")  # the others add up all wears so far
+OF_ONE_WEAR = (
+    "added_depth",
+    "added_mean",
+    "contact_range",
+)  # the others add up all wears so far
 
 
-# functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both, where angles
-# are directions in space, and two surfaces where angles are on the bodies
+# functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both,
+# where angles are directions in space, and two surfaces where angles are on the bodies
 _FUNCTIONALS: dict[str, Callable[[Array], Any]] = {
     "deepest": lambda maps: maps.max(axis=-1).sum(axis=-1),
     "mean": lambda maps: maps.mean(axis=-1).sum(axis=-1),
     "deviation": lambda maps: maps.std(axis=-1).sum(axis=-1),
     "range": lambda maps: (
-        2.0 * math.pi * (maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)).mean(axis=(-2, -1))
+        2.0
+        * math.pi
+        * (maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)).mean(axis=(-2, -1))
     ),
 }
-OF_MAPS = {name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")}
+OF_MAPS = {
+    name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")
+}
 
 
 @dataclass(frozen=True)
@@ -46,9 +60,13 @@ class Measured:
 
     estimate: pw.Estimate  # for a peak, the mean over cycles
     single_cycles: Ends | None = None  # range that holds 95 % of the single cycles
-    first_cycles: Ends | None = None  # range of the first cycles, which are not among the samples
+    first_cycles: Ends | None = (
+        None  # range of the first cycles, which are not among the samples
+    )
     replicates: int = 0
-    differ: bool = False  # replicates differ by more than the scatter of their cycles explains
+    differ: bool = (
+        False  # replicates differ by more than the scatter of their cycles explains
+    )
     freedom: float = math.inf  # degrees of freedom of the interval
 
 
@@ -64,7 +82,9 @@ class WearMap(NamedTuple):
 def cycles_by_replicate(result: pw.Result, place: Place, quantity: str) -> list[Array]:
     """Return the values of every cycle for each replicate; the runs on common surfaces first."""
     stage, name = result.stages[place.wear_updates], QUANTITIES[quantity].path
-    owner: pw.StageResult | pw.JointResult = stage.joints[place.joint] if place.joint else stage
+    owner: pw.StageResult | pw.JointResult = (
+        stage.joints[place.joint] if place.joint else stage
+    )
     if name in DEVIATIONS:
         values = stage.arrays["deviation"][:, DEVIATIONS.index(name)]
     else:
@@ -82,10 +102,16 @@ class Evidence:
 
     results: Mapping[str, pw.Result]
 
-    def run_at(self, case: str, setting: str, stage: int, joint: str = "") -> pw.Result | None:
+    def run_at(
+        self, case: str, setting: str, stage: int, joint: str = ""
+    ) -> pw.Result | None:
         """Return the run of a case if it completed a stage, with clearance at the joint."""
         result = self.results.get(run_name(case, setting))
-        if result is None or not 0 <= stage < len(result.stages) or result.stages[stage].failed:
+        if (
+            result is None
+            or not 0 <= stage < len(result.stages)
+            or result.stages[stage].failed
+        ):
             return None
         return result if not joint or joint in result.scene.clearance_joints else None
 
@@ -96,15 +122,26 @@ class Evidence:
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """Return a quantity under a case from all its replicates; None if it was not computed."""
         if quantity in OF_MAPS:
-            return _from_maps(self, case, place, _stages_added(place, quantity))[quantity]
+            return _from_maps(self, case, place, _stages_added(place, quantity))[
+                quantity
+            ]
         result = self.run_at(case, place.setting, place.wear_updates, place.joint)
         if result is None:
             return None
-        every, count = cycles_by_replicate(result, place, quantity), result.scene.replicate_count
-        # After a wear each replicate also runs alone on its surfaces, which gives the interval.
-        together, alone = every[:count], every[-count:] if place.wear_updates > 0 else ()
+        every, count = (
+            cycles_by_replicate(result, place, quantity),
+            result.scene.replicate_count,
+        )
+        # After a wear each replicate also runs alone on its surfaces, which gives the
+        # interval.
+        together, alone = (
+            every[:count],
+            every[-count:] if place.wear_updates > 0 else (),
+        )
         estimate, differ = pw.statistics.pooled(together, alone)
-        samples = np.concatenate([pw.statistics.after_startup(rows) for rows in together])
+        samples = np.concatenate(
+            [pw.statistics.after_startup(rows) for rows in together]
+        )
         scatter, first = None, [float(rows[0]) for rows in together]
         if samples.size >= MIN_SAMPLES:
             low, high = np.quantile(samples, (0.025, 0.975)).tolist()
@@ -113,7 +150,9 @@ class Evidence:
         worth = samples.size / pw.statistics.inefficiency(series)
         independent = float(len(together)) if differ else worth
         ends = min(first), max(first)
-        return Measured(estimate, scatter, ends, len(together), differ, max(independent - 1.0, 1.0))
+        return Measured(
+            estimate, scatter, ends, len(together), differ, max(independent - 1.0, 1.0)
+        )
 
     def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""
@@ -125,11 +164,15 @@ class Evidence:
         result = self.worn_run(case, place)
         if result is None:
             return None
-        mean, centre, draws, count = _wear_draws(result, place.joint, range(place.wear_updates))
+        mean, centre, draws, count = _wear_draws(
+            result, place.joint, range(place.wear_updates)
+        )
         ends = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
         below, above = (np.hypot(end - centre[0], mean[0] - centre[0]) for end in ends)
         angle = result.stages[0].joints[place.joint].angle
-        return WearMap(angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above)
+        return WearMap(
+            angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above
+        )
 
 
 def _stages_added(place: Place, quantity: str) -> range:
@@ -145,14 +188,17 @@ def _from_maps(
     """Return all quantities of the sum of some wears at once, because resampling is slow."""
     names = [name for name in OF_MAPS if _stages_added(place, name) == stages]
     result = evidence.worn_run(case, place)
-    # The wear that the last stage would cause is one jump, which says nothing of wear in steps.
+    # The wear that the last stage would cause is one jump, which says nothing of wear
+    # in steps.
     if result is None or (
         result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates
     ):
         return dict.fromkeys(names)
     mean, centre, draws, count = _wear_draws(result, place.joint, stages)
     last = Place(place.setting, place.wear_updates - 1, place.joint)
-    rows = cycles_by_replicate(result, last, "load_distance")[: result.scene.replicate_count]
+    rows = cycles_by_replicate(result, last, "load_distance")[
+        : result.scene.replicate_count
+    ]
     cycles = sum(pw.statistics.after_startup(one).size for one in rows)
 
     def measured(name: str) -> Measured | None:
@@ -172,12 +218,14 @@ def _from_maps(
     return {name: measured(name) for name in names}
 
 
-def _wear_draws(result: pw.Result, joint: str, stages: range) -> tuple[Array, Array, Array, int]:
+def _wear_draws(
+    result: pw.Result, joint: str, stages: range
+) -> tuple[Array, Array, Array, int]:
     """Return the sum of the wears of some stages, m, as means, centres, draws and a count.
 
-    The means are the wear itself, and the centres the mean of the maps that the bootstrap draws are
-    from, shape (surfaces, m) each; the draws have a first axis more. The count is the smallest
-    number of maps of a stage.
+    The means are the wear itself, and the centres the mean of the maps that the
+    bootstrap draws are from, shape (surfaces, m) each; the draws have a first axis
+    more. The count is the smallest number of maps of a stage.
     """
     turns = result.scene.conventions.map_frame == "body"
     means, centres, draws, counts = [], [], [], []
@@ -188,10 +236,18 @@ def _wear_draws(result: pw.Result, joint: str, stages: range) -> tuple[Array, Ar
         if not len(maps):
             maps, weights = wear[np.newaxis], np.ones(1)  # too few cycles for batches
         if not turns:
-            wear, maps = wear.sum(axis=0, keepdims=True), maps.sum(axis=1, keepdims=True)
+            wear, maps = (
+                wear.sum(axis=0, keepdims=True),
+                maps.sum(axis=1, keepdims=True),
+            )
         flat = pw.statistics.resampled(maps.reshape(len(maps), -1), weights, seed)
         means.append(wear)
         centres.append(np.tensordot(weights / weights.sum(), maps, 1))
         draws.append(flat.reshape(-1, *wear.shape))
         counts.append(len(maps))
-    return np.sum(means, axis=0), np.sum(centres, axis=0), np.sum(draws, axis=0), min(counts)
+    return (
+        np.sum(means, axis=0),
+        np.sum(centres, axis=0),
+        np.sum(draws, axis=0),
+        min(counts),
+    )

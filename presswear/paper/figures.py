@@ -1,7 +1,8 @@
 """Counterparts of the paper's figures 8 to 25, for the report of the study.
 
-Surfaces, motion, forces and paths are the program's own figures of each run. Figures of the wear
-depth and of the peaks of single cycles compare settings and mark what the paper prints.
+Surfaces, motion, forces and paths are the program's own figures of each run. Figures of
+the wear depth and of the peaks of single cycles compare settings and mark what the
+paper prints.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,8 +23,14 @@ from presswear.show.figures.style import SETTINGS as STYLE
 from presswear.show.figures.wear import worn_surface
 
 CAPTIONS = TEXTS["captions"]
-LINEAR_RATIO = 20.0  # ratio of largest to smallest depth up to which a linear scale shows both
-_DIAMOND: dict[str, Any] = {"marker": "D", "markerfacecolor": "none", "linestyle": "none"}
+LINEAR_RATIO = (
+    20.0  # ratio of largest to smallest depth up to which a linear scale shows both
+)
+_DIAMOND: dict[str, Any] = {
+    "marker": "D",
+    "markerfacecolor": "none",
+    "linestyle": "none",
+}
 
 
 @dataclass(frozen=True)
@@ -41,15 +48,24 @@ class Line:
 
 def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
     several = len({setting for setting, _ in stages}) > 1
-    names = [f"{SETTINGS[one].short}, {STAGES[k]}" if several else STAGES[k] for one, k in stages]
+    names = [
+        f"{SETTINGS[one].short}, {STAGES[k]}" if several else STAGES[k]
+        for one, k in stages
+    ]
     pens = [Pen(name, *look) for name, look in zip(names, LINES, strict=False)]
     return tuple(Line(*stage, pen) for stage, pen in zip(stages, pens, strict=True))
 
 
 _WEARS = _lines(*((settings.WEAR, k) for k in (0, 1, 2)))
-_FRICTIONS = _lines(*((s, k) for k in (0, 1) for s in (settings.FRICTION, settings.HIGH_FRICTION)))
+_FRICTIONS = _lines(
+    *((s, k) for k in (0, 1) for s in (settings.FRICTION, settings.HIGH_FRICTION))
+)
 _SPEEDS = _lines(*((s, k) for s in (settings.SLOW, settings.FAST) for k in (0, 1)))
-GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))  # numbers of wear and motion
+GROUPS = (
+    (8, 17, _WEARS),
+    (11, 20, _FRICTIONS),
+    (14, 23, _SPEEDS),
+)  # numbers of wear and motion
 
 
 def drawings(evidence: Evidence) -> Iterator[Drawing]:
@@ -57,18 +73,29 @@ def drawings(evidence: Evidence) -> Iterator[Drawing]:
     for number, _, lines in GROUPS:
         with matplotlib.rc_context(STYLE):
             every = [depths(evidence, number, lines)]
-            every += [surfaces(evidence, number + k, lines, one) for k, one in enumerate(JOINTS, 1)]
+            every += [
+                surfaces(evidence, number + k, lines, one)
+                for k, one in enumerate(JOINTS, 1)
+            ]
         yield from filter(None, every)
     for _, number, lines in GROUPS:
         yield from _motion_figures(evidence, number, lines)
 
 
-def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> Iterator[Drawing]:
+def _motion_figures(
+    evidence: Evidence, number: int, lines: Sequence[Line]
+) -> Iterator[Drawing]:
     """Draw motion, force and path of each setting, and their peaks."""
     count = 1 + max(line.wear_updates for line in lines)
-    slider = [(quantity, "") for quantity in ("displacement", "velocity", "acceleration")]
+    slider = [
+        (quantity, "") for quantity in ("displacement", "velocity", "acceleration")
+    ]
     forces = [("force", joint) for joint in JOINTS]
-    kinds: dict[str, list[tuple[str, str]]] = {"response": slider, "force": forces, "path": []}
+    kinds: dict[str, list[tuple[str, str]]] = {
+        "response": slider,
+        "force": forces,
+        "path": [],
+    }
     for k, (kind, shown) in enumerate(kinds.items()):
         for setting in dict.fromkeys(line.setting for line in lines):
             if (result := evidence.results.get(run_name(BASE, setting))) is None:
@@ -76,14 +103,18 @@ def _motion_figures(evidence: Evidence, number: int, lines: Sequence[Line]) -> I
             stages = tuple(stage for stage in result.stages[:count] if not stage.failed)
             for drawing in drawn(kind, result, stages):
                 title = f"Fig. {number + k} {drawing.title}, {SETTINGS[setting].label}"
-                yield replace(drawing, file=f"fig-{number + k}-{setting}.png", title=title)
+                yield replace(
+                    drawing, file=f"fig-{number + k}-{setting}.png", title=title
+                )
         with matplotlib.rc_context(STYLE):
             compared = peaks(evidence, number + k, lines, shown)
         if compared is not None:
             yield compared
 
 
-def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str) -> Drawing | None:
+def surfaces(
+    evidence: Evidence, number: int, lines: Sequence[Line], joint: str
+) -> Drawing | None:
     """Draw the surfaces of a joint after its wears; None if nothing is worn."""
     shown = []
     for line in lines:
@@ -92,7 +123,8 @@ def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str)
         result, stage = worn, worn.stages[line.wear_updates - 1]
         arrays = dict(stage.arrays)
         for name in (f"{joint}_depth_bearing", f"{joint}_depth_pin"):
-            # The surfaces on which the next stage ran are exact also where wear went in steps.
+            # The surfaces on which the next stage ran are exact also where wear went in
+            # steps.
             if line.wear_updates < len(result.stages):
                 arrays[name] = result.stages[line.wear_updates].arrays[name]
             else:
@@ -108,7 +140,11 @@ def surfaces(evidence: Evidence, number: int, lines: Sequence[Line], joint: str)
 
 def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | None:
     """Draw the depth of pin and bearing together over the angle, with the printed deepest wear."""
-    worn = [line for line in lines if line.wear_updates and evidence.worn_run(BASE, line.at("A"))]
+    worn = [
+        line
+        for line in lines
+        if line.wear_updates and evidence.worn_run(BASE, line.at("A"))
+    ]
     if not worn:
         return None
     joints = [joint for joint in JOINTS if evidence.wear_map(BASE, worn[0].at(joint))]
@@ -119,17 +155,31 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
             if (figure[:-1], where) == (str(number), joint):
                 for arc in arcs:
                     height = axes.get_xaxis_transform()
-                    axes.plot(np.degrees(arc), (0.98, 0.98), color="0.7", lw=4.0, transform=height)
-        axes.set(xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)")
+                    axes.plot(
+                        np.degrees(arc),
+                        (0.98, 0.98),
+                        color="0.7",
+                        lw=4.0,
+                        transform=height,
+                    )
+        axes.set(
+            xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)"
+        )
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
-    sheet.legend(handles=[line.pen.handle() for line in worn], loc="outside upper center", ncols=3)
+    sheet.legend(
+        handles=[line.pen.handle() for line in worn],
+        loc="outside upper center",
+        ncols=3,
+    )
     printed = [one for one in PRINTED if one.figure[:-1] == f"{number}"]
     doubts = dict.fromkeys(one.misprint for one in printed if one.misprint)
     caption = CAPTIONS["depths"] + "".join(f" In print: {doubt}." for doubt in doubts)
     return Drawing(f"fig-{number:02d}.png", f"Fig. {number} Wear depth", caption, sheet)
 
 
-def _draw_depths(axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str) -> None:
+def _draw_depths(
+    axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str
+) -> None:
     maps = {line: evidence.wear_map(BASE, line.at(joint)) for line in lines}
     printed = {line: printed_at(line.at(joint), "depth") for line in lines}
     largest = [1e6 * float(worn.mean.max()) for worn in maps.values() if worn]
@@ -164,7 +214,10 @@ def _measured(
 
 
 def peaks(
-    evidence: Evidence, number: int, lines: Sequence[Line], shown: Sequence[tuple[str, str]]
+    evidence: Evidence,
+    number: int,
+    lines: Sequence[Line],
+    shown: Sequence[tuple[str, str]],
 ) -> Drawing | None:
     """Draw means, scatter and printed values of the peaks of cycles, one row for each line."""
     if not shown or not any(_measured(evidence, lines, *shown[0])):
@@ -178,11 +231,17 @@ def peaks(
                 low, high = measured.single_cycles
                 axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
             if one.low is not None:
-                axes.plot((one.low, one.high), (height, height), color=colour, linewidth=1.8)
-            axes.plot(one.mean, height, color=colour, marker="o", markersize=4.5, gid="mean")
+                axes.plot(
+                    (one.low, one.high), (height, height), color=colour, linewidth=1.8
+                )
+            axes.plot(
+                one.mean, height, color=colour, marker="o", markersize=4.5, gid="mean"
+            )
             printed = printed_at(line.at(joint), quantity)
             if printed is not None:
-                axes.plot(printed.value, height, color=REFERENCE, gid="printed", **_DIAMOND)
+                axes.plot(
+                    printed.value, height, color=REFERENCE, gid="printed", **_DIAMOND
+                )
         where = f" at {joint}" if joint else ""
         axes.set_xlabel(f"{row.label}{where} ({row.unit})")
         axes.set_yticks(range(len(lines)), [line.pen.label for line in lines])

@@ -1,7 +1,8 @@
 """Numbers that the paper prints in sections 5.3 and 5.4, and trends that it claims there and in 6.
 
-Numbers are in ``printed.toml``; misprints are kept and described. Claims are in ``claims.toml`` as
-comparisons of quantities; its head explains how they are written. The units are SI and rad.
+Numbers are in ``printed.toml``; misprints are kept and described. Claims are in
+``claims.toml`` as comparisons of quantities; its head explains how they are written.
+The units are SI and rad.
 """
 
 import math
@@ -58,19 +59,27 @@ def _misprint(names: list[str]) -> str:
 PRINTED: tuple[Printed, ...] = (
     *(
         Printed(section, figure, Place(setting, wear_updates, joint), *number)
-        for section, figure, setting, wear_updates, joint, depth, angle, names in _DATA["depths"]
+        for section, figure, setting, wear_updates, joint, depth, angle, names in _DATA[
+            "depths"
+        ]
         for number in (("depth", depth, _misprint(names)), ("angle", radians(angle)))
     ),
     *(
-        Printed(section, figure, Place(setting, k, joint), quantity, value, _misprint(names))
-        for section, figure, setting, first, joint, quantity, values, names in _DATA["peaks"]
+        Printed(
+            section, figure, Place(setting, k, joint), quantity, value, _misprint(names)
+        )
+        for section, figure, setting, first, joint, quantity, values, names in _DATA[
+            "peaks"
+        ]
         for k, value in enumerate(values, first)
     ),
 )
 
 # places whose printed depth has probably lost a power of ten
 LOST_FACTOR = _misprint(["lost_factor"])
-DOUBTFUL = frozenset(number.place for number in PRINTED if number.misprint == LOST_FACTOR)
+DOUBTFUL = frozenset(
+    number.place for number in PRINTED if number.misprint == LOST_FACTOR
+)
 
 # figure, joint, arcs in which it is mainly worn (rad)
 RANGES = tuple(
@@ -85,7 +94,7 @@ def printed_at(place: Place, quantity: str) -> Printed | None:
     return next(numbers, None)
 
 
-# --- Claims ---------------------------------------------------------------------------------------
+# --- Claims -------------------------------------------------------------------------
 
 Expected = Literal["more", "less", "same"]
 _SETTINGS = {"friction": (FRICTION, HIGH_FRICTION), "speed": (SLOW, FAST)}
@@ -138,10 +147,15 @@ def comparisons(text: str) -> Iterator[Comparison]:
     """Yield the comparisons of a text such as ``depth more wear A,C 1,2``."""
     quantity, expected, kind, *words = text.split()
     sides: list[tuple[list[Place], list[Place]]] = []  # numerators and denominators
-    if kind in ("joints", "growth"):  # joint A over joint C, at one stage or from one to another
+    if kind in (
+        "joints",
+        "growth",
+    ):  # joint A over joint C, at one stage or from one to another
         for word in words:
             stages = (stage.split(":") for stage in word.split(">"))
-            (a, c), *last = ([Place(name, int(k), joint) for joint in "AC"] for name, k in stages)
+            (a, c), *last = (
+                [Place(name, int(k), joint) for joint in "AC"] for name, k in stages
+            )
             sides.append(([last[0][0], c], [a, last[0][1]]) if last else ([a], [c]))
     else:
         joints, numbers, setting = (*words, WEAR)[:3]
@@ -152,7 +166,10 @@ def comparisons(text: str) -> Iterator[Comparison]:
             lower, higher = _SETTINGS[kind]
             steps = [((lower, k), (higher, k)) for k in updates]
         for joint in [""] if joints == "slider" else joints.split(","):
-            sides += [([Place(*second, joint)], [Place(*first, joint)]) for first, second in steps]
+            sides += [
+                ([Place(*second, joint)], [Place(*first, joint)])
+                for first, second in steps
+            ]
     for over, under in sides:
         yield Comparison(quantity, tuple(over), tuple(under), cast(Expected, expected))
 
@@ -180,4 +197,6 @@ DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not prin
     *comparisons("depth more speed A,C 1"),
 )
 # comparisons at joint A that the report states first
-HIGHLIGHTS = {name: next(comparisons(words)) for name, words in _CLAIMS["highlights"].items()}
+HIGHLIGHTS = {
+    name: next(comparisons(words)) for name, words in _CLAIMS["highlights"].items()
+}

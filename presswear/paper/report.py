@@ -26,7 +26,15 @@ from presswear.paper.printed import (
     Printed,
     printed_at,
 )
-from presswear.paper.settings import BASE, GEOMETRIES, JOINTS, JUDGED, LONG, SETTINGS, WEAR
+from presswear.paper.settings import (
+    BASE,
+    GEOMETRIES,
+    JOINTS,
+    JUDGED,
+    LONG,
+    SETTINGS,
+    WEAR,
+)
 from presswear.paper.verdicts import Judged, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
@@ -47,7 +55,9 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     answer, sections = headline(evidence, claims), page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
-    write_bytes(path, page.render_page(TITLE, page.FirstScreen(), sections, [answer]).encode())
+    write_bytes(
+        path, page.render_page(TITLE, page.FirstScreen(), sections, [answer]).encode()
+    )
     return answer, path
 
 
@@ -69,9 +79,14 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         runs["Provenance"] = provenance_table(first)
     numbers = {"": number_table(evidence), "Ratios of depths": ratio_table(evidence)}
     numbers["Ranges of wear"] = range_table(evidence)
-    assumptions = {"Geometries": geometry_table(evidence), "Wear coefficient": fit_table(evidence)}
+    assumptions = {
+        "Geometries": geometry_table(evidence),
+        "Wear coefficient": fit_table(evidence),
+    }
     assumptions["One assumption changed"] = sensitivity_table(evidence, failures)
-    claim_text = TEXTS["claims"].format(comparisons=COMPARISONS, least=100 * verdicts.NO_EFFECT)
+    claim_text = TEXTS["claims"].format(
+        comparisons=COMPARISONS, least=100 * verdicts.NO_EFFECT
+    )
     assumption_text = TEXTS["assumptions"].format(ratios=SENSITIVE_RATIOS)
     verdict_counts = {"Verdicts": count_table(claims)}
     parts: list[tuple[str, Sequence[str], Mapping[str, Table | None]]] = [
@@ -80,11 +95,20 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ("Every printed number of sections 5.3 and 5.4", [TEXTS["numbers"]], numbers),
         ("Assumptions, their fit and their effect", [assumption_text], assumptions),
         ("Errors of the paper", [TEXTS["errors"]], {"": error_table(evidence)}),
-        ("Accuracy of the statistics", [TEXTS["statistics"]], {"": long_table(evidence)}),
+        (
+            "Accuracy of the statistics",
+            [TEXTS["statistics"]],
+            {"": long_table(evidence)},
+        ),
         ("Runs", (), runs),
     ]
     return [
-        Section(heading, texts, [(name, one) for name, one in tables.items() if one], is_open=not k)
+        Section(
+            heading,
+            texts,
+            [(name, one) for name, one in tables.items() if one],
+            is_open=not k,
+        )
         for k, (heading, texts, tables) in enumerate(parts)
     ]
 
@@ -96,7 +120,9 @@ def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
         claims=len(claims),
         count=Counter(claim.verdict() for claim in claims),
         same=sum(claim.geometry.startswith("same") for claim in claims),
-        peaks=Counter(one for number, one in peaks if number.quantity not in ("depth", "angle")),
+        peaks=Counter(
+            one for number, one in peaks if number.quantity not in ("depth", "angle")
+        ),
     )
     return text.strip()
 
@@ -105,16 +131,27 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Return the most important results, each with its numbers, as far as they were computed."""
     ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
     second = ours["second wear"]
-    new, worn = Counter[str](), Counter[str]()  # positions of peaks where the stage is known
+    new, worn = (
+        Counter[str](),
+        Counter[str](),
+    )  # positions of peaks where the stage is known
     for number, one in verdicts.positions(evidence):
         if len(number.places) == 1 and one in ("inside", "above", "below"):
             (worn if number.place.wear_updates else new)[one] += 1
-    wide = {name: compared(evidence, BASE, part, COMPARISONS) for name, part in HIGHLIGHTS.items()}
-    effects = {name: verdicts.verdict(wide[name], part) for name, part in HIGHLIGHTS.items()}
+    wide = {
+        name: compared(evidence, BASE, part, COMPARISONS)
+        for name, part in HIGHLIGHTS.items()
+    }
+    effects = {
+        name: verdicts.verdict(wide[name], part) for name, part in HIGHLIGHTS.items()
+    }
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,
         text={name: text_of(one) for name, one in ours.items()},
-        printed={name: f"printed: {readable(one.printed)}" for name, one in HIGHLIGHTS.items()},
+        printed={
+            name: f"printed: {readable(one.printed)}"
+            for name, one in HIGHLIGHTS.items()
+        },
         # The ratio of total depths has the first wear in it.
         runs_away=second is not None and second.mean - 1.0 > RUNAWAY,
         new=new,
@@ -178,14 +215,18 @@ def comparison_text(part: Comparison) -> str:
     if len(part.over) > 1:
         return f"{change}, growth at A over growth at C"
     if first.joint != second.joint:
-        return f"{first.joint} → {second.joint}, {SETTINGS[second.setting].label}, {stage}"
+        return (
+            f"{first.joint} → {second.joint}, {SETTINGS[second.setting].label}, {stage}"
+        )
     return f"joint {second.joint}, {change}" if second.joint else change
 
 
 def detail(evidence: Evidence, part: Comparison) -> str:
     """Return our value of a comparison on the standard geometry, the printed one, the verdict."""
     ours, row = compared(evidence, BASE, part), QUANTITIES[part.quantity]
-    unit, sign, after = (row.unit, "", f" {row.unit}") if part.is_difference else ("", "×", "")
+    unit, sign, after = (
+        (row.unit, "", f" {row.unit}") if part.is_difference else ("", "×", "")
+    )
     text = f"{row.label}, {comparison_text(part)}: {sign}{text_of(ours, unit)}{after}"
     if part.printed is not None:
         text += f"; printed {sign}{readable(unit_factor(unit) * part.printed)}{after}"
@@ -208,7 +249,10 @@ def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
 def count_table(claims: Sequence[Judged]) -> Table:
     """Return how many claims have which verdict, by case."""
     lines = (
-        (word, *(str(sum(one.verdict(case) == word for one in claims)) for case in JUDGED))
+        (
+            word,
+            *(str(sum(one.verdict(case) == word for one in claims)) for case in JUDGED),
+        )
         for word in get_args(verdicts.Verdict)
     )
     return plain_table(("claims", *GEOMETRIES, "refined conventions"), lines)
@@ -224,23 +268,42 @@ def number_table(evidence: Evidence) -> Table:
             ours = evidence.measured(BASE, place, number.quantity)
             label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
             over, ranges, remarks = None, list[str](), [number.misprint]
-            if ours is not None and ours.estimate.mean > 0.0 and number.quantity != "angle":
+            if (
+                ours is not None
+                and ours.estimate.mean > 0.0
+                and number.quantity != "angle"
+            ):
                 over = number.value / ours.estimate.mean
-            for ends in (ours.single_cycles, ours.first_cycles) if ours else (None, None):
+            for ends in (
+                (ours.single_cycles, ours.first_cycles) if ours else (None, None)
+            ):
                 ranges.append(range_text(ends, row.unit, row.digits))
             value = value_text(evidence, BASE, place, number.quantity)
             position = verdicts.position(number, ours)
-            line = (label, printed_text(number), value, *ranges, readable(over), position)
+            line = (
+                label,
+                printed_text(number),
+                value,
+                *ranges,
+                readable(over),
+                position,
+            )
             groups.setdefault(heading, []).append(line)
             if len(number.places) > 1:
-                remarks.append("the paper does not say before or after which wear; both are shown")
+                remarks.append(
+                    "the paper does not say before or after which wear; both are shown"
+                )
             if ours is not None and ours.differ:
-                remarks.append("our replicates differ, so that the interval is over replicates")
+                remarks.append(
+                    "our replicates differ, so that the interval is over replicates"
+                )
             if any(remarks):
                 meanings[label] = "; ".join(filter(None, remarks))
     ours_heads = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
     head = ("printed number", "paper", *ours_heads, "paper / ours", "printed number is")
-    return Table(head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings)
+    return Table(
+        head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings
+    )
 
 
 def ratio_table(evidence: Evidence) -> Table:
@@ -249,10 +312,20 @@ def ratio_table(evidence: Evidence) -> Table:
     for part in DEPTH_RATIOS:
         ours, printed = compared(evidence, BASE, part), part.printed
         assert printed is not None, "only printed depths are compared"
-        texts = readable(printed), text_of(ours), readable(printed / ours.mean if ours else None)
+        texts = (
+            readable(printed),
+            text_of(ours),
+            readable(printed / ours.mean if ours else None),
+        )
         wide = compared(evidence, BASE, part, len(DEPTH_RATIOS))
         lines.append((comparison_text(part), *texts, verdicts.agreement(printed, wide)))
-    head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "the paper")
+    head = (
+        "ratio of deepest wears",
+        "paper",
+        "ours (95 % interval)",
+        "paper / ours",
+        "the paper",
+    )
     return plain_table(head, lines, numeric=False)
 
 
@@ -265,13 +338,23 @@ def range_table(evidence: Evidence) -> Table:
             place = Place(setting, 1, joint)
             ours, text = evidence.wear_map(BASE, place), NOTHING
             if ours is not None:
-                inside_arcs = [(low <= ours.angle) & (ours.angle <= high) for low, high in arcs]
-                part = float(ours.mean[np.any(inside_arcs, axis=0)].sum() / ours.mean.sum())
+                inside_arcs = [
+                    (low <= ours.angle) & (ours.angle <= high) for low, high in arcs
+                ]
+                part = float(
+                    ours.mean[np.any(inside_arcs, axis=0)].sum() / ours.mean.sum()
+                )
                 text = f"{readable(100.0 * part)} %"
             printed = ", ".join(f"{low:.4g}° to {high:.4g}°" for low, high in degrees)
             circle = f"{np.diff(degrees).sum() / 3.6:.3g} %"
             lines.append((joint_text(place), figure, printed, circle, text))
-    head = ("main wear area", "Fig.", "paper", "part of the circle", "part of our wear inside")
+    head = (
+        "main wear area",
+        "Fig.",
+        "paper",
+        "part of the circle",
+        "part of our wear inside",
+    )
     return plain_table(head, lines, numeric=False)
 
 
@@ -301,13 +384,17 @@ class Fit(NamedTuple):
     """One factor on K_d / b for all printed depths; nan if there are none."""
 
     best: float  # geometric mean of all but the doubtful prints
-    typical: float  # factor by which single depths miss it, root mean square of logarithms
+    typical: (
+        float  # factor by which single depths miss it, root mean square of logarithms
+    )
     largest: float  # of these factors
 
 
 def fit(factors: Mapping[Place, float]) -> Fit:
     """Return the factor on K_d / b that fits best, and how far single depths are from it."""
-    logs = np.log([factor for place, factor in factors.items() if place not in DOUBTFUL])
+    logs = np.log(
+        [factor for place, factor in factors.items() if place not in DOUBTFUL]
+    )
     if not logs.size:
         return Fit(math.nan, math.nan, math.nan)
     off = logs - logs.mean()
@@ -321,11 +408,16 @@ def fit_table(evidence: Evidence) -> Table:
     lines = []
     for place in dict.fromkeys(place for one in factors for place in one):
         doubt = " (doubtful print, left out)" if place in DOUBTFUL else ""
-        lines.append((joint_text(place) + doubt, *(readable(one.get(place)) for one in factors)))
+        lines.append(
+            (joint_text(place) + doubt, *(readable(one.get(place)) for one in factors))
+        )
     best, typical, largest = zip(*map(fit, factors), strict=True)
     summary = (
         ("best factor on K_d / b", *map(readable, best)),
-        ("factor by which single depths miss it, rms of logarithms", *map(readable, typical)),
+        (
+            "factor by which single depths miss it, rms of logarithms",
+            *map(readable, typical),
+        ),
         ("largest of these factors", *map(readable, largest)),
     )
     head = ("paper / ours, deepest after the first wear", *JUDGED)
@@ -341,7 +433,8 @@ def case_ratio(
 ) -> tuple[str, bool]:
     """Return a quantity under a case over that under another, and whether it is not 1.
 
-    It is not 1 if its interval, one of ``count`` that hold together with 95 %, does not hold 1.
+    It is not 1 if its interval, one of ``count`` that hold together with 95 %, does not
+    hold 1.
     """
     pair = [evidence.measured(name, place, quantity) for name in cases]
     measured = [one for one in pair if one is not None and one.estimate.mean > 0.0]
@@ -349,13 +442,19 @@ def case_ratio(
         return text_of(None), False
     over, under = ([one.estimate] for one in measured)
     wide = verdicts.ratio(over, under, verdicts.factors_of(measured, count))
-    differs = wide.low is not None and wide.high is not None and not wide.low <= 1.0 <= wide.high
+    differs = (
+        wide.low is not None
+        and wide.high is not None
+        and not wide.low <= 1.0 <= wide.high
+    )
     return text_of(verdicts.ratio(over, under)), differs
 
 
 def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     """Return the effect of each changed assumption; failures are messages by case."""
-    shown = [(name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]]
+    shown = [
+        (name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]
+    ]
     lines = []
     for name, case in settings.SENSITIVITIES.items():
         ratios = [
@@ -365,7 +464,9 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
         cells = (f"{text}{' *' * differs}" for text, differs in ratios)
         failure = f": {failures[name]}" if name in failures else ""
         lines.append((f"{case.label}{failure}", *cells))
-    heads = (f"{quantity} {one.joint} {stage_text(one, quantity)}" for quantity, one in shown)
+    heads = (
+        f"{quantity} {one.joint} {stage_text(one, quantity)}" for quantity, one in shown
+    )
     return plain_table(("changed alone", *heads), lines)
 
 
@@ -379,15 +480,29 @@ def long_table(evidence: Evidence) -> Table:
         for joint in (("",) if quantity in ("velocity", "acceleration") else JOINTS)
     ]
     for place, quantity in places:
-        short, long = (evidence.measured(case, place, quantity) for case in (BASE, LONG))
+        short, long = (
+            evidence.measured(case, place, quantity) for case in (BASE, LONG)
+        )
         text, differs = case_ratio(evidence, place, quantity, (BASE, LONG), len(places))
         if short is None or long is None or text == NOTHING:
             continue
-        cycles = f"{short.estimate.samples} of {short.replicates}", str(long.estimate.samples)
+        cycles = (
+            f"{short.estimate.samples} of {short.replicates}",
+            str(long.estimate.samples),
+        )
         texts = (value_text(evidence, case, place, quantity) for case in (BASE, LONG))
         ours = [text for pair in zip(texts, cycles, strict=True) for text in pair]
-        lines.append((place_text(place, quantity), *ours, text, "no" if differs else "yes"))
-    heads = ("run", "cycles, replicates", "200 of each", "cycles", "ratio", "may be the same")
+        lines.append(
+            (place_text(place, quantity), *ours, text, "no" if differs else "yes")
+        )
+    heads = (
+        "run",
+        "cycles, replicates",
+        "200 of each",
+        "cycles",
+        "ratio",
+        "may be the same",
+    )
     return plain_table(("", *heads), lines, numeric=False)
 
 
@@ -400,7 +515,16 @@ def run_table(evidence: Evidence) -> Table:
         residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
         cycles = ", ".join(whole(one.cycles) for one in statistics)
         status = f"{result.status}: {result.message}".removesuffix(": ")
-        residual, wall = text_of(max(residuals, default=None), digits=1), text_of(result.wall_s)
+        residual, wall = (
+            text_of(max(residuals, default=None), digits=1),
+            text_of(result.wall_s),
+        )
         lines.append((settings.run_label(name), cycles, status, residual, wall))
-    heads = ("run", "cycles of each stage", "status", "energy residual", "wall time (s)")
+    heads = (
+        "run",
+        "cycles of each stage",
+        "status",
+        "energy residual",
+        "wall time (s)",
+    )
     return plain_table(heads, lines, numeric=False)

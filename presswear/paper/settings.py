@@ -1,8 +1,8 @@
 """Settings of the paper, and the cases under which they are run; the tables in ``settings.toml``.
 
-Every setting runs with the standard geometry, with two others that fit the paper as well, and with
-the refined conventions; one setting runs with all 200 cycles of each replicate; and the first
-setting runs with one assumption changed at a time.
+Every setting runs with the standard geometry, with two others that fit the paper as
+well, and with the refined conventions; one setting runs with all 200 cycles of each
+replicate; and the first setting runs with one assumption changed at a time.
 """
 
 import tomllib
@@ -13,8 +13,14 @@ from typing import Any, NamedTuple
 
 import presswear as pw
 
-TOLERANCE = 0.05  # relative error of the wear maps of a setting, from all replicates together
-_COMMON: dict[str, Any] = {"tolerance": TOLERANCE, "purpose": "wear", "conventions": "paper"}
+TOLERANCE = (
+    0.05  # relative error of the wear maps of a setting, from all replicates together
+)
+_COMMON: dict[str, Any] = {
+    "tolerance": TOLERANCE,
+    "purpose": "wear",
+    "conventions": "paper",
+}
 QUICK_CYCLES = 4  # of each stage and replicate in a quick run
 TABLES: dict[str, Any] = tomllib.loads(
     files("presswear.paper").joinpath("settings.toml").read_text("utf-8")
@@ -42,8 +48,12 @@ class Case:
     label: str
     settings: tuple[str, ...] = tuple(SETTINGS)
     set: Mapping[str, Any] = field(default_factory=dict)  # settings of the scene
-    scale: Mapping[str, float] = field(default_factory=dict)  # factors on properties of materials
-    move: Mapping[str, float] = field(default_factory=dict)  # of the second frame joint, m
+    scale: Mapping[str, float] = field(
+        default_factory=dict
+    )  # factors on properties of materials
+    move: Mapping[str, float] = field(
+        default_factory=dict
+    )  # of the second frame joint, m
     finer: float = 1.0  # factor by which the steps are more accurate
     other_engine: bool = False
     wear_updates: int = 1  # at most
@@ -72,7 +82,9 @@ SENSITIVITIES = {
 CASES = {name: Case(**one) for name, one in TABLES["cases"].items()} | SENSITIVITIES
 BASE, *_, LONG = TABLES["cases"]
 PAPER_STEP = "paper-step"
-JUDGED = tuple(TABLES["cases"])[:-1]  # cases with all settings, in which every claim is judged
+JUDGED = tuple(TABLES["cases"])[
+    :-1
+]  # cases with all settings, in which every claim is judged
 GEOMETRIES = JUDGED[:-1]
 
 

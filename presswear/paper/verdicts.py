@@ -30,17 +30,27 @@ Verdict = Literal[
 _DECIDED = {"holds", "holds in part", "does not hold", "no effect"}
 # Position of a printed number relative to ours.
 Position = Literal[
-    "inside", "above", "below", "agrees", "differs", "as ratios only", "undecided", "not computed"
+    "inside",
+    "above",
+    "below",
+    "agrees",
+    "differs",
+    "as ratios only",
+    "undecided",
+    "not computed",
 ]
 
 
 def ratio(
-    over: Sequence[pw.Estimate], under: Sequence[pw.Estimate], factors: Sequence[float] = ()
+    over: Sequence[pw.Estimate],
+    under: Sequence[pw.Estimate],
+    factors: Sequence[float] = (),
 ) -> pw.Estimate:
     """Return a product of estimates divided by another product, with its interval.
 
     Variance estimates are recovered from the intervals, on logarithms (Donner and Zou,
-    Statistical Methods in Medical Research 21, 2012, 347). ``factors`` widen the intervals.
+    Statistical Methods in Medical Research 21, 2012, 347). ``factors`` widen the
+    intervals.
     """
 
     def log_widths(one: pw.Estimate, factor: float) -> tuple[float, float]:
@@ -60,7 +70,10 @@ def ratio(
 
 
 def difference(
-    over: pw.Estimate, under: pw.Estimate, is_angle: bool, factors: Sequence[float] = (1.0, 1.0)
+    over: pw.Estimate,
+    under: pw.Estimate,
+    is_angle: bool,
+    factors: Sequence[float] = (1.0, 1.0),
 ) -> pw.Estimate:
     """Return the difference of two estimates, with its interval; ``factors`` widen theirs."""
     value = over.mean - under.mean
@@ -69,7 +82,9 @@ def difference(
     if over.low is None or over.high is None or under.low is None or under.high is None:
         return pw.Estimate(value)
     first, second = factors
-    down = math.hypot(first * (over.mean - over.low), second * (under.high - under.mean))
+    down = math.hypot(
+        first * (over.mean - over.low), second * (under.high - under.mean)
+    )
     up = math.hypot(first * (over.high - over.mean), second * (under.mean - under.low))
     return pw.Estimate(value, value - down, value + up)
 
@@ -77,8 +92,8 @@ def difference(
 def widening(freedom: float, count: int) -> float:
     """Return the factor from a 95 % interval to one of many that hold together with 95 %.
 
-    Each has an error probability of 5 % over the number of intervals (Bonferroni); ``freedom``
-    are the degrees of freedom of Student's interval.
+    Each has an error probability of 5 % over the number of intervals (Bonferroni);
+    ``freedom`` are the degrees of freedom of Student's interval.
     """
     one, many = stdtrit(freedom, 0.975), stdtrit(freedom, 1.0 - 0.025 / count)
     return float(many / one)
@@ -185,7 +200,13 @@ def judge(evidence: Evidence) -> list[Judged]:
         return verdict(compared(evidence, case, part, COMPARISONS), part)
 
     return [
-        Judged(claim, {case: tuple(judged(case, part) for part in claim.parts) for case in JUDGED})
+        Judged(
+            claim,
+            {
+                case: tuple(judged(case, part) for part in claim.parts)
+                for case in JUDGED
+            },
+        )
         for claim in CLAIMS
     ]
 
@@ -193,8 +214,9 @@ def judge(evidence: Evidence) -> list[Judged]:
 def position(number: Printed, ours: Measured | None) -> Position:
     """Return the position of a printed number relative to ours.
 
-    A printed peak is one draw, so it is compared with single cycles. A printed depth scales with
-    K_d / b, which the paper does not print, so ratios of depths are compared instead.
+    A printed peak is one draw, so it is compared with single cycles. A printed depth
+    scales with K_d / b, which the paper does not print, so ratios of depths are
+    compared instead.
     """
     if ours is None:
         return "not computed"

@@ -1,7 +1,7 @@
 """Constraint rows at many instants, and assembly of any linkage by Newton's method on them.
 
-A scene finds its ideal motion without compiled code; ``physics.constraints`` packs the rows for
-kernels.
+A scene finds its ideal motion without compiled code; ``physics.constraints`` packs the
+rows for kernels.
 """
 
 import math
@@ -22,8 +22,8 @@ from presswear.tools.errors import AssemblyError
 Group = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows, and as many coordinates
 
 ROUND_OFF = 4e-15  # error of a row that is round-off, part of the size of the linkage
-# Least rows of a group that is solved at once: below, numpy takes longer than LAPACK; with hundreds
-# of rows, LAPACK starts threads for each of thousands of small matrices.
+# Least rows of a group that is solved at once: below, numpy takes longer than LAPACK;
+# with hundreds of rows, LAPACK starts threads for each of thousands of small matrices.
 _GROUP = 30
 _STEPS = 40  # most Newton steps from a guess
 
@@ -39,23 +39,30 @@ class Levels(NamedTuple):
 class Rows:
     """The constraint rows of a linkage, evaluated at many instants.
 
-    A row is the distance of two points along a direction, or the angle of a body, less what it
-    should be. Rows come in the order of ``physics.constraints``: two for each pin joint, two for
-    each guide, one for each drive. That of a drive whose point follows a curve holds the point on
-    the curve, in place of the angle; the curve begins at ``start``, coordinates of the shape
-    (bodies, 3). Other coordinates have the shape (n, bodies, 3); times are those behind a run-up.
+    A row is the distance of two points along a direction, or the angle of a body, less
+    what it should be. Rows come in the order of ``physics.constraints``: two for each
+    pin joint, two for each guide, one for each drive. That of a drive whose point
+    follows a curve holds the point on the curve, in place of the angle; the curve
+    begins at ``start``, coordinates of the shape (bodies, 3). Other coordinates have
+    the shape (n, bodies, 3); times are those behind a run-up.
     """
 
     def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
         self.linkage, self.bodies = linkage, len(linkage.bodies)
         frame = Attachment(GROUND, 0.0, 0.0)
-        # Name, both points, direction, share of the first body's angle, value that is to be held
-        rows: list[tuple[str, Attachment, Attachment, tuple[float, float], float, float]] = []
+        # Name, both points, direction, share of the first body's angle, value that is
+        # to be held
+        rows: list[
+            tuple[str, Attachment, Attachment, tuple[float, float], float, float]
+        ] = []
         for joint in linkage.revolutes:
             for axis in ((1.0, 0.0), (0.0, 1.0)):
                 rows.append((joint.name, joint.first, joint.second, axis, 0.0, 0.0))
         for guide in linkage.guides:
-            centre, point = Attachment(guide.body, 0.0, 0.0), Attachment(GROUND, guide.x, guide.y)
+            centre, point = (
+                Attachment(guide.body, 0.0, 0.0),
+                Attachment(GROUND, guide.x, guide.y),
+            )
             across = -math.sin(guide.direction), math.cos(guide.direction)
             rows.append((guide.name, centre, point, across, 0.0, 0.0))
             rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
@@ -73,22 +80,30 @@ class Rows:
         self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
         self.turn, self.held = np.array([row[4:] for row in rows]).reshape(-1, 2).T
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
-        # Bodies, -1 for the frame, places, m, and sign, of the first points and of the second
+        # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
+        # second
         self.ends: list[tuple[NDArray[np.int64], Array, Array, float]] = []
-        for ends, sign in (([row[1] for row in rows], 1.0), ([row[2] for row in rows], -1.0)):
+        for ends, sign in (
+            ([row[1] for row in rows], 1.0),
+            ([row[2] for row in rows], -1.0),
+        ):
             bodies = np.array([indices[end.body] for end in ends], dtype=np.int64)
             x, y = np.array([(end.x, end.y) for end in ends]).reshape(-1, 2).T
             self.ends.append((bodies, x, y, sign))
         pins = slice(0, 2 * len(linkage.revolutes), 2)
-        self.joined = [body[pins] for body, _, _, _ in self.ends]  # bodies of the pin joints
+        self.joined = [
+            body[pins] for body, _, _, _ in self.ends
+        ]  # bodies of the pin joints
         sizes = np.zeros(self.bodies + 1)
         for body, x, y, _ in self.ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
-        # Farthest joint of a body or point on the frame, m: the place of the linkage in the drawing
-        # is part of its round-off, but not of the scale of its angles.
+        # Farthest joint of a body or point on the frame, m: the place of the linkage in
+        # the drawing is part of its round-off, but not of the scale of its angles.
         points = [math.hypot(guide.x, guide.y) for guide in linkage.guides]
         self.size = max(float(sizes.max(initial=0.0)), *points, 0.0) or 1.0
-        self.arm = float(sizes[:-1].max(initial=0.0)) or 1.0  # farthest joint of a moving body, m
+        self.arm = (
+            float(sizes[:-1].max(initial=0.0)) or 1.0
+        )  # farthest joint of a moving body, m
         self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
         self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.arm)
         if self.following:
@@ -128,7 +143,9 @@ class Rows:
             gap: Array | float = 0.0
             for (body, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
                 arm, left = np.stack([x, y], axis=-1), np.stack([-y, x], axis=-1)
-                point = level[:, body, :2] + (arm if order == 0 else level[:, body, 2:] * left)
+                point = level[:, body, :2] + (
+                    arm if order == 0 else level[:, body, 2:] * left
+                )
                 if order == 2:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
                 gap = gap + sign * point
@@ -139,7 +156,9 @@ class Rows:
     def _parts(self, q: Array) -> list[Array]:
         """Return the derivatives of the rows by the bodies of both points, each (n, rows, 3)."""
         parts = []
-        for (_, _, _, sign), (x, y) in zip(self.ends, self._arms(self._moving(q)), strict=True):
+        for (_, _, _, sign), (x, y) in zip(
+            self.ends, self._arms(self._moving(q)), strict=True
+        ):
             part = np.empty((*x.shape, 3))
             part[..., :2] = sign * self.normal
             part[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
@@ -150,7 +169,9 @@ class Rows:
     def _block(self, parts: list[Array], group: Group) -> Array:
         """Return the derivatives of some rows by some coordinates, shape (n, rows, columns)."""
         rows, columns = group
-        place = np.full(3 * (self.bodies + 1), columns.size)  # the frame and others at the end
+        place = np.full(
+            3 * (self.bodies + 1), columns.size
+        )  # the frame and others at the end
         place[columns] = np.arange(columns.size)
         result = np.zeros((len(parts[0]), rows.size, columns.size + 1))
         for (body, _, _, _), part in zip(self.ends, parts, strict=True):
@@ -160,14 +181,17 @@ class Rows:
 
     def jacobian(self, q: Array) -> Array:
         """Return the derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
-        return self._block(self._parts(q), (np.arange(len(self.names)), np.arange(3 * self.bodies)))
+        return self._block(
+            self._parts(q), (np.arange(len(self.names)), np.arange(3 * self.bodies))
+        )
 
     @cached_property
     def groups(self) -> list[Group]:
         """Rows and coordinates of groups of bodies that close one after the other.
 
-        The first group closes by itself, each further group with the bodies of those before. They
-        are the irreducible blocks of the Jacobian, joined to at least ``_GROUP`` rows.
+        The first group closes by itself, each further group with the bodies of those
+        before. They are the irreducible blocks of the Jacobian, joined to at least
+        ``_GROUP`` rows.
         """
         rows = np.arange(len(self.names))
         if rows.size <= _GROUP:
@@ -186,11 +210,15 @@ class Rows:
                         return True
             return False
 
-        if not all(owns(int(row), set()) for row in rows):  # it is singular at all angles
+        if not all(
+            owns(int(row), set()) for row in rows
+        ):  # it is singular at all angles
             return [(rows, rows)]
         columns = np.array(sorted(owner, key=owner.__getitem__))
         needs = pattern[:, columns]  # of one row the coordinate that another determines
-        for _ in range(rows.size.bit_length()):  # also those that are needed by way of others
+        for _ in range(
+            rows.size.bit_length()
+        ):  # also those that are needed by way of others
             needs = needs @ needs
         block = (needs & needs.T).argmax(axis=1)
         order = np.lexsort((block, needs.sum(axis=1)))
@@ -224,8 +252,9 @@ class Rows:
     def forces(self, q: Array, right: Array) -> Array:
         """Return the forces of the rows that balance forces on the coordinates, (n, rows, k).
 
-        ``right`` has the shape (n, 3 bodies, k), N and N m. With repeated rows many forces do;
-        these have the smallest norm, in which a moment is divided by ``arm``.
+        ``right`` has the shape (n, 3 bodies, k), N and N m. With repeated rows many
+        forces do; these have the smallest norm, in which a moment is divided by
+        ``arm``.
         """
         transposed = self.jacobian(q).transpose(0, 2, 1)
         if not self.repeated:
@@ -236,20 +265,23 @@ class Rows:
     def side(self, q: Array) -> Array:
         """Return a sign, shape (n,), that changes at dead points: of the Jacobian's determinant.
 
-        1 where points follow curves: a drive may pass a position in which it does not move its
-        point, where the curve leads through it. 1 with repeated rows, which have no determinant.
+        1 where points follow curves: a drive may pass a position in which it does not
+        move its point, where the curve leads through it. 1 with repeated rows, which
+        have no determinant.
         """
         if self.following or self.repeated:
             return np.ones(len(q))
         parts = self._parts(q)
-        signs = [np.linalg.slogdet(self._block(parts, group))[0] for group in self.groups]
+        signs = [
+            np.linalg.slogdet(self._block(parts, group))[0] for group in self.groups
+        ]
         return np.asarray(np.prod(signs, axis=0))
 
     def distance(self, q: Array) -> Array:
         """Return how far the groups are from a dead point, shape (n,), 0 at a dead point.
 
-        The norm of the inverse is that of each group: in a long chain of linkages the norm of the
-        whole inverse grows with their number.
+        The norm of the inverse is that of each group: in a long chain of linkages the
+        norm of the whole inverse grows with their number.
         """
         if self.repeated:
             values = np.linalg.svd(self.jacobian(q) * self.scale, compute_uv=False)
@@ -271,8 +303,8 @@ def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
 def _guessed(linkage: Linkage) -> Array:
     """Return the coordinates to start Newton's method from, shape (bodies, 3).
 
-    Angles are those of the drives, of the guides, as guessed, or 0; each body hangs by the first
-    joint that reaches it.
+    Angles are those of the drives, of the guides, as guessed, or 0; each body hangs by
+    the first joint that reaches it.
     """
     q = np.zeros((len(linkage.bodies) + 1, 3))  # the frame last
     indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
@@ -330,7 +362,8 @@ def _closed(rows: Rows, time: Array, q: Array) -> Levels:
         if error < 1e-9 * rows.size:
             break
         step = -_solved(rows, time, q, rows.errors(time, q)[0])
-        # No body turns by more than half a radian at once: the guess says on which side it is.
+        # No body turns by more than half a radian at once: the guess says on which side
+        # it is.
         part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
         while part > 1e-3 and error_of(q + part * step) > error:
             part *= 0.5
@@ -344,13 +377,18 @@ def assembled(linkage: Linkage) -> Array:
     Raises
     ------
     AssemblyError
-        Unless joints, guides and drives hold each body; where it does not close, also where rows
-        that repeat others do not fit them, or closes more than a right angle from what was guessed.
+        Unless joints, guides and drives hold each body; where it does not close, also
+        where rows that repeat others do not fit them, or closes more than a right angle
+        from what was guessed.
     """
     # What follows a curve stands where its drive has it.
-    linkage = linkage.changed(drives=[replace(drive, follow=None) for drive in linkage.drives])
+    linkage = linkage.changed(
+        drives=[replace(drive, follow=None) for drive in linkage.drives]
+    )
     if (free := _free_coordinates(linkage)) > 0:
-        held_bodies = [end.body for one in linkage.revolutes for end in (one.first, one.second)]
+        held_bodies = [
+            end.body for one in linkage.revolutes for end in (one.first, one.second)
+        ]
         held_bodies += [guide.body for guide in linkage.guides]
         single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
         hint = f"; fewer than two joints hold {', '.join(single)}" if single else ""
@@ -359,7 +397,9 @@ def assembled(linkage: Linkage) -> Array:
         )
     rows, start = Rows(linkage), np.zeros(1)
     q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)
-    prescribed = {drive.body for drive in linkage.drives} | {guide.body for guide in linkage.guides}
+    prescribed = {drive.body for drive in linkage.drives} | {
+        guide.body for guide in linkage.guides
+    }
     try:
         q = _closed(rows, start, q).q[0]
     except AssemblyError as error:
@@ -397,7 +437,9 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
         if not error < 1e3 * rows.size:
             break
         # Round-off does not shrink any more.
-        if error <= ROUND_OFF * rows.size or (error < 1e-12 * rows.size and error >= 0.5 * least):
+        if error <= ROUND_OFF * rows.size or (
+            error < 1e-12 * rows.size and error >= 0.5 * least
+        ):
             break
         least = min(least, error)
         q = q - _solved(rows, time, q, phi)
@@ -409,7 +451,9 @@ def close(rows: Rows, time: Array, q: Array) -> Levels:
         instant = int(phi.max(axis=1).argmax())
         row = int(phi[instant].argmax())
         if rows.repeated and phi[instant, row] < rows.size:
-            raise _misfit(rows, float(time[instant]), rows.names[row], float(phi[instant, row]))
+            raise _misfit(
+                rows, float(time[instant]), rows.names[row], float(phi[instant, row])
+            )
         raise _refusal(rows, float(time[instant]), rows.names[row])
     v = -_solved(rows, time, q, rows.errors(time, q, zero)[1])
     a = -_solved(rows, time, q, rows.errors(time, q, v, zero)[2])
@@ -427,8 +471,8 @@ def stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
     """Return the error of a linkage at a dead point."""
     _, values, right = np.linalg.svd(rows.jacobian(q) * rows.scale)
     worst = int(values[:, -1].argmin())
-    # The motion that nothing holds: the joint whose bodies turn most against each other, and of
-    # several that turn alike the last, which is farther from the drives.
+    # The motion that nothing holds: the joint whose bodies turn most against each
+    # other, and of several that turn alike the last, which is farther from the drives.
     free = np.append((right[worst, -1] * rows.scale)[2::3], 0.0)
     turning = np.abs(free[rows.joined[0]] - free[rows.joined[1]])
     last = turning.size - 1 - int(turning[::-1].argmax()) if turning.size else 0
@@ -454,7 +498,9 @@ def _crank_angle(rows: Rows, time: float) -> str:
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
     where = _crank_angle(rows, time)
-    refused = next((one.name for one in rows.linkage.drives if one.follow is not None), None)
+    refused = next(
+        (one.name for one in rows.linkage.drives if one.follow is not None), None
+    )
     if refused is not None:
         return AssemblyError(
             f"{refused} cannot make its point follow the curve: {where}({time:.6g} s after the "

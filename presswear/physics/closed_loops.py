@@ -1,8 +1,8 @@
 """Motion of prescribed bodies whose loops are closed by pins, and the torques of their drives.
 
-Coordinates that no drive prescribes follow by Newton's method from the last position; rates and
-accelerations by linear equations. The torques of the drives follow from the forces on the bodies by
-virtual work.
+Coordinates that no drive prescribes follow by Newton's method from the last position;
+rates and accelerations by linear equations. The torques of the drives follow from the
+forces on the bodies by virtual work.
 """
 
 import math
@@ -27,9 +27,12 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import compiled
 
 MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
-# Newton's way from where bodies are expected to where links could be on other sides, rad or m
+# Newton's way from where bodies are expected to where links could be on other sides,
+# rad or m
 JUMP = 0.05
-CLOSED = 1e-12  # newton step behind which the rows are those of the place found, rad or m
+CLOSED = (
+    1e-12  # newton step behind which the rows are those of the place found, rad or m
+)
 
 
 @compiled
@@ -38,8 +41,8 @@ def place_prescribed(
 ) -> None:
     """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
 
-    Not finite where their loops do not close near where they are expected, on the same side.
-    ``axes`` are those of ``place_parts``.
+    Not finite where their loops do not close near where they are expected, on the same
+    side. ``axes`` are those of ``place_parts``.
     """
     parts, work = prescribed.parts, prescribed.work
     closings, motions = prescribed.closings, prescribed.motions
@@ -51,7 +54,9 @@ def place_prescribed(
             turned, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
             work[COORDINATE, i] = motion.angle + turned
         else:
-            work[COORDINATE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[ACCELERATION, i])
+            work[COORDINATE, i] += ahead * (
+                work[RATE, i] + 0.5 * ahead * work[ACCELERATION, i]
+            )
     place_parts(prescribed, q, v, a, axes)
     if closings.shape[0] > 0 and not _close_loops(prescribed, q, v, a, axes):
         for i in range(parts.shape[0]):
@@ -59,7 +64,9 @@ def place_prescribed(
 
 
 @compiled
-def _close_loops(prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array) -> bool:
+def _close_loops(
+    prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array
+) -> bool:
     """Find the motion that closes the loops of prescribed bodies; return whether there is one."""
     work = prescribed.work
     before = work[LAST, DETERMINANT]
@@ -194,9 +201,9 @@ def drive_torques(
 ) -> None:
     """Fill the torques, N m, that drives must give against the generalized forces on all parts.
 
-    Those of inertia are among the forces, which are passed down to what the parts hang from. By
-    virtual work: the force on the coordinate of each part, times its rate per rate of the drive.
-    Torques of drives of other bodies stay.
+    Those of inertia are among the forces, which are passed down to what the parts hang
+    from. By virtual work: the force on the coordinate of each part, times its rate per
+    rate of the drive. Torques of drives of other bodies stay.
     """
     parts, work = prescribed.parts, prescribed.work
     for i in range(parts.shape[0] - 1, -1, -1):

@@ -1,8 +1,9 @@
 """Constraint equations of a planar linkage, Phi(q, t) = 0, and their multipliers.
 
-Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a guide, one for
-a drive. With the diagonal mass matrix M equation 18 reduces to S lambda = r with
-S = Phi_q M^-1 Phi_q^T. With the multipliers a state is moved onto the constraints.
+Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a
+guide, one for a drive. With the diagonal mass matrix M equation 18 reduces to S lambda
+= r with S = Phi_q M^-1 Phi_q^T. With the multipliers a state is moved onto the
+constraints.
 """
 
 import math
@@ -145,15 +146,17 @@ def move(held: Held, level: Array) -> None:
     solve(held)
     for row in range(held.phi.shape[0]):
         for c in range(level.shape[0]):
-            level[c] -= held.inverse_mass[c] * held.jacobian[row, c] * held.multipliers[row]
+            level[c] -= (
+                held.inverse_mass[c] * held.jacobian[row, c] * held.multipliers[row]
+            )
 
 
 @compiled
 def project(held: Held, t: float, q: Array, v: Array) -> None:
     """Move a state onto the constraints: one Newton step for q, an exact one for v.
 
-    Both use the metric of the mass matrix, so that the change of kinetic energy is of second order
-    in the violation.
+    Both use the metric of the mass matrix, so that the change of kinetic energy is of
+    second order in the violation.
     """
     evaluate_constraints(held, t, q, v)
     copy_to(held.right, held.phi)
@@ -197,7 +200,9 @@ class Constraints:
         working = *vectors, np.zeros((rows, bodies)), np.zeros((rows, rows))
         return Held(self.records, self.motions, 1.0 / mass, *working)
 
-    def evaluate(self, t: float, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
+    def evaluate(
+        self, t: float, q: Array, v: Array
+    ) -> tuple[Array, Array, Array, Array]:
         """Return Phi, dPhi/dt and gamma, each (rows,), and the Jacobian (rows, 3 bodies)."""
         held = self.held(np.ones(q.size))
         evaluate_constraints(held, t, np.asarray(q), np.asarray(v))
@@ -208,7 +213,9 @@ def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
     motions, rows = motions_of(linkage), Rows(linkage)
     records = np.zeros(len(rows.names), CONSTRAINT)
-    for end, body, (places, x, y, _) in zip("12", ("first", "second"), rows.ends, strict=True):
+    for end, body, (places, x, y, _) in zip(
+        "12", ("first", "second"), rows.ends, strict=True
+    ):
         records[body] = np.where(places < 0, -1, 3 * places)
         records["x" + end], records["y" + end] = x, y
     records["normal_x"], records["normal_y"] = rows.normal.T

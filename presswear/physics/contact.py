@@ -1,8 +1,9 @@
 """Contact of a pin with the worn surface of its bearing, and the record of any contact.
 
-e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by
-+90 degrees. Round surfaces, and worn ones under ``radial`` contact, meet where e points;
-worn ones on a ``foundation`` over all of the arc. Round surfaces stand in the written equations.
+e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by +90
+degrees. Round surfaces, and worn ones under ``radial`` contact, meet where e points;
+worn ones on a ``foundation`` over all of the arc. Round surfaces stand in the written
+equations.
 """
 
 import math
@@ -29,23 +30,33 @@ from presswear.tools.compile import Records, compiled, floats, inlined, lazily_c
 # A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
     [
-        ("penetration", np.float64),  # greatest overlap of the surfaces, m; below zero if open
+        (
+            "penetration",
+            np.float64,
+        ),  # greatest overlap of the surfaces, m; below zero if open
         ("rate", np.float64),  # at which it grows, m/s
         ("sliding", np.float64),  # v_t at the contact point, m/s
         *floats("eccentricity", "eccentricity_x", "eccentricity_y"),  # |e| and e, m
         *floats("velocity_x", "velocity_y"),  # rate of e, m/s
         ("turning", np.float64),  # rate of the direction of e, rad/s
-        *floats("normal_x", "normal_y"),  # direction in which the pin presses on the bearing
+        *floats(
+            "normal_x", "normal_y"
+        ),  # direction in which the pin presses on the bearing
         # from the two centres to the contact point along the normal, m
         *floats("pin_arm", "bearing_arm"),
         ("approach", np.float64),  # speed on which the normal force works, m/s
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        ("place", np.float64),  # on a foundation the direction of the greatest overlap, rad
-        # Of the pressure on the worn pin about the contact point, N m; the bearing's is opposite.
+        (
+            "place",
+            np.float64,
+        ),  # on a foundation the direction of the greatest overlap, rad
+        # Of the pressure on the worn pin about the contact point, N m; the bearing's is
+        # opposite.
         ("couple", np.float64),
-        # Of the bodies, rad and rad/s; from their mass centres to those of bearing and pin, m
+        # Of the bodies, rad and rad/s; from their mass centres to those of bearing and
+        # pin, m
         *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
         *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
         *floats("normal", "tangential"),  # forces, N, zero while open
@@ -70,8 +81,8 @@ def direction_of(contact: Records) -> float:
 def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with the point of the worn surface that faces it.
 
-    The rate of penetration follows the profile: delta_dot = e_dot . n minus the change of both
-    depths under the moving contact.
+    The rate of penetration follows the profile: delta_dot = e_dot . n minus the change
+    of both depths under the moving contact.
     """
     eccentricity = contact.eccentricity
     # A pin exactly in the centre touches nothing: any direction serves.
@@ -103,16 +114,19 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
-    Force and couples are the gradient of the elastic energy in e and in both bodies' angles,
-    equations W4 and W5. The bearing's couple follows from the pin's: if both turn together, nothing
-    changes. Damping multiplies all of them, with the rate at which they are worked against.
+    Force and couples are the gradient of the elastic energy in e and in both bodies'
+    angles, equations W4 and W5. The bearing's couple follows from the pin's: if both
+    turn together, nothing changes. Damping multiplies all of them, with the rate at
+    which they are worked against.
     """
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
     turns = joint.map_turns
     zero = turns * contact.bearing_angle
     c, s = cos_sin(zero)
     relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
-    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    place = place_of(
+        joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
+    )
     overlap, cell, arc = integrate_overlap(surfaces, joint, place, contact.place - zero)
     peak, pin_depth = node_of_peak(surfaces, place, cell)
     nx = c * peak.nx - s * peak.ny
@@ -121,7 +135,9 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     # Where the overlap is greatest its derivative by the angle is zero.
     bearing_slope = dy * nx - dx * ny - pin_slope
     rate = contact.velocity_x * nx + contact.velocity_y * ny
-    rate += turns * (bearing_slope * contact.bearing_spin + pin_slope * contact.pin_spin)
+    rate += turns * (
+        bearing_slope * contact.bearing_spin + pin_slope * contact.pin_spin
+    )
     elastic = couple = 0.0
     closing = approach = rate
     size = math.sqrt(arc.x * arc.x + arc.y * arc.y)
@@ -132,7 +148,9 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         nx = (c * arc.x - s * arc.y) / size
         ny = (s * arc.x + c * arc.y) / size
         moment = elastic * (dx * ny - dy * nx)
-        couple = -joint.foundation * arc.pin_slope / place.width if turns > 0.0 else moment
+        couple = (
+            -joint.foundation * arc.pin_slope / place.width if turns > 0.0 else moment
+        )
         on_bearing = moment - couple
         power = couple * contact.pin_spin + on_bearing * contact.bearing_spin
         approach = contact.velocity_x * nx + contact.velocity_y * ny - power / elastic
@@ -171,15 +189,17 @@ def deepest_acceleration(
 ) -> float:
     """Return the second time derivative of the greatest overlap of a foundation, m/s^2.
 
-    ``ax`` and ``ay`` are the acceleration of the eccentricity. The greatest overlap follows its
-    place: p_tt - p_ts^2 / p_ss, in the frame of the bearing's map.
+    ``ax`` and ``ay`` are the acceleration of the eccentricity. The greatest overlap
+    follows its place: p_tt - p_ts^2 / p_ss, in the frame of the bearing's map.
     """
     turns = joint.map_turns
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
     zero = turns * contact.bearing_angle
     c, s = cos_sin(zero)
     relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
-    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    place = place_of(
+        joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
+    )
     spin, spin_t = turns * contact.bearing_spin, turns * bearing_spin_t
     turning = (spin - turns * contact.pin_spin) / place.width
     turning_t = (spin_t - turns * pin_spin_t) / place.width
@@ -191,18 +211,22 @@ def deepest_acceleration(
     by = c * ay - s * ax - 2.0 * spin * vx - spin_t * place.dx - spin * spin * place.dy
     node, x = cell_of(contact.place - zero, joint.surface_nodes)
     node += joint.surface_nodes
-    nx, ny, curvature, slope, slope_x, slope_t = derivatives_at(surfaces, place, node, x)
+    nx, ny, curvature, slope, slope_x, slope_t = derivatives_at(
+        surfaces, place, node, x
+    )
     second = bx * nx + by * ny - slope * turning_t - slope_t * turning * turning
     mixed = place.width * (uy * nx - ux * ny) - slope_x * turning
     return second - mixed * mixed / curvature if curvature < 0.0 else second
 
 
 @compiled
-def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
+def penetration_acceleration(
+    joint: Records, surfaces: Array, contact: Records, a: Array
+) -> float:
     """Return the second time derivative of the penetration, m/s^2, at accelerations of all bodies.
 
-    A pin that runs over a bump is thrown off by the profile's curvature times the square of the
-    turning.
+    A pin that runs over a bump is thrown off by the profile's curvature times the
+    square of the turning.
     """
     c = contact
     eccentricity = c.eccentricity
@@ -223,7 +247,9 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
     )
     count, turns = joint.surface_nodes, joint.map_turns
     if joint.foundation > 0.0 and count > 0:
-        return deepest_acceleration(joint, surfaces, c, ax, ay, bearing_spin_t, pin_spin_t)
+        return deepest_acceleration(
+            joint, surfaces, c, ax, ay, bearing_spin_t, pin_spin_t
+        )
     nx, ny = ex / eccentricity, ey / eccentricity
     turning = (vy * nx - vx * ny) / eccentricity
     result = ax * nx + ay * ny + turning * turning * eccentricity
@@ -232,7 +258,9 @@ def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, 
         turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
         direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in ends:
-            _, slope, curvature = profile(surfaces, row, count, direction - turns * angle)
+            _, slope, curvature = profile(
+                surfaces, row, count, direction - turns * angle
+            )
             sweep = turning - turns * spin
             result -= curvature * sweep * sweep
             result -= slope * (turning_t - turns * spin_t)

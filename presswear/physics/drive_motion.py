@@ -11,7 +11,9 @@ from presswear.tools.compile import Records, compiled, floats, inlined, lazily_c
 # A drive as the kernels see it
 MOTION = np.dtype(
     [
-        *floats("speed", "angle"),  # the mean speed, with what the pieces turn in a cycle
+        *floats(
+            "speed", "angle"
+        ),  # the mean speed, with what the pieces turn in a cycle
         ("fundamental", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
         ("cosine", np.float64, (MAX_HARMONICS,)),
@@ -25,7 +27,9 @@ MOTION = np.dtype(
 )
 
 _TURN = 2.0 * math.pi
-_NEAR = 1e-13  # A break this close is where a step has just ended, part of the phase so far
+_NEAR = (
+    1e-13  # A break this close is where a step has just ended, part of the phase so far
+)
 _BISECTIONS = 60
 
 
@@ -166,7 +170,9 @@ def motions_of(linkage: Linkage) -> Records:
     motions = np.zeros(len(linkage.drives), MOTION)
     for motion, drive in zip(motions, linkage.drives, strict=True):
         if drive.follow is not None:
-            raise ValueError(f"{drive.name} follows a curve: its motion has to be found first")
+            raise ValueError(
+                f"{drive.name} follows a curve: its motion has to be found first"
+            )
         motion["speed"], motion["angle"] = drive.mean_speed, drive.angle
         motion["fundamental"] = drive.base
         motion["count"], motion["run_up"] = len(drive.harmonics), linkage.run_up_time

@@ -1,12 +1,14 @@
 """Elastic foundation between a round pin and its worn bearing.
 
-The overlap at an angle theta is p = e . n(theta) - c - h_i - h_j, and the pressure is k_w p where
-p > 0. The elastic energy is the integral of k_w b R p^2 / 2 over the angle; force and couples are
-its gradient. A pin cannot enter a groove narrower than itself: grooves are bridged.
+The overlap at an angle theta is p = e . n(theta) - c - h_i - h_j, and the pressure is
+k_w p where p > 0. The elastic energy is the integral of k_w b R p^2 / 2 over the angle;
+force and couples are its gradient. A pin cannot enter a groove narrower than itself:
+grooves are bridged.
 
-The nodes of the bearing's map, its bin centres, divide the turn into cells. In a cell the overlap
-is the polynomial through its values and derivatives at both nodes. Force, couples and energy are
-sums of closed formulas over the cells (docs/theory/contact.md, equations W1 to W5).
+The nodes of the bearing's map, its bin centres, divide the turn into cells. In a cell
+the overlap is the polynomial through its values and derivatives at both nodes. Force,
+couples and energy are sums of closed formulas over the cells (docs/theory/contact.md,
+equations W1 to W5).
 """
 
 import math
@@ -18,18 +20,29 @@ from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
-# Rows of each surface, of the bearing from 0 and of the pin from 5: depth at the nodes, the
-# coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a cell, m, and a
-# lower bound of the depth in the cell. Cosine and sine of the angles of the nodes. As working
-# space, the places where arcs of overlap start and end, in cells, and the place of the pin for
-# which they are and their number. The columns are the nodes of three turns, so that no search
-# crosses a seam.
-BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = 0, 5, 10, 11, 12, 13, 14, 15
+# Rows of each surface, of the bearing from 0 and of the pin from 5: depth at the nodes,
+# the coefficients of x, x^2 and x^3 of the cubic after each, with x from 0 to 1 over a
+# cell, m, and a lower bound of the depth in the cell. Cosine and sine of the angles of
+# the nodes. As working space, the places where arcs of overlap start and end, in cells,
+# and the place of the pin for which they are and their number. The columns are the
+# nodes of three turns, so that no search crosses a seam.
+BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = (
+    0,
+    5,
+    10,
+    11,
+    12,
+    13,
+    14,
+    15,
+)
 SLOPE, SQUARE, CUBE, LEAST, SIDE_ROWS = 1, 2, 3, 4, 5
 TURNS = 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
 
-MAX_SPACING = 0.02  # rad, of nodes; over wider cells neglected terms of the cosine would show
+MAX_SPACING = (
+    0.02  # rad, of nodes; over wider cells neglected terms of the cosine would show
+)
 NEAR = 0.1  # tangent of an angle that is computed from its series
 NEWTON_TOL = 1e-3  # part of a cell; the next Newton step would be about its square
 ROOT_TOL = 1e-8  # part of a cell; integrals change with the square of it
@@ -58,7 +71,9 @@ def pack_rows(bearing: Surface, pin: Surface, bins: int) -> Array:
                 # A cell of the bearing lies over two of the pin.
                 least = np.minimum(least, np.roll(least, -1))
             filled = np.vstack((cubics, least))
-            rows[side : side + SIDE_ROWS] = np.pad(filled, ((0, 0), (0, 2 * nodes + 2)), "wrap")
+            rows[side : side + SIDE_ROWS] = np.pad(
+                filled, ((0, 0), (0, 2 * nodes + 2)), "wrap"
+            )
     return rows
 
 
@@ -84,8 +99,8 @@ def _cubics(surface: Surface, parts: int) -> Array:
 def _least_depths(cubics: Array) -> Array:
     """Return a lower bound of the depth in each cell, and of that of any cubic through its depths.
 
-    A cubic lies within its Bezier points. Those of one through depths and slopes of the surface are
-    its depths, and these plus or minus a third of the slopes.
+    A cubic lies within its Bezier points. Those of one through depths and slopes of the
+    surface are its depths, and these plus or minus a third of the slopes.
     """
     depth, slope, square, cube = cubics
     points = [depth, depth + slope / 3, depth + (2.0 * slope + square) / 3]
@@ -124,23 +139,32 @@ def cell_of(angle: float, nodes: int) -> tuple[int, float]:
     node = int(before)
     if node < 0:
         node += nodes
-    # In a trial state the angle may be so large that round-off leaves no place in a cell.
+    # In a trial state the angle may be so large that round-off leaves no place in a
+    # cell.
     if not 0 <= node < nodes:
         return 0, 0.0
     return node, min(max(position - before, 0.0), 1.0)
 
 
 @inlined
-def depth_at(surfaces: Array, row: int, node: int, x: float) -> tuple[float, float, float]:
+def depth_at(
+    surfaces: Array, row: int, node: int, x: float
+) -> tuple[float, float, float]:
     """Return depth, m, slope, m per cell, and second derivative of a map x cells after a node."""
     slope, square = surfaces[row + SLOPE, node], surfaces[row + SQUARE, node]
     cube = surfaces[row + CUBE, node]
     depth = surfaces[row, node] + x * (slope + x * (square + x * cube))
-    return depth, slope + x * (2.0 * square + x * 3.0 * cube), 2.0 * square + x * 6.0 * cube
+    return (
+        depth,
+        slope + x * (2.0 * square + x * 3.0 * cube),
+        2.0 * square + x * 6.0 * cube,
+    )
 
 
 @inlined
-def profile(surfaces: Array, row: int, nodes: int, angle: float) -> tuple[float, float, float]:
+def profile(
+    surfaces: Array, row: int, nodes: int, angle: float
+) -> tuple[float, float, float]:
     """Return depth, m, slope, m/rad, and second derivative of a map at an angle.
 
     The second derivative, m/rad^2, jumps at the bin centres.
@@ -161,7 +185,8 @@ class Place(NamedTuple):
     eccentricity: float  # m
     clearance: float  # m
     width: float  # of a cell, rad
-    lag: int  # node of the pin's map at or before a node of the bearing's, less the latter
+    # node of the pin's map at or before a node of the bearing's, less the latter
+    lag: int
     offset: float  # way between the two, in cells
 
 
@@ -177,11 +202,14 @@ def place_of(
     turns = relative_angle * (0.5 / math.pi)
     position = (turns - np.floor(turns + 0.5)) * nodes
     before = np.floor(position)
-    # In a trial state the angle may be so large that round-off leaves no place in a cell.
+    # In a trial state the angle may be so large that round-off leaves no place in a
+    # cell.
     if not abs(before) <= nodes:
         position = before = 0.0
     width = 2.0 * math.pi / nodes
-    return Place(dx, dy, eccentricity, joint.clearance, width, int(before), position - before)
+    return Place(
+        dx, dy, eccentricity, joint.clearance, width, int(before), position - before
+    )
 
 
 class Node(NamedTuple):
@@ -203,7 +231,11 @@ def node_at(surfaces: Array, place: Place, node: int) -> Node:
     depth, slope, curvature = depth_at(surfaces, PIN, node + place.lag, place.offset)
     along = place.dx * nx + place.dy * ny
     overlap = along - place.clearance - surfaces[BEARING, node] - depth
-    rise = place.width * (place.dy * nx - place.dx * ny) - surfaces[BEARING + SLOPE, node] - slope
+    rise = (
+        place.width * (place.dy * nx - place.dx * ny)
+        - surfaces[BEARING + SLOPE, node]
+        - slope
+    )
     return Node(nx, ny, along, overlap, rise, slope, curvature)
 
 
@@ -303,7 +335,8 @@ def with_part(
 ) -> ArcIntegrals:
     """Return the integrals with a part of a cell that overlaps throughout; equations W4 and W5.
 
-    ``length`` is its part of the cell, of ``width`` rad, whose polynomial has the coefficient a_4.
+    ``length`` is its part of the cell, of ``width`` rad, whose polynomial has the
+    coefficient a_4.
     """
     p0, d0 = left.overlap, length * left.rise
     p1, d1 = right.overlap, length * right.rise
@@ -397,7 +430,9 @@ def add_parts(
 
 
 @inlined
-def cell_of_eccentricity(surfaces: Array, nodes: int, place: Place, angle: float) -> float:
+def cell_of_eccentricity(
+    surfaces: Array, nodes: int, place: Place, angle: float
+) -> float:
     """Return the direction of the eccentricity, in cells of the second turn.
 
     It is computed from an angle, rad, if that is near it.
@@ -476,7 +511,8 @@ def integrate_overlap(
 ) -> tuple[float, float, ArcIntegrals]:
     """Return the greatest overlap of a pin and its bearing, its place, and the integrals.
 
-    Cells in which the pin can neither overlap nor come nearer than elsewhere are skipped.
+    Cells in which the pin can neither overlap nor come nearer than elsewhere are
+    skipped.
 
     Parameters
     ----------
@@ -501,8 +537,12 @@ def integrate_overlap(
     following = place.dx * surfaces[COSINE, first] + place.dy * surfaces[SINE, first]
     for node in range(first, last + 1):
         along = following
-        following = place.dx * surfaces[COSINE, node + 1] + place.dy * surfaces[SINE, node + 1]
-        least = surfaces[BEARING + LEAST, node] + surfaces[PIN + LEAST, node + place.lag]
+        following = (
+            place.dx * surfaces[COSINE, node + 1] + place.dy * surfaces[SINE, node + 1]
+        )
+        least = (
+            surfaces[BEARING + LEAST, node] + surfaces[PIN + LEAST, node + place.lag]
+        )
         most = max(along, following) + bulge - place.clearance - least
         if most <= min(greatest, 0.0):
             continue
@@ -518,7 +558,9 @@ def integrate_overlap(
     surfaces[ARC_PLACE, 3] = sums.arcs
     # Mean of cosine and sine over a cell, over that of their cubics
     scale = 1.0 + (1 / 720) * place.width**4
-    sums = ArcIntegrals(scale * sums.x, scale * sums.y, sums.pin_slope, sums.square, sums.arcs)
+    sums = ArcIntegrals(
+        scale * sums.x, scale * sums.y, sums.pin_slope, sums.square, sums.arcs
+    )
     return greatest, peak, sums
 
 
@@ -540,27 +582,42 @@ def derivatives_at(
 ) -> tuple[float, float, float, float, float, float]:
     """Return derivatives of the overlap at a place of a cell, for ``deepest_acceleration``.
 
-    Cosine and sine of its angle, the second derivative of the overlap, m, the slope of the pin's
-    map, m, and the derivatives of the slope by x and by the relative angle, in cells.
+    Cosine and sine of its angle, the second derivative of the overlap, m, the slope of
+    the pin's map, m, and the derivatives of the slope by x and by the relative angle,
+    in cells.
     """
     left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
     here = node_within(left, right, p, place.width, x)
     third = 6.0 * surfaces[PIN + CUBE, node + place.lag]
     following = 6.0 * surfaces[PIN + CUBE, node + 1 + place.lag]
-    by_turning = cubic_between(left.pin_curvature, third, right.pin_curvature, following, 0.0)
+    by_turning = cubic_between(
+        left.pin_curvature, third, right.pin_curvature, following, 0.0
+    )
     curvature = 2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4)
-    return here.nx, here.ny, curvature, here.pin_slope, here.pin_curvature, value_at(by_turning, x)
+    return (
+        here.nx,
+        here.ny,
+        curvature,
+        here.pin_slope,
+        here.pin_curvature,
+        value_at(by_turning, x),
+    )
 
 
 @inlined
 def count_arcs(surfaces: Array, joint: Records, place: Place, angle: float) -> int:
     """Return the number of arcs of overlap, whose ends are in the surfaces.
 
-    The integrals are computed, as by ``integrate_overlap``, if those before had another place.
+    The integrals are computed, as by ``integrate_overlap``, if those before had another
+    place.
     """
     last = surfaces[ARC_PLACE]
-    is_same = last[0] == place.dx and last[1] == place.dy and last[2] == place.lag + place.offset
+    is_same = (
+        last[0] == place.dx
+        and last[1] == place.dy
+        and last[2] == place.lag + place.offset
+    )
     if not is_same:
         integrate_overlap(surfaces, joint, place, angle)
     return int(last[3])
@@ -575,7 +632,13 @@ def area_at(p: Cubic, x: float) -> float:
 
 @inlined
 def share_cell(
-    p: Cubic, node: int, low: float, high: float, shift: float, ratio: float, shares: Array
+    p: Cubic,
+    node: int,
+    low: float,
+    high: float,
+    shift: float,
+    ratio: float,
+    shares: Array,
 ) -> None:
     """Add the integral of the overlap in a cell, between two places, to the bins of a map, (n,).
 
@@ -595,7 +658,9 @@ def share_cell(
 
 
 @compiled
-def share_arc(surfaces: Array, joint: Records, place: Place, arc: int, shares: Array) -> None:
+def share_arc(
+    surfaces: Array, joint: Records, place: Place, arc: int, shares: Array
+) -> None:
     """Add the integrals of the overlap over an arc to the bins of bearing and pin, shape (2, n)."""
     start, end = surfaces[ARC_START, arc], surfaces[ARC_END, arc]
     ratio = shares.shape[1] / joint.surface_nodes
@@ -625,12 +690,17 @@ def round_area(eccentricity: float, clearance: float, x: float) -> float:
 
 @compiled
 def deposit_round(
-    eccentricity: float, clearance: float, direction: float, half: float, added: float, depth: Array
+    eccentricity: float,
+    clearance: float,
+    direction: float,
+    half: float,
+    added: float,
+    depth: Array,
 ) -> None:
     """Add depths in proportion to the overlap of round surfaces to the bins of a map, shape (n,).
 
-    The arc reaches ``half`` rad to both sides of the direction of e in the map. ``added`` is the
-    sum of the depths, m.
+    The arc reaches ``half`` rad to both sides of the direction of e in the map.
+    ``added`` is the sum of the depths, m.
     """
     count = depth.shape[0]
     overlap = round_area(eccentricity, clearance, half)

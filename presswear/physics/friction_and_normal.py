@@ -1,7 +1,7 @@
 """Normal and friction laws of a pin on its bearing, compiled; see ``presswear.linkage.laws``.
 
-The default laws are part of the kernels. Others and user laws are called by the address of their
-machine code, so that no kernel is compiled again for them.
+The default laws are part of the kernels. Others and user laws are called by the address
+of their machine code, so that no kernel is compiled again for them.
 """
 
 import math
@@ -20,9 +20,12 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
 from presswear.tools.user_function import compile_function
 
-# Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp, too
+# Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp,
+# too
 INLINE, ROUND_FOUNDATION = 0, 1
-FACTOR, VISCOUS, USER = range(3)  # kinds of damping: of the elastic force, beside it, user law
+FACTOR, VISCOUS, USER = range(
+    3
+)  # kinds of damping: of the elastic force, beside it, user law
 
 # A normal law as the kernels see it
 NORMAL = np.dtype(
@@ -42,7 +45,9 @@ FRICTION = np.dtype(
         *floats("coefficient", "lower", "upper"),
         ("force", np.int64),  # its address
         *floats("static", "stribeck"),
-        *floats("bristle_stiffness", "bristle_damping"),  # 0 where the law has no bristles
+        *floats(
+            "bristle_stiffness", "bristle_damping"
+        ),  # 0 where the law has no bristles
     ]
 )
 
@@ -51,9 +56,9 @@ ABSCISSAE, WEIGHTS = (
     tuple(map(float, function)) for function in np.polynomial.legendre.leggauss(16)
 )
 
-# Smallest closing speed used in the damping term, m/s. The damping term divides by the closing
-# speed at touchdown, which goes to zero where a pin grazes; below this speed the kinetic energy
-# of a gram is 5e-16 J.
+# Smallest closing speed used in the damping term, m/s. The damping term divides by the
+# closing speed at touchdown, which goes to zero where a pin grazes; below this speed
+# the kinetic energy of a gram is 5e-16 J.
 ONSET_SPEED_FLOOR = 1e-6
 
 
@@ -80,10 +85,14 @@ def liu_force(
 ) -> float:
     """Return the elastic force of a conforming pin, N: K delta^1.5 / sqrt(1 + delta / c).
 
-    With K of ``linkage.laws.liu_stiffness`` it is (pi / 2) delta E* b sqrt(delta / (2 (c + delta)))
-    of Liu, Zhang and Yang (2007).
+    With K of ``linkage.laws.liu_stiffness`` it is (pi / 2) delta E* b sqrt(delta / (2
+    (c + delta))) of Liu, Zhang and Yang (2007).
     """
-    return stiffness * penetration * math.sqrt(penetration / (1.0 + penetration / clearance))
+    return (
+        stiffness
+        * penetration
+        * math.sqrt(penetration / (1.0 + penetration / clearance))
+    )
 
 
 def _power_series(count: int) -> tuple[Array, Array]:
@@ -104,8 +113,9 @@ def _power_series(count: int) -> tuple[Array, Array]:
 def _polynomials(degree: int) -> list[tuple[float, ...]]:
     """Return coefficients of g and h in x = (delta - sqrt(2) c) / (delta + sqrt(2) c), from x^0.
 
-    Over all penetrations x runs from -1 to 1, and interpolation at the points of Chebyshev
-    converges as 11.6^-degree: g and h are singular at u = 1 only, far beyond u = 1/2.
+    Over all penetrations x runs from -1 to 1, and interpolation at the points of
+    Chebyshev converges as 11.6^-degree: g and h are singular at u = 1 only, far beyond
+    u = 1/2.
     """
     results = []
     for series in _power_series(60):
@@ -116,7 +126,9 @@ def _polynomials(degree: int) -> list[tuple[float, ...]]:
             return np.asarray(function(0.5 * ratio / (1.0 - x + ratio)))
 
         chebyshev = np.polynomial.Chebyshev.interpolate(at, degree)
-        results.append(tuple(map(float, chebyshev.convert(kind=np.polynomial.Polynomial).coef)))
+        results.append(
+            tuple(map(float, chebyshev.convert(kind=np.polynomial.Polynomial).coef))
+        )
     return results
 
 
@@ -127,7 +139,8 @@ ROUND_FORCE, ROUND_ENERGY = _polynomials(12)
 @inlined
 def polynomial(coefficients: tuple[float, ...], x: float) -> float:
     """Return a polynomial of even degree from its coefficients, the constant first."""
-    # Even and odd terms apart: two short chains of products take less time than a long one.
+    # Even and odd terms apart: two short chains of products take less time than a long
+    # one.
     square, last = x * x, len(coefficients) - 1
     even, odd = coefficients[last] + 0.0 * x, coefficients[last - 1] + 0.0 * x
     for i in range(1, last // 2):
@@ -137,13 +150,16 @@ def polynomial(coefficients: tuple[float, ...], x: float) -> float:
 
 
 @inlined
-def round_foundation(penetration: float, stiffness: float, clearance: float) -> tuple[float, float]:
+def round_foundation(
+    penetration: float, stiffness: float, clearance: float
+) -> tuple[float, float]:
     """Return force, N, and energy, J, of a round pin on an elastic foundation, if it is closed.
 
-    The overlap e cos(x) - c with e = c + delta is positive up to s, cos s = c / e. Its integrals
-    give F = k_w b R (e s - c sin s) = K delta sqrt(delta c / e) g(u) and
-    U = k_w b R / 2 [(e^2 + 2 c^2) s - 3 e c sin s] = 2/5 K delta^2 sqrt(delta c / e) h(u) with
-    u = sin^2(s / 2) = delta / (2 e). g and h are 1 at u = 0; as they stand, both cancel there.
+    The overlap e cos(x) - c with e = c + delta is positive up to s, cos s = c / e. Its
+    integrals give F = k_w b R (e s - c sin s) = K delta sqrt(delta c / e) g(u) and U =
+    k_w b R / 2 [(e^2 + 2 c^2) s - 3 e c sin s] = 2/5 K delta^2 sqrt(delta c / e) h(u)
+    with u = sin^2(s / 2) = delta / (2 e). g and h are 1 at u = 0; as they stand, both
+    cancel there.
     """
     reach = max(penetration, 0.0)
     plain = stiffness * reach * math.sqrt(reach * clearance / (clearance + reach))
@@ -153,8 +169,13 @@ def round_foundation(penetration: float, stiffness: float, clearance: float) -> 
     return force, 0.4 * reach * plain * polynomial(ROUND_ENERGY, x)
 
 
-# Elastic forces of NORMAL_PARAMETERS by name, or the address of one that stands in the kernels
-ELASTICITIES: dict[str, Any] = {"power": INLINE, "liu": liu_force, "foundation": ROUND_FOUNDATION}
+# Elastic forces of NORMAL_PARAMETERS by name, or the address of one that stands in the
+# kernels
+ELASTICITIES: dict[str, Any] = {
+    "power": INLINE,
+    "liu": liu_force,
+    "foundation": ROUND_FOUNDATION,
+}
 
 
 @inlined
@@ -194,8 +215,8 @@ def normal_force(
 ) -> float:
     """Return the normal contact force, N, from its elastic part, N; never adhesive.
 
-    ``penetration`` is delta, m, ``rate`` the one that damps, m/s, and ``onset_speed`` the closing
-    speed at touchdown delta_dot_0, m/s, above zero.
+    ``penetration`` is delta, m, ``rate`` the one that damps, m/s, and ``onset_speed``
+    the closing speed at touchdown delta_dot_0, m/s, above zero.
     """
     if law.kind == FACTOR:  # equation 8
         return max(elastic * (1.0 + law.damping * rate / onset_speed), 0.0)
@@ -257,8 +278,12 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 
 
-ESTIMATED_AT = (1e-4, 1e-2)  # parts of the clearance between which a user law is a power law
-ABRUPT = 1e3  # damped force over the elastic one at the touch from which a law begins with a jump
+ESTIMATED_AT = (
+    1e-4,
+    1e-2,
+)  # parts of the clearance between which a user law is a power law
+# damped force over the elastic one at the touch from which a law begins with a jump
+ABRUPT = 1e3
 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
@@ -273,7 +298,9 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     if law.user_law is not None:
         force, record["kind"] = compile_function(law.user_law, NORMAL_PARAMETERS), USER
     is_inline = isinstance(force, int)
-    record["address"] = force if is_inline else address_of(force, len(NORMAL_PARAMETERS))
+    record["address"] = (
+        force if is_inline else address_of(force, len(NORMAL_PARAMETERS))
+    )
     if law.user_law is not None:
         first, last = (part * clearance for part in ESTIMATED_AT)
         low, high = (elastic_of(record, depth)[0] for depth in (first, last))
@@ -290,14 +317,23 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
 def friction_record(law: FrictionLaw) -> Records:
     """Return a friction law as a record of FRICTION."""
     record = np.zeros(1, FRICTION)[0]
-    record["coefficient"], record["lower"], record["upper"] = law.coefficient, law.lower, law.upper
+    record["coefficient"], record["lower"], record["upper"] = (
+        law.coefficient,
+        law.lower,
+        law.upper,
+    )
     force: Any = FRICTION_FORCES.get(law.name)
     if law.name == LUGRE and law.coefficient > 0.0:
         record["static"] = max(law.static, law.coefficient)
-        record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
+        record["stribeck"], record["bristle_damping"] = (
+            law.stribeck,
+            law.bristle_damping,
+        )
         record["bristle_stiffness"] = law.bristle_stiffness
     if law.user_law is not None:
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
     is_inline = force in (None, ramp_friction)
-    record["force"] = INLINE if is_inline else address_of(force, len(FRICTION_PARAMETERS))
+    record["force"] = (
+        INLINE if is_inline else address_of(force, len(FRICTION_PARAMETERS))
+    )
     return record

@@ -1,9 +1,9 @@
 """Ideal motion of a linkage, all its joints closed, over its cycle; its bottom dead centre.
 
-A linkage is followed around its cycle and stored as a table of instants. Between them its motion
-is predicted by the quintic polynomials through position, velocity and acceleration; where those do
-not close to round-off, Newton's method makes them. Inverse kinematics finds the motion of a drive
-that makes a point follow a curve.
+A linkage is followed around its cycle and stored as a table of instants. Between them
+its motion is predicted by the quintic polynomials through position, velocity and
+acceleration; where those do not close to round-off, Newton's method makes them. Inverse
+kinematics finds the motion of a drive that makes a point follow a curve.
 """
 
 import math
@@ -30,16 +30,21 @@ from presswear.physics.assembly import (
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
 
-# Least measure of how far the joints are from a dead point; of two links in line it is some
-# half of the sine of the angle between them
+# Least measure of how far the joints are from a dead point; of two links in line it is
+# some half of the sine of the angle between them
 NEAREST_DEAD_POINT = 5e-3
 # Instants of a cycle at which it is followed, and at which its motion is kept
 _COARSE, _NODES = 36, 1440
-_JUMP = 0.05  # largest turn, rad, between where a body is expected and where it is found
-_KINK = 0.05  # change of a speed over a short step, part of the greatest speed, that is a jump
+_JUMP = (
+    0.05  # largest turn, rad, between where a body is expected and where it is found
+)
+# change of a speed over a short step, part of the greatest speed, that is a jump
+_KINK = 0.05
 # Round-off of an angle near a place where its drive does not move its point, rad
 _ANGLE_NOISE = 1e-9
-_HALVINGS = 14  # how often an interval is halved before the linkage is said to stop in it
+_HALVINGS = (
+    14  # how often an interval is halved before the linkage is said to stop in it
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,9 @@ class Motion:
 
     def output(self, linkage: Linkage) -> Array:
         """Return position, velocity and acceleration of the output point, shape (n, 3), m, s."""
-        return self.of_point(linkage, linkage.output.attachment, linkage.output.direction)
+        return self.of_point(
+            linkage, linkage.output.attachment, linkage.output.direction
+        )
 
     def of_point(self, linkage: Linkage, point: Attachment, direction: float) -> Array:
         """Return position, velocity and acceleration of a point along a direction, rad.
@@ -65,10 +72,16 @@ class Motion:
         """
         column = 3 * linkage.index(point.body) if self.position.shape[1] > 3 else 0
         item = slice(column, column + 3)
-        q, v, a = (level[:, item] for level in (self.position, self.velocity, self.acceleration))
+        q, v, a = (
+            level[:, item]
+            for level in (self.position, self.velocity, self.acceleration)
+        )
         cosine, sine = np.cos(q[:, 2] - direction), np.sin(q[:, 2] - direction)
         # The point relative to the mass centre, along the direction and across.
-        along, across = point.x * cosine - point.y * sine, point.x * sine + point.y * cosine
+        along, across = (
+            point.x * cosine - point.y * sine,
+            point.x * sine + point.y * cosine,
+        )
         unit = np.array([math.cos(direction), math.sin(direction)])
         faster = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
         place, speed = q[:, :2] @ unit + along, v[:, :2] @ unit - v[:, 2] * across
@@ -79,8 +92,8 @@ class Motion:
 class IdealMotion:
     """The motion of a linkage with all its joints closed, over a cycle that repeats.
 
-    Levels have the shape (nodes + 1, bodies, 3): at equal intervals over the cycle, both ends among
-    them. A run-up goes before it.
+    Levels have the shape (nodes + 1, bodies, 3): at equal intervals over the cycle,
+    both ends among them. A run-up goes before it.
     """
 
     rows: Rows
@@ -97,9 +110,10 @@ class IdealMotion:
     def at(self, time: Array, closed: bool = True) -> Motion:
         """Return the motion of every body at some instants, s, to round-off.
 
-        With ``closed`` false that of the output's body alone, by the polynomials between the nodes,
-        in a thirtieth of the time. Under smooth drives positions are known to round-off, velocities
-        to 1e-11 of the greatest and accelerations to 1e-8.
+        With ``closed`` false that of the output's body alone, by the polynomials
+        between the nodes, in a thirtieth of the time. Under smooth drives positions are
+        known to round-off, velocities to 1e-11 of the greatest and accelerations to
+        1e-8.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 2.0 * self.rows.linkage.run_up * self.period
@@ -115,26 +129,42 @@ class IdealMotion:
         index = self.rows.linkage.index(self.rows.linkage.output.body)
         bodies = slice(None) if closed else slice(index, index + 1)
         q, v, a = self.between(place, within * nodes / self.period - place, bodies)
-        q = q + cycle[:, None, None] * (self.position[-1, bodies] - self.position[0, bodies])
-        scale = self.rows.size * np.array([[1.0], [1.0 / self.period], [1.0 / self.period**2]])
+        q = q + cycle[:, None, None] * (
+            self.position[-1, bodies] - self.position[0, bodies]
+        )
+        scale = self.rows.size * np.array(
+            [[1.0], [1.0 / self.period], [1.0 / self.period**2]]
+        )
         # Where more than round-off is missing
-        for some in np.array_split(np.arange(time.size), 1 + time.size // 2000) if closed else ():
+        for some in (
+            np.array_split(np.arange(time.size), 1 + time.size // 2000)
+            if closed
+            else ()
+        ):
             errors = self.rows.errors(time[some], q[some], v[some], a[some])
             off = np.array([np.abs(level).max(axis=1) for level in errors])
             rough = some[(off > 1e2 * ROUND_OFF * scale).any(axis=0)]
             if rough.size:
                 q[rough], v[rough], a[rough] = close(self.rows, time[rough], q[rough])
         if duration > 0.0:
-            rate, rise = rate[:, np.newaxis, np.newaxis], rise[:, np.newaxis, np.newaxis]
+            rate, rise = (
+                rate[:, np.newaxis, np.newaxis],
+                rise[:, np.newaxis, np.newaxis],
+            )
             a = a * rate**2 + v * rise
             v = v * rate
         return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
 
-    def between(self, place: NDArray[np.int64], part: Array, bodies: slice = slice(None)) -> Levels:
+    def between(
+        self, place: NDArray[np.int64], part: Array, bodies: slice = slice(None)
+    ) -> Levels:
         """Return the quintic polynomials through two nodes, at parts of the way between them."""
         h = self.period / (len(self.position) - 1)
         x = part[:, None, None]
-        levels = [level[:, bodies] for level in (self.position, self.velocity, self.acceleration)]
+        levels = [
+            level[:, bodies]
+            for level in (self.position, self.velocity, self.acceleration)
+        ]
         q0, v0, a0 = (level[place] for level in levels)
         q1, v1, a1 = (level[place + 1] for level in levels)
         c1, c2 = h * v0, 0.5 * h * h * a0
@@ -160,14 +190,21 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     rows = Rows(linkage, initial)
     start = close(rows, np.zeros(1), initial[np.newaxis])
     coarse = _follow_cycle(rows, start, np.linspace(0.0, period, _COARSE + 1))
-    times, part = np.linspace(0.0, period, _NODES + 1), np.linspace(0.0, _COARSE, _NODES + 1)
+    times, part = (
+        np.linspace(0.0, period, _NODES + 1),
+        np.linspace(0.0, _COARSE, _NODES + 1),
+    )
     place = np.minimum(part.astype(int), _COARSE - 1)
     ahead = coarse.between(place, part - place).q
     try:
         motion = IdealMotion(rows, period, *close(rows, times, ahead))
         is_near = _is_near(motion.position, ahead)
-        is_near = is_near and not np.any(rows.side(motion.position) != rows.side(start.q))
-    except AssemblyError:  # Newton's method strays from a place that is predicted badly.
+        is_near = is_near and not np.any(
+            rows.side(motion.position) != rows.side(start.q)
+        )
+    except (
+        AssemblyError
+    ):  # Newton's method strays from a place that is predicted badly.
         is_near = False
     if not is_near:
         motion = _follow_cycle(rows, start, times)
@@ -196,9 +233,10 @@ def _is_near(result: Array, expected: Array) -> bool:
 def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     """Follow a linkage from one instant to the next, in shorter steps where it turns fast.
 
-    A step is halved where it fails, and doubled behind one that succeeds. Where points follow
-    curves each of two states, a step apart, must foretell the other: at a position in which a
-    drive does not move its point two motions meet, and only one goes on at the same speed.
+    A step is halved where it fails, and doubled behind one that succeeds. Where points
+    follow curves each of two states, a step apart, must foretell the other: at a
+    position in which a drive does not move its point two motions meet, and only one
+    goes on at the same speed.
     """
     result = [start]
     side = rows.side(start.q)
@@ -209,10 +247,14 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             there = min(now + step, time)
             try:
                 reached = close(rows, np.array([there]), ahead)
-                is_near = bool(_is_near(reached.q, ahead) and rows.side(reached.q) == side)
+                is_near = bool(
+                    _is_near(reached.q, ahead) and rows.side(reached.q) == side
+                )
                 if rows.following:
                     h = there - now
-                    allowed = _KINK * h * float(np.abs(levels.v[..., 2]).max()) + _ANGLE_NOISE
+                    allowed = (
+                        _KINK * h * float(np.abs(levels.v[..., 2]).max()) + _ANGLE_NOISE
+                    )
                     back = reached.q - h * (reached.v - 0.5 * h * reached.a)
                     forth = levels.q + h * (levels.v + 0.5 * h * levels.a)
                     off = np.maximum(np.abs(reached.q - forth), np.abs(levels.q - back))
@@ -226,10 +268,13 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             else:
                 step *= 0.5
         result.append(levels)
-    return IdealMotion(rows, float(times[-1]), *map(np.concatenate, zip(*result, strict=True)))
+    return IdealMotion(
+        rows, float(times[-1]), *map(np.concatenate, zip(*result, strict=True))
+    )
 
 
-# Part of a cycle for which an ideal motion stays at its bottom that has no instant there
+# Part of a cycle for which an ideal motion stays at its bottom that has no instant
+# there
 DWELL = 0.02
 DEPTH = 1e-9  # of the stroke, by which a motion rises between two bottoms
 _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
@@ -239,8 +284,8 @@ _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
 class Bottom:
     """Bottom dead centre of an ideal motion, and the stroke to it.
 
-    Times, s, are counted from the beginning of the cycle in which the stroke ends. No bottom dead
-    centre falls between two windows, whatever a clearance does to it.
+    Times, s, are counted from the beginning of the cycle in which the stroke ends. No
+    bottom dead centre falls between two windows, whatever a clearance does to it.
     """
 
     time: float  # below zero if it lies in the cycle before
@@ -249,7 +294,9 @@ class Bottom:
     top: float  # time of the highest place before it
     window: tuple[float, float]  # in which the lower half of the stroke begins and ends
     period: float  # of a cycle, s
-    minima: tuple[tuple[float, float], ...]  # time and height of each minimum in the window
+    minima: tuple[
+        tuple[float, float], ...
+    ]  # time and height of each minimum in the window
 
     @property
     def first(self) -> int:
@@ -278,7 +325,9 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
-    above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
+    above = np.flatnonzero(
+        np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place))
+    )
     end = (lowest + int(above[0])) * step
     # The stroke is filed in the cycle in which its window ends.
     back = period * math.ceil(end / period - 1.0)
@@ -287,17 +336,25 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     last = lowest + int(above[0])
     minima = [
         _lowest(ideal, first + k, nodes, 1.0)
-        for k in _minima(place[np.arange(first, last + 1) % nodes], DEPTH * float(np.ptp(place)))
+        for k in _minima(
+            place[np.arange(first, last + 1) % nodes], DEPTH * float(np.ptp(place))
+        )
     ]
     shifted = tuple((time - back, height) for time, height in minima)
-    return Bottom(time - back, height, -negative - height, top - back, window, period, shifted)
+    return Bottom(
+        time - back, height, -negative - height, top - back, window, period, shifted
+    )
 
 
 def dwell_of(ideal: IdealMotion, within: float) -> float:
     """Return how long a motion stays within a height of its bottom, s, to a 1440th of the cycle."""
     place = _places(ideal)
     above = np.flatnonzero(np.roll(place, -int(place.argmin())) > place.min() + within)
-    stays = place.size if not above.size else int(above[0]) + place.size - 1 - int(above[-1])
+    stays = (
+        place.size
+        if not above.size
+        else int(above[0]) + place.size - 1 - int(above[-1])
+    )
     return (stays - 1) * ideal.period / place.size
 
 
@@ -319,14 +376,19 @@ def _minima(place: Array, depth: float) -> list[int]:
     inner = np.arange(1, len(place) - 1)
     is_minimum = (place[inner] < place[inner - 1]) & (place[inner] <= place[inner + 1])
     for k in map(int, inner[is_minimum]):
-        if not result or place[result[-1] : k].max() - place[[result[-1], k]].max() > depth:
+        if (
+            not result
+            or place[result[-1] : k].max() - place[[result[-1], k]].max() > depth
+        ):
             result.append(k)
         elif place[k] < place[result[-1]]:
             result[-1] = k
     return result
 
 
-def _lowest(ideal: IdealMotion, node: int, nodes: int, sign: float) -> tuple[float, float]:
+def _lowest(
+    ideal: IdealMotion, node: int, nodes: int, sign: float
+) -> tuple[float, float]:
     """Return time, s, and place, m, of the minimum at a node; ``sign`` may turn the coordinate."""
     linkage, period = ideal.rows.linkage, ideal.period
     step = period / nodes
@@ -349,8 +411,15 @@ def _lowest(ideal: IdealMotion, node: int, nodes: int, sign: float) -> tuple[flo
     return time, moved(time)[0]
 
 
-FOLLOWED = 1e-9  # how near a point keeps to the curve that it follows, part of its stroke
-_PIECES = 32, 64, 128, 256  # of a motion whose point follows a curve, tried before MAX_PIECES
+FOLLOWED = (
+    1e-9  # how near a point keeps to the curve that it follows, part of its stroke
+)
+_PIECES = (
+    32,
+    64,
+    128,
+    256,
+)  # of a motion whose point follows a curve, tried before MAX_PIECES
 
 
 def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
@@ -362,11 +431,13 @@ def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
 def followed(linkage: Linkage) -> Linkage:
     """Return a linkage whose drives move so that their points follow the requested curves.
 
-    The linkage is followed around its cycle with the points on their curves; the angles of
-    the drives become tables of degree 5, fine enough for ``FOLLOWED``. AssemblyError where a point
-    cannot follow, or not by a drive with the mean speed that is given.
+    The linkage is followed around its cycle with the points on their curves; the angles
+    of the drives become tables of degree 5, fine enough for ``FOLLOWED``. AssemblyError
+    where a point cannot follow, or not by a drive with the mean speed that is given.
     """
-    following = [k for k, drive in enumerate(linkage.drives) if drive.follow is not None]
+    following = [
+        k for k, drive in enumerate(linkage.drives) if drive.follow is not None
+    ]
     if not following:
         return linkage
     period = linkage.period
@@ -383,14 +454,20 @@ def followed(linkage: Linkage) -> Linkage:
             )
     rows, breaks = inverse.rows, _breaks(linkage, period)
     curves = [motion_of_row(linkage.drives[k], inverse.times)[0] for k in following]
-    allowed = max(FOLLOWED * (np.ptp(curves, axis=1).max() or rows.size), ROUND_OFF * rows.size)
+    allowed = max(
+        FOLLOWED * (np.ptp(curves, axis=1).max() or rows.size), ROUND_OFF * rows.size
+    )
     off = math.inf
     for parts in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
-        counts = np.maximum(np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int), 1)
+        counts = np.maximum(
+            np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int), 1
+        )
         if counts.sum() > MAX_PIECES:
             continue
         intervals = zip(breaks[:-1], breaks[1:], counts, strict=True)
-        nodes = np.concatenate([np.linspace(*item, endpoint=False) for item in intervals])
+        nodes = np.concatenate(
+            [np.linspace(*item, endpoint=False) for item in intervals]
+        )
         result = _through(linkage, inverse, nodes)
         length = np.diff(nodes, append=period)
         between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
@@ -422,7 +499,9 @@ def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
             rate = (motion.velocity[:, place] - drive.speed) / base
             faster = motion.acceleration[:, place] / base**2
             table = np.column_stack([base * nodes, turned, rate, faster])
-            drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
+            drives[k] = replace(
+                drive, frequency=base, table=table.tolist(), follow=None
+            )
     return linkage.changed(drives=drives)
 
 
@@ -432,10 +511,14 @@ def _breaks(linkage: Linkage, period: float) -> Array:
     for drive in linkage.drives:
         law = drive.follow or drive
         starts = law.pieces.start
-        for turn in range(round(period * drive.base / (2.0 * math.pi)) if starts.size else 0):
+        for turn in range(
+            round(period * drive.base / (2.0 * math.pi)) if starts.size else 0
+        ):
             result += ((starts + 2.0 * math.pi * turn) / drive.base).tolist()
     least = MIN_PIECE * period
     separate = [
-        time for before, time in pairwise([-period, *sorted(result)]) if time - before > least
+        time
+        for before, time in pairwise([-period, *sorted(result)])
+        if time - before > least
     ]
     return np.array([*(time for time in separate if period - time > least), period])

@@ -1,11 +1,12 @@
 """The ledger of energies.
 
-Every engine keeps it: drive work + load work = change of kinetic, potential and
-elastic contact energy + contact loss + friction loss + residual. Load work is that of loads with a
-law, less what dampers of springs take; constant loads have a potential. The normal force does its
-work along n, on the approach e_dot . n; what it does beyond loading the elastic law is the contact
-loss: the damping, less what the law makes of nothing where its force is not the gradient of an
-energy, as that of radial contact on a sloping profile.
+Every engine keeps it: drive work + load work = change of kinetic, potential and elastic
+contact energy + contact loss + friction loss + residual. Load work is that of loads
+with a law, less what dampers of springs take; constant loads have a potential. The
+normal force does its work along n, on the approach e_dot . n; what it does beyond
+loading the elastic law is the contact loss: the damping, less what the law makes of
+nothing where its force is not the gradient of an energy, as that of radial contact on a
+sloping profile.
 """
 
 from dataclasses import dataclass
@@ -19,7 +20,9 @@ from presswear.physics.packed import Packed, depths_of
 from presswear.tools.arrays import Array
 
 
-def stored_energy(linkage: Linkage, packed: Packed, elastic: Array, q: Array, v: Array) -> float:
+def stored_energy(
+    linkage: Linkage, packed: Packed, elastic: Array, q: Array, v: Array
+) -> float:
     """Return the kinetic, potential and elastic energy of a state, J.
 
     ``elastic`` are the energies of the contacts.
@@ -31,9 +34,12 @@ def stored_energy(linkage: Linkage, packed: Packed, elastic: Array, q: Array, v:
     return kinetic + potential + stored + float(np.sum(elastic))
 
 
-# Energy that contacts may make, part of what the drives exchanged, before a run is ended
+# Energy that contacts may make, part of what the drives exchanged, before a run is
+# ended
 MAX_MADE = 0.5
-SETTLED = 0.05  # part of the first cycle before which that is not judged, nor in a run-up
+SETTLED = (
+    0.05  # part of the first cycle before which that is not judged, nor in a run-up
+)
 
 
 def has_worn_radial_contact(packed: Packed) -> bool:
@@ -44,10 +50,12 @@ def has_worn_radial_contact(packed: Packed) -> bool:
 def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     """Return a message if contacts created more energy than they dissipated, else nothing.
 
-    A radial force over a steep worn profile is not the gradient of an energy: pin and wall can
-    drive each other, ever faster. Losses and exchange are those so far, J; see ``Ledger``.
+    A radial force over a steep worn profile is not the gradient of an energy: pin and
+    wall can drive each other, ever faster. Losses and exchange are those so far, J; see
+    ``Ledger``.
     """
-    # Energies that are no numbers come from a broken state, which is reported elsewhere.
+    # Energies that are no numbers come from a broken state, which is reported
+    # elsewhere.
     if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
         return ""
     cause = "the steps are too coarse"
@@ -62,7 +70,9 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
 def made_remedy(packed: Packed, finer: str) -> str:
     """Return advice where contacts created energy; ``finer`` is that for the steps."""
     if has_worn_radial_contact(packed):
-        return f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
+        return (
+            f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
+        )
     return finer
 
 
@@ -76,12 +86,16 @@ class Ledger:
     contact_loss: float  # dissipated by contacts, less what they created
     friction_loss: float
     made: float = 0.0  # by the normal law, positive or negative
-    load_work: float = 0.0  # of loads with a law, less the loss in the dampers of springs
+    load_work: float = (
+        0.0  # of loads with a law, less the loss in the dampers of springs
+    )
 
     @staticmethod
     def of(energies: Array, stored: float) -> "Ledger":
         """Return the ledger from energies in the order of ENERGIES and the stored change, J."""
-        return Ledger(stored=stored, **dict(zip(ENERGIES, energies.tolist(), strict=True)))
+        return Ledger(
+            stored=stored, **dict(zip(ENERGIES, energies.tolist(), strict=True))
+        )
 
     @property
     def dissipated(self) -> float:

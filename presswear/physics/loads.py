@@ -1,8 +1,9 @@
 """Laws of loads: their sizes, and the modes that change between steps.
 
-Within a step every law is smooth: the piece of the law that holds is a mode that changes between
-steps only. Switching functions rise through zero where the next piece begins; an engine ends a
-step there, and at ``next_break`` where a table over time bends.
+Within a step every law is smooth: the piece of the law that holds is a mode that
+changes between steps only. Switching functions rise through zero where the next piece
+begins; an engine ends a step there, and at ``next_break`` where a table over time
+bends.
 """
 
 import math
@@ -26,13 +27,15 @@ from presswear.tools.compile import Records, address_of, call, compiled, floats,
 from presswear.tools.user_function import UserFunction, compile_function
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
-# Branches of a load in one sense of motion: none, growing with the speed, all of it; the elastic
-# line back from the deepest place, OFF behind its end; none until the table begins again.
+# Branches of a load in one sense of motion: none, growing with the speed, all of it;
+# the elastic line back from the deepest place, OFF behind its end; none until the table
+# begins again.
 OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
 RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
 
-# A load as the kernels see it. One that acts against its direction is turned round: its direction,
-# positions and sizes have the other sign, so that it acts where the position grows.
+# A load as the kernels see it. One that acts against its direction is turned round: its
+# direction, positions and sizes have the other sign, so that it acts where the position
+# grows.
 LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
@@ -57,16 +60,24 @@ LOAD = np.dtype(
 # Mode of a load through a step, and its motion at the start of the step
 MODE = np.dtype(
     [
-        ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
+        (
+            "piece",
+            np.int64,
+        ),  # of the table: 0 before its first node, count behind its last
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
-        *floats("low", "high"),  # positions, m or rad, between which the mode holds, or times, s
+        *floats(
+            "low", "high"
+        ),  # positions, m or rad, between which the mode holds, or times, s
         *floats("slow", "fast"),  # speeds between which it does
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
         *floats("place", "speed", "faster"),  # in the last accepted state, m or rad
         ("change", np.float64),  # of the acceleration, over the last step
-        ("jump", np.float64),  # of the size on leaving that state, part of the greater one
+        (
+            "jump",
+            np.float64,
+        ),  # of the size on leaving that state, part of the greater one
         ("time", np.float64),  # of that state, s
         ("changed", np.float64),  # time at which the mode has changed last, s
     ]
@@ -77,12 +88,15 @@ class Loads(NamedTuple):
     """Loads with a law as the kernels see them; None where a linkage has none."""
 
     records: Records  # of LOAD
-    nodes: Array  # of their tables, (n, 2): position or time and size, or two terms of a series
+    # of their tables, (n, 2): position or time and size, or two terms of a series
+    nodes: Array
     modes: Records  # of MODE, through the present step
 
 
 @inlined
-def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v: float) -> float:
+def load_size(
+    load: Records, nodes: Array, mode: Records, t: float, s: float, v: float
+) -> float:
     """Return the size of a load, N or N m, in its present mode, at a position and speed."""
     if load.kind == SERIES:
         total: float = load.mean
@@ -115,7 +129,9 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 
 
 @inlined
-def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+def load_motion(
+    load: Records, q: Array, v: Array, a: Array
+) -> tuple[float, float, float]:
     """Return the position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
     along, across = load.cosine, load.sine
@@ -135,8 +151,9 @@ def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, flo
 def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> float:
     """Return the work of tables over position in a step, J, less that by the trapezoidal rule.
 
-    Within a piece a load is linear over the position. Its work follows from both ends, however few
-    steps an elastic load gets. The state is that at the end of the step, before ``settle_loads``.
+    Within a piece a load is linear over the position. Its work follows from both ends,
+    however few steps an elastic load gets. The state is that at the end of the step,
+    before ``settle_loads``.
     """
     if loads is None:
         return 0.0
@@ -154,7 +171,8 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     return total
 
 
-# Transitions from a mode: past its high and low position, and past its high and low speed
+# Transitions from a mode: past its high and low position, and past its high and low
+# speed
 TRANSITIONS = 4
 MAX_CHANGES = 8  # of a mode after a step
 TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
@@ -162,12 +180,18 @@ TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, 
 
 @inlined
 def switching(
-    load: Records, mode: Records, transition: int, s: float, v: float, a: float, j: float
+    load: Records,
+    mode: Records,
+    transition: int,
+    s: float,
+    v: float,
+    a: float,
+    j: float,
 ) -> tuple[float, float, float, float]:
     """Return the switching function of a transition, and three time derivatives.
 
-    It is below zero before the transition; minus infinity where there is none. ``s`` to ``j`` are
-    the position and three derivatives; see ``load_motion``.
+    It is below zero before the transition; minus infinity where there is none. ``s`` to
+    ``j`` are the position and three derivatives; see ``load_motion``.
     """
     if load.kind != POSITION:
         return -math.inf, 0.0, 0.0, 0.0
@@ -218,7 +242,13 @@ def set_limits(load: Records, nodes: Array, mode: Records) -> None:
 
 @compiled
 def place_mode(
-    load: Records, nodes: Array, mode: Records, at: float, onward: float, v: float, a: float
+    load: Records,
+    nodes: Array,
+    mode: Records,
+    at: float,
+    onward: float,
+    v: float,
+    a: float,
 ) -> None:
     """Find the piece of a table at a position or time, and the branch from the motion there.
 
@@ -229,7 +259,9 @@ def place_mode(
         mode.turn = math.floor(at / load.period)
         at -= mode.turn * load.period
     mode.piece = 0
-    while mode.piece < load.count and is_past(at - nodes[load.first + mode.piece, 0], onward):
+    while mode.piece < load.count and is_past(
+        at - nodes[load.first + mode.piece, 0], onward
+    ):
         mode.piece += 1
     if load.period > 0.0:
         mode.piece = min(max(mode.piece, 1), load.count - 1)
@@ -241,7 +273,9 @@ def place_mode(
 
 
 @compiled
-def change_mode(load: Records, nodes: Array, mode: Records, s: float, v: float, a: float) -> None:
+def change_mode(
+    load: Records, nodes: Array, mode: Records, s: float, v: float, a: float
+) -> None:
     """Change to the mode of a load over position that holds in a state past the present one's."""
     unloads, before = load.unloading > 0.0, mode.branch
     if unloads and before in (OFF, ELASTIC) and not is_past(s - mode.deepest, v):
@@ -252,7 +286,12 @@ def change_mode(load: Records, nodes: Array, mode: Records, s: float, v: float, 
             mode.branch = ELASTIC if is_past(s - free, v) else OFF
     else:
         place_mode(load, nodes, mode, s, v, v, a)
-        if unloads and before == mode.branch == WHOLE and mode.piece > 0 and is_past(-v, -a):
+        if (
+            unloads
+            and before == mode.branch == WHOLE
+            and mode.piece > 0
+            and is_past(-v, -a)
+        ):
             # Turned back
             mode.borne = load_size(load, nodes, mode, 0.0, s, v)
             mode.deepest = s
@@ -287,7 +326,9 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
         for _ in range(MAX_CHANGES):
             past = False
             for transition in range(TRANSITIONS):
-                value, rate, _, _ = switching(load, mode, transition, s, speed, faster, 0.0)
+                value, rate, _, _ = switching(
+                    load, mode, transition, s, speed, faster, 0.0
+                )
                 past = past or is_past(value, rate)
             if not past:
                 break
@@ -343,7 +384,9 @@ def transition_at_start(
         return -math.inf, 0.0, 0.0, 0.0
     load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
     jerk = change * mode.change
-    return switching(load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.faster, jerk)
+    return switching(
+        load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.faster, jerk
+    )
 
 
 @compiled
@@ -373,7 +416,9 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         load, mode = loads.records[k], loads.modes[k]
         s, speed, _ = load_motion(load, q, v, v)
         mode.place, mode.speed = s, speed
-        place_mode(load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0)
+        place_mode(
+            load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0
+        )
         set_limits(load, loads.nodes, mode)
         # A motion out of the table begins at its deepest place.
         if load.unloading > 0.0 and speed < mode.slow:
@@ -393,19 +438,25 @@ def _follow_sizes(loads: Loads, motion: Array, sizes: Array, levels: Array) -> N
         for k in range(loads.records.shape[0]):
             load = loads.records[k]
             s, speed, _ = load_motion(load, q, v, a)
-            sizes[i, k] = load.cosine * load_size(load, loads.nodes, loads.modes[k], t, s, speed)
+            sizes[i, k] = load.cosine * load_size(
+                load, loads.nodes, loads.modes[k], t, s, speed
+            )
 
 
 def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
     """Return the sizes of loads over one coordinate in a recorded motion, shape (n, loads), N.
 
-    They are in the modes of the run that recorded it: a row stands at every change of them. Columns
-    of ``motion`` are time, s, and place, m, velocity and acceleration along the loads' direction.
+    They are in the modes of the run that recorded it: a row stands at every change of
+    them. Columns of ``motion`` are time, s, and place, m, velocity and acceleration
+    along the loads' direction.
     """
     chosen = tuple(laws)
     records = np.zeros(len(chosen), LOAD)
     records["cosine"] = 1.0
-    loads, sizes = _pack_laws(records, chosen, linkage), np.zeros((len(motion), len(chosen)))
+    loads, sizes = (
+        _pack_laws(records, chosen, linkage),
+        np.zeros((len(motion), len(chosen))),
+    )
     if sizes.size:
         _follow_sizes(loads, np.ascontiguousarray(motion), sizes, np.zeros((3, 3)))
     return sizes
@@ -423,7 +474,10 @@ def pack_loads(linkage: Linkage) -> Loads | None:
         if isinstance(load, Force):
             point = load.attachment
             record["x"], record["y"] = point.x, point.y
-            record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
+            record["cosine"], record["sine"] = (
+                math.cos(load.direction),
+                math.sin(load.direction),
+            )
     return _pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
 
 
@@ -447,7 +501,10 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
                 table = [(-place, -size) for place, size in reversed(table)]
         elif isinstance(law, UserFunction):
             kernel = compile_function(law, LOAD_PARAMETERS)
-            record["kind"], record["address"] = USER, address_of(kernel, len(LOAD_PARAMETERS))
+            record["kind"], record["address"] = (
+                USER,
+                address_of(kernel, len(LOAD_PARAMETERS)),
+            )
         elif isinstance(law, Harmonics):
             record["kind"], table = SERIES, law.harmonics
             record["mean"], record["frequency"] = law.mean, law.frequency

@@ -22,7 +22,12 @@ from presswear.physics.foundation import (
     pack_rows,
     parts_of,
 )
-from presswear.physics.friction_and_normal import FRICTION, NORMAL, friction_record, normal_record
+from presswear.physics.friction_and_normal import (
+    FRICTION,
+    NORMAL,
+    friction_record,
+    normal_record,
+)
 from presswear.physics.loads import Loads, pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
@@ -32,17 +37,28 @@ JOINT = np.dtype(
     [
         ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
         ("pin_body", np.int64),
-        *floats("bearing_x", "bearing_y", "pin_x", "pin_y"),  # centres in the bodies' frames, m
+        *floats(
+            "bearing_x", "bearing_y", "pin_x", "pin_y"
+        ),  # centres in the bodies' frames, m
         *floats("bearing_radius", "pin_radius", "clearance", "width"),
         ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
         ("normal", NORMAL),
         ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
-        ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        (
+            "foundation",
+            np.float64,
+        ),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
-        ("surface_nodes", np.int64),  # of the same maps, as ``foundation.pack_rows`` divides them
-        ("least_depth", np.float64),  # lower bound of the depths of both surfaces together, m
+        (
+            "surface_nodes",
+            np.int64,
+        ),  # of the same maps, as ``foundation.pack_rows`` divides them
+        (
+            "least_depth",
+            np.float64,
+        ),  # lower bound of the depths of both surfaces together, m
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
         ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
@@ -69,7 +85,8 @@ class Packed(NamedTuple):
     """A linkage as the kernels see it."""
 
     joints: Records
-    surfaces: Array  # (joints, ROWS, m); each in the first of the m columns, see ``pack_rows``
+    # (joints, ROWS, m); each in the first of the m columns, see ``pack_rows``
+    surfaces: Array
     loads: Loads | None
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
@@ -93,7 +110,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
-            record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
+            record["foundation"] = foundation_stiffness(
+                joint.normal.stiffness, joint.clearance
+            )
         if joint.wear is not None:
             record["wear_coefficient"] = joint.wear.coefficient
             record["bearing_share"] = joint.wear.bearing_share
@@ -112,7 +131,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         weight[i : i + 3] += load.x, load.y, load.moment
     most = int(joints["surface_nodes"].max(initial=0))
     surfaces = np.zeros((len(joints), ROWS, TURNS * most + 2 if most else 0))
-    turned = np.array([offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64)
+    turned = np.array(
+        [offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64
+    )
     loads = pack_loads(linkage)
     rubbing = _pack_rubbing(linkage, offset)
     packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, turned, rubbing)
@@ -139,10 +160,13 @@ def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None
 def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
     """Return the mass, kg, that resists a force between two points; infinite if neither can move.
 
-    1/m is the sum of 1/m + r^2/I of the free bodies. Drives hold angles, and prescribed bodies
-    whole; other joints are left out, so that the mass is rather too small.
+    1/m is the sum of 1/m + r^2/I of the free bodies. Drives hold angles, and prescribed
+    bodies whole; other joints are left out, so that the mass is rather too small.
     """
-    driven, prescribed = {drive.body for drive in linkage.drives}, prescribed_of(linkage)
+    driven, prescribed = (
+        {drive.body for drive in linkage.drives},
+        prescribed_of(linkage),
+    )
     bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}
     mobility = 0.0
     for point in points:
@@ -166,7 +190,9 @@ def spring_period(linkage: Linkage) -> float:
 
 def mass_of(linkage: Linkage) -> Array:
     """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.ravel([(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies])
+    return np.ravel(
+        [(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies]
+    )
 
 
 def depths_of(packed: Packed) -> Array:

@@ -1,8 +1,8 @@
 """Bodies whose motion drives and joints prescribe.
 
-They form a tree on the frame whose coordinates are absolute angles and positions along guides.
-Drives prescribe some of these coordinates. The others follow from the pins that close the loops
-(``closed_loops``). No equation of motion is solved for them.
+They form a tree on the frame whose coordinates are absolute angles and positions along
+guides. Drives prescribe some of these coordinates. The others follow from the pins that
+close the loops (``closed_loops``). No equation of motion is solved for them.
 """
 
 import math
@@ -19,24 +19,34 @@ from presswear.physics.rotation import arm, cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats
 
-# A prescribed body as the kernels see it, with one coordinate; parents come before children
+# A prescribed body as the kernels see it, with one coordinate; parents come before
+# children
 PART = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
         ("is_guided", np.bool_),  # slides along a guide; else it turns about a hinge
         ("parent", np.int64),  # part that it hangs from; -1 for the frame
-        ("before", np.int64),  # index in q of the body that it hangs from; -1 for the frame
-        ("drive", np.int64),  # place of its drive among those of the linkage; -1 for none
+        (
+            "before",
+            np.int64,
+        ),  # index in q of the body that it hangs from; -1 for the frame
+        (
+            "drive",
+            np.int64,
+        ),  # place of its drive among those of the linkage; -1 for none
         *floats("before_x", "before_y"),  # joint in the frame of the body before, m
         *floats("own_x", "own_y"),  # joint in the body's own frame, m
         *floats("cosine", "sine"),  # of the guide's direction
         ("angle", np.float64),  # of a sliding body, rad
         *floats("axis_x", "axis_y"),  # cosine and sine of that
-        *floats("mass", "inertia"),  # of one hinged to the frame about the hinge, and no mass
+        *floats(
+            "mass", "inertia"
+        ),  # of one hinged to the frame about the hinge, and no mass
     ]
 )
 
-# A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought
+# A pin that closes a loop of prescribed bodies, two rows; as many of their angles are
+# sought
 CLOSING = np.dtype(
     [
         ("first", np.int64),  # part; -1 for the frame
@@ -46,9 +56,10 @@ CLOSING = np.dtype(
 )
 
 COORDINATE, RATE, ACCELERATION, FORCE, RATIO, RIGHT, LAST, HEAD = range(8)
-# Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their rates per
-# rate of a drive, a right-hand side, and one of the last evaluation's time, s, and determinant;
-# then the closing rows by all coordinates, and those by the coordinates that are solved for
+# Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their
+# rates per rate of a drive, a right-hand side, and one of the last evaluation's time,
+# s, and determinant; then the closing rows by all coordinates, and those by the
+# coordinates that are solved for
 TIME, DETERMINANT = 0, 1
 
 
@@ -58,8 +69,8 @@ class Prescribed(NamedTuple):
     parts: Records  # of PART
     closings: Records  # of CLOSING
     motions: Records  # of all drives
-    # Their last motion, from which the next is found, and working space, see COORDINATE and what
-    # follows: (HEAD + 4 closings, parts or 2)
+    # Their last motion, from which the next is found, and working space, see COORDINATE
+    # and what follows: (HEAD + 4 closings, parts or 2)
     work: Array
 
 
@@ -73,7 +84,10 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
             parts[places[drive.body]]["drive"] = number
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):
-        closing["first"], closing["second"] = places[pin.first.body], places[pin.second.body]
+        closing["first"], closing["second"] = (
+            places[pin.first.body],
+            places[pin.second.body],
+        )
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
     work = np.zeros((HEAD + 4 * len(pins), max(len(parts), 2)))
@@ -92,9 +106,15 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["mass"], part["inertia"] = body.mass, body.effective_inertia
         if isinstance(joint, Guide):
             part["is_guided"] = True
-            part["cosine"], part["sine"] = math.cos(joint.direction), math.sin(joint.direction)
+            part["cosine"], part["sine"] = (
+                math.cos(joint.direction),
+                math.sin(joint.direction),
+            )
             part["angle"] = joint.angle
-            part["axis_x"], part["axis_y"] = math.cos(joint.angle), math.sin(joint.angle)
+            part["axis_x"], part["axis_y"] = (
+                math.cos(joint.angle),
+                math.sin(joint.angle),
+            )
         elif before.body == GROUND:
             part["inertia"] += body.mass * (end.x**2 + end.y**2)
             part["mass"] = 0.0
@@ -113,7 +133,9 @@ def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
 
 
 @compiled
-def place_parts(prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array) -> None:
+def place_parts(
+    prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array
+) -> None:
     """Fill place, rate and acceleration of prescribed bodies from those of their coordinates.
 
     ``axes`` are cosine and sine of each body's angle, in the places of its x and y.
@@ -122,13 +144,21 @@ def place_parts(prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Arra
     for i in range(parts.shape[0]):
         part = parts[i]
         b = part.body
-        x, rate, acceleration = work[COORDINATE, i], work[RATE, i], work[ACCELERATION, i]
+        x, rate, acceleration = (
+            work[COORDINATE, i],
+            work[RATE, i],
+            work[ACCELERATION, i],
+        )
         if part.is_guided:
             q[b] = part.before_x + x * part.cosine
             q[b + 1] = part.before_y + x * part.sine
             q[b + 2] = part.angle
             v[b], v[b + 1], v[b + 2] = rate * part.cosine, rate * part.sine, 0.0
-            a[b], a[b + 1], a[b + 2] = acceleration * part.cosine, acceleration * part.sine, 0.0
+            a[b], a[b + 1], a[b + 2] = (
+                acceleration * part.cosine,
+                acceleration * part.sine,
+                0.0,
+            )
             axes[b], axes[b + 1] = part.axis_x, part.axis_y
             continue
         _place_hinge(part, q, v, a, axes)

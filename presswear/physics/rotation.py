@@ -7,13 +7,34 @@ from presswear.tools.compile import inlined
 
 # A number below 2^51 plus this one, less it again, is the nearest whole number.
 _WHOLE = 1.5 * 2.0**52
-# Halves of pi / 2 whose products with whole numbers below a million are exact, and coefficients
-# of minimax polynomials: fdlibm (Sun Microsystems, 1993), k_sin.c, k_cos.c and e_rem_pio2.c
-_HALF_PI = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
-S1, S2, S3 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04
-S4, S5, S6 = 2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10
-C1, C2, C3 = 4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05
-C4, C5, C6 = -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11
+# Halves of pi / 2 whose products with whole numbers below a million are exact, and
+# coefficients of minimax polynomials: fdlibm (Sun Microsystems, 1993), k_sin.c, k_cos.c
+# and e_rem_pio2.c
+_HALF_PI = (
+    1.57079632673412561417e00,
+    6.07710050630396597660e-11,
+    2.02226624879595063154e-21,
+)
+S1, S2, S3 = (
+    -1.66666666666666324348e-01,
+    8.33333333332248946124e-03,
+    -1.98412698298579493134e-04,
+)
+S4, S5, S6 = (
+    2.75573137070700676789e-06,
+    -2.50507602534068634195e-08,
+    1.58969099521155010221e-10,
+)
+C1, C2, C3 = (
+    4.16666666666666019037e-02,
+    -1.38888888888741095749e-03,
+    2.48015872894767294178e-05,
+)
+C4, C5, C6 = (
+    -2.75573143513906633035e-07,
+    2.08757232129817482790e-09,
+    -1.13596475577881948265e-11,
+)
 
 
 @inlined

@@ -1,7 +1,8 @@
 """Friction moments of rigid pin joints: the friction law at the joint force and the relative spin.
 
-With the joint force F, the radius r of the bearing and the spin omega of the pin relative to the
-bearing, the moment on the pin is r F_t(r omega, |F|); the ramp gives -mu c_d |F| r sign(omega).
+With the joint force F, the radius r of the bearing and the spin omega of the pin
+relative to the bearing, the moment on the pin is r F_t(r omega, |F|); the ramp gives
+-mu c_d |F| r sign(omega).
 """
 
 import math
@@ -12,7 +13,9 @@ from presswear.physics.packed import RUBBING
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
-FRICTION_TOL = 1e-12  # change of friction moments in the last iteration, part of the greatest
+FRICTION_TOL = (
+    1e-12  # change of friction moments in the last iteration, part of the greatest
+)
 MAX_ITERATIONS = 100
 
 
@@ -31,7 +34,9 @@ def relative_spin(joint: Records, v: Array) -> float:
 def friction_moment(joint: Records, v: Array, joint_force: float) -> float:
     """Return the friction moment on the pin, N m, under a joint force, N."""
     radius = joint.bearing_radius
-    return radius * friction_force(radius * relative_spin(joint, v), joint_force, joint.friction)
+    return radius * friction_force(
+        radius * relative_spin(joint, v), joint_force, joint.friction
+    )
 
 
 @compiled
@@ -49,9 +54,10 @@ def add_friction(
 ) -> None:
     """Add the friction moments of rigid joints to generalized forces, and solve again.
 
-    The moments depend on the joint forces, which are multipliers, and the joint forces on the
-    moments. Repeated substitution converges where mu r is small against the levers of the joint
-    forces. Where it does not, the forces are no numbers, which ends the run.
+    The moments depend on the joint forces, which are multipliers, and the joint forces
+    on the moments. Repeated substitution converges where mu r is small against the
+    levers of the joint forces. Where it does not, the forces are no numbers, which ends
+    the run.
     """
     for k in range(rubbing.shape[0]):
         rubbing[k].moment = 0.0

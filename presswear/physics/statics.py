@@ -28,7 +28,9 @@ from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import checked_arguments
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
-FRICTION_TOL = 1e-12  # change of friction moments in the last iteration, part of the greatest
+FRICTION_TOL = (
+    1e-12  # change of friction moments in the last iteration, part of the greatest
+)
 MAX_ITERATIONS = 50  # of Newton's method for them
 
 
@@ -37,8 +39,8 @@ def needed_torques(
 ) -> Array:
     """Return the torques of the drives, all joints closed, shape (n, drives), N m.
 
-    With inertia, weights, springs and loads, and with the friction of ``bushings``: the multipliers
-    of the drives' constraint rows; see ``constraint_forces``.
+    With inertia, weights, springs and loads, and with the friction of ``bushings``: the
+    multipliers of the drives' constraint rows; see ``constraint_forces``.
     """
     return constraint_forces(linkage, ideal, time, bushings)[:, -len(linkage.drives) :]
 
@@ -51,19 +53,23 @@ def constraint_forces(
 
 
 def forces_in_motion(
-    linkage: Linkage, ideal: IdealMotion, motion: Motion, bushings: Sequence[Bushing] = ()
+    linkage: Linkage,
+    ideal: IdealMotion,
+    motion: Motion,
+    bushings: Sequence[Bushing] = (),
 ) -> Array:
     """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m.
 
-    Laws of loads that depend on the way are followed from the first instant of ``motion``, which
-    is ``ideal`` at some instants.
+    Laws of loads that depend on the way are followed from the first instant of
+    ``motion``, which is ``ideal`` at some instants.
 
     Parameters
     ----------
     bushings : sequence of ClearanceJoint or Revolute
-        Bearings of pin joints of the same name, whose friction acts in the rigid joints: a moment
-        mu F r against the relative spin, with the joint force F, the radius r of the bearing and
-        the friction law at the sliding speed r times the relative spin.
+        Bearings of pin joints of the same name, whose friction acts in the rigid
+        joints: a moment mu F r against the relative spin, with the joint force F, the
+        radius r of the bearing and the friction law at the sliding speed r times the
+        relative spin.
 
     Raises
     ------
@@ -81,14 +87,20 @@ def forces_in_motion(
         for k, (t, (q, v, a)) in enumerate(zip(motion.time, levels, strict=True)):
             settle_loads(packed.loads, t, q, v, a)
             right[k] -= forces(t, q, v)
-    forces_of = partial(ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3))
+    forces_of = partial(
+        ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3)
+    )
     held = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
-    return _Friction(linkage, motion, rubbing, forces_of).added(held) if rubbing else held
+    return (
+        _Friction(linkage, motion, rubbing, forces_of).added(held) if rubbing else held
+    )
 
 
 @compiled
-def fill_steady_friction(law: Records, sliding: Array, normal: Array, force: Array) -> None:
+def fill_steady_friction(
+    law: Records, sliding: Array, normal: Array, force: Array
+) -> None:
     """Fill the friction, N, of steady sliding at speeds, m/s, under normal forces, N; shape (n,).
 
     LuGre's law has the deflection at which it stays: z' = 0.
@@ -120,9 +132,9 @@ def relative_spins(
 class _Friction:
     """Friction moments of rigid pin joints in the ideal motion, and the forces that they change.
 
-    The moments depend on the joint forces and the joint forces on the moments. Newton's method
-    solves for the moments m = c |F_0 - D m|, with the moment c of a joint force of 1 N, the forces
-    F_0 without friction, and those of unit moments D.
+    The moments depend on the joint forces and the joint forces on the moments. Newton's
+    method solves for the moments m = c |F_0 - D m|, with the moment c of a joint force
+    of 1 N, the forces F_0 without friction, and those of unit moments D.
     """
 
     def __init__(
@@ -173,11 +185,18 @@ class _Friction:
             if np.all(np.abs(error) <= FRICTION_TOL * scale):
                 return np.asarray(total)
             # No direction of a force that vanishes
-            per_force = np.divide(friction, size, out=np.zeros_like(friction), where=size > 0.0)
-            unit = np.divide(
-                force, size[..., np.newaxis], out=np.zeros_like(force), where=size[..., None] > 0.0
+            per_force = np.divide(
+                friction, size, out=np.zeros_like(friction), where=size > 0.0
             )
-            slope = per_force[..., np.newaxis] * np.einsum("nkc,nkcj->nkj", unit, changes)
+            unit = np.divide(
+                force,
+                size[..., np.newaxis],
+                out=np.zeros_like(force),
+                where=size[..., None] > 0.0,
+            )
+            slope = per_force[..., np.newaxis] * np.einsum(
+                "nkc,nkcj->nkj", unit, changes
+            )
             matrix = np.eye(len(self._joints)) + slope
             moments = moments - np.linalg.solve(matrix, error[..., np.newaxis])[..., 0]
         worst = int((np.abs(error) - FRICTION_TOL * scale).max(axis=1).argmax())
@@ -192,7 +211,8 @@ def friction_corners(
 ) -> Array:
     """Return the instants at which friction in rigid joints has a corner, shape (k,), s.
 
-    The sliding speed passes a corner of the ramp, between some times, s, that resolve the motion.
+    The sliding speed passes a corner of the ramp, between some times, s, that resolve
+    the motion.
     """
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
     instants = [np.zeros(0)]
@@ -209,7 +229,8 @@ def friction_corners(
 def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     """Return the instants at which the table of a load has a corner in the ideal motion.
 
-    Shape (k,), s, between the first and the last of some times, s, that resolve the motion.
+    Shape (k,), s, between the first and the last of some times, s, that resolve the
+    motion.
     """
     if not linkage.live_loads:
         return np.zeros(0)
@@ -224,7 +245,9 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
             corners += [node + turns for node, _ in load.law.table]
         elif isinstance(load.law, OverPosition):
             if isinstance(load, Force):
-                place, speed, _ = motion.of_point(linkage, load.attachment, load.direction).T
+                place, speed, _ = motion.of_point(
+                    linkage, load.attachment, load.direction
+                ).T
             else:
                 column = 3 * linkage.index(load.body) + 2
                 place, speed = motion.position[:, column], motion.velocity[:, column]
@@ -234,7 +257,9 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     return np.asarray(instants[(instants >= time[0]) & (instants <= time[-1])])
 
 
-def check_drives(linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing] = ()) -> None:
+def check_drives(
+    linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing] = ()
+) -> None:
     """Raise InputError where a drive needs more than its torque limit in the second cycle.
 
     Joints are rigid, with the friction of ``bushings``; see ``constraint_forces``.
@@ -242,13 +267,18 @@ def check_drives(linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushin
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
     corners = load_corners(linkage, ideal, time)
-    time = np.union1d(np.union1d(time, corners), friction_corners(linkage, ideal, time, bushings))
+    time = np.union1d(
+        np.union1d(time, corners), friction_corners(linkage, ideal, time, bushings)
+    )
     is_second = time >= start + ideal.period
     torques = needed_torques(linkage, ideal, time, bushings)[is_second]
     second = time[is_second]
     for drive, item in zip(linkage.drives, torques.T, strict=True):
         place = int(np.abs(item).argmax())
-        if drive.torque_limit is not None and not abs(item[place]) <= drive.torque_limit:
+        if (
+            drive.torque_limit is not None
+            and not abs(item[place]) <= drive.torque_limit
+        ):
             raise InputError(
                 f"torque_limit of {drive.body} = {written(drive.torque_limit, 'N m')}: the ideal "
                 f"motion needs {written(abs(item[place]), 'N m')}, at "
@@ -274,7 +304,9 @@ class Equilibrium(NamedTuple):
 
 def closed(linkage: Linkage) -> Linkage:
     """Return the linkage with ideal joints in place of those with clearance."""
-    pins = (Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances)
+    pins = (
+        Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances
+    )
     joints = (*linkage.joints, *pins, *linkage.elastic_pins)
     return replace(linkage, joints=joints, clearances=(), elastic_pins=())
 
@@ -284,8 +316,9 @@ class _Rest:
 
     Those are the pins of clearance joints, then elastic ones.
 
-    The drives are held and the output point is pulled. The eccentricities are added to the rows of
-    the linkage with ideal joints, whose multipliers under all forces are unbalanced at the pins.
+    The drives are held and the output point is pulled. The eccentricities are added to
+    the rows of the linkage with ideal joints, whose multipliers under all forces are
+    unbalanced at the pins.
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
@@ -312,13 +345,17 @@ class _Rest:
     def equilibrium(self) -> Equilibrium:
         """Return the present position with its contacts."""
         q, still = self.position[np.newaxis], self._still[np.newaxis]
-        height = Motion(np.array([self._time]), q, still, still).output(self._linkage)[0, 0]
+        height = Motion(np.array([self._time]), q, still, still).output(self._linkage)[
+            0, 0
+        ]
         return Equilibrium(self.position, float(height), self.contacts)
 
     def move(self, eccentricities: Array) -> None:
         """Move all bodies to eccentricities of the pins, shape (pins, 2), m."""
         for _ in range(20):
-            phi, _, _, jacobian = self._rows.evaluate(self._time, self.position, self._still)
+            phi, _, _, jacobian = self._rows.evaluate(
+                self._time, self.position, self._still
+            )
             phi[self._pins] += eccentricities.ravel()
             self.position = self.position - np.linalg.solve(jacobian, phi)
             if float(np.abs(phi).max()) <= self.tolerance:
@@ -332,10 +369,15 @@ class _Rest:
         self._onset[:] = 0.0 if with_contacts else HELD_OPEN
         force = self.packed.weight + self._forces(self._time, q, self._still)
         x, y = lever(i, output.x, output.y, q)
-        fx, fy = self._pull * math.cos(output.direction), self._pull * math.sin(output.direction)
+        fx, fy = (
+            self._pull * math.cos(output.direction),
+            self._pull * math.sin(output.direction),
+        )
         force[i : i + 3] += fx, fy, x * fy - y * fx
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
-        return np.asarray(-np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2))
+        return np.asarray(
+            -np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2)
+        )
 
 
 def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array]:
@@ -390,7 +432,9 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
 def _instant_of_bottom(linkage: Linkage) -> float:
     bottom = bottom_of(ideal_motion(closed(linkage), linkage.period))
     if bottom is None:
-        raise InputError(f"{linkage.name} has no bottom dead centre: its output point stands still")
+        raise InputError(
+            f"{linkage.name} has no bottom dead centre: its output point stands still"
+        )
     return linkage.run_up_time + linkage.period + bottom.time
 
 
@@ -403,11 +447,14 @@ def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
 def least_pull(linkage: Linkage) -> float:
     """Return the pull, N, above which the joints that carry it change sides at bottom dead centre.
 
-    The force of an ideal joint is that of the weight, springs and constant loads, and a part of the
-    pull. Joints that carry less than ``CARRYING`` of the largest part are left out.
+    The force of an ideal joint is that of the weight, springs and constant loads, and a
+    part of the pull. Joints that carry less than ``CARRYING`` of the largest part are
+    left out.
     """
     time = _instant_of_bottom(linkage)
-    still, pulled = (_Rest(linkage, time, pull).unbalanced(False) for pull in (0.0, 1.0))
+    still, pulled = (
+        _Rest(linkage, time, pull).unbalanced(False) for pull in (0.0, 1.0)
+    )
     part = pulled - still
     size = np.hypot(*part.T)
     carries = size > CARRYING * float(size.max(initial=0.0))
@@ -425,21 +472,25 @@ def pull_of(linkage: Linkage) -> float:
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Return the total clearance at bottom dead centre, m (JIS B 6402).
 
-    The output body is pulled up and down with fixed drives. The difference of its heights contains
-    the clearance, wear and elastic deflection of all loaded joints. Weight acts too, so that the
-    force must be larger than the weight that the joints carry.
+    The output body is pulled up and down with fixed drives. The difference of its
+    heights contains the clearance, wear and elastic deflection of all loaded joints.
+    Weight acts too, so that the force must be larger than the weight that the joints
+    carry.
 
     Parameters
     ----------
     linkage : Linkage
-        With clearance; on the surfaces of a stage it is ``scene.linkage(stage.surfaces)``.
+        With clearance; on the surfaces of a stage it is
+        ``scene.linkage(stage.surfaces)``.
     force : float or None
-        Pull in both directions, N; None: 100 N, or ten times the weight if that is more.
+        Pull in both directions, N; None: 100 N, or ten times the weight if that is
+        more.
 
     Raises
     ------
     InputError
-        If the force is out of range or below ``least_pull``, or the output point does not move.
+        If the force is out of range or below ``least_pull``, or the output point does
+        not move.
     RunFailed
         If no static equilibrium is found.
     """
@@ -459,9 +510,11 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
 def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     """Return the rise of bottom dead centre between two static loads, m, with fixed drives.
 
-    ``force`` and ``idle`` act on the output point along its direction, N. Without ``idle`` only the
-    weight acts. Errors are those of ``total_clearance``.
+    ``force`` and ``idle`` act on the output point along its direction, N. Without
+    ``idle`` only the weight acts. Errors are those of ``total_clearance``.
     """
-    force, idle = (float(_FORCE.convert(*one)) for one in (("force", force), ("idle", idle)))
+    force, idle = (
+        float(_FORCE.convert(*one)) for one in (("force", force), ("idle", idle))
+    )
     loaded, unloaded = heights_at_bottom(linkage, (force, idle))
     return float(loaded - unloaded)

@@ -1,8 +1,8 @@
 """Length of steps: towards a touchdown, in contact, and over worn surfaces.
 
-In contact a step is a set part of the expected duration of the contact. An engine of fixed order
-predicts the next touchdown and repeats a step that missed it; see ``touchdown.py``. In this module
-``records`` is the ``RecorderState`` of a run.
+In contact a step is a set part of the expected duration of the contact. An engine of
+fixed order predicts the next touchdown and repeats a step that missed it; see
+``touchdown.py``. In this module ``records`` is the ``RecorderState`` of a run.
 """
 
 import math
@@ -28,23 +28,36 @@ STEPS = np.dtype(
     [
         ("free", np.float64),  # longest step in free flight, s
         ("per_contact", np.float64),  # steps in one free impact
-        ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
+        (
+            "sustained",
+            np.float64,
+        ),  # steps in half a period of a pin at rest on its bearing
         ("least", np.float64),  # shortest step, s
     ]
 )
 
 LANDING = 0.02  # a step towards a touchdown ends this part of a contact step behind it
-FLIGHT_STEPS_PER_BIN = 4.0  # in which a pin that skims a worn surface crosses one bin of its map
+FLIGHT_STEPS_PER_BIN = (
+    4.0  # in which a pin that skims a worn surface crosses one bin of its map
+)
 STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
-SKIM_STEPS = 2.0  # of an error-controlled method, at least, in which a pin crosses one bin
-BORE_PART = 0.5  # a step that ends behind a separation goes on for this part of the clearance
+SKIM_STEPS = (
+    2.0  # of an error-controlled method, at least, in which a pin crosses one bin
+)
+BORE_PART = (
+    0.5  # a step that ends behind a separation goes on for this part of the clearance
+)
 OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
-EVENT_TOL = 1e-9  # what passes a change of a load's law no further is not sent back; SI units
+EVENT_TOL = (
+    1e-9  # what passes a change of a load's law no further is not sent back; SI units
+)
 EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
 @compiled
-def contact_step(joint: Records, penetration: float, rate: float, parts: float) -> float:
+def contact_step(
+    joint: Records, penetration: float, rate: float, parts: float
+) -> float:
     """Return the step, s, that divides a contact into equal parts.
 
     The duration is half a period of the oscillation at the deepest penetration
@@ -54,8 +67,13 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
     mass, depth = joint.effective_mass, max(penetration, 0.0)
     if math.isinf(mass):
         return math.inf
-    stiffness, exponent = joint.normal.estimated_stiffness, joint.normal.estimated_exponent
-    energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
+    stiffness, exponent = (
+        joint.normal.estimated_stiffness,
+        joint.normal.estimated_exponent,
+    )
+    energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (
+        exponent + 1.0
+    )
     reach = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
     if reach <= 0.0:
         return math.inf
@@ -64,19 +82,24 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
 
 
 @compiled
-def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
+def step_in_contact(
+    last: Records, steps: Records, part: float, acceleration: float
+) -> float:
     """Return the next step, s, while a joint is closed.
 
-    A free impact is divided into equal parts. The steps of a pin at rest grow up to ``sustained``
-    parts, while their error, h^2 / 12 times the change of acceleration for the trapezoidal rule, is
-    the part of the penetration that the equal parts of a free impact would make.
+    A free impact is divided into equal parts. The steps of a pin at rest grow up to
+    ``sustained`` parts, while their error, h^2 / 12 times the change of acceleration
+    for the trapezoidal rule, is the part of the penetration that the equal parts of a
+    free impact would make.
     """
     parts = steps.per_contact
     if last.steps <= 1:
         # A contact that the surrounding motion pulls open again may be far shorter
         # than a free impact.
         if last.rate > 0.0 and acceleration < 0.0:
-            last.longest_step = min(last.longest_step, 2.0 * last.rate / -acceleration / parts)
+            last.longest_step = min(
+                last.longest_step, 2.0 * last.rate / -acceleration / parts
+            )
     elif last.steps > parts:
         last.longest_step *= 1.2
         error = last.step * last.step / 12.0 * abs(acceleration - last.acceleration)
@@ -109,7 +132,8 @@ def late_touchdown(
         if (1.0 - s) * h <= OVERSHOOT * part:
             return math.inf
     elif contact.rate < 0.0:
-        # Touched and gone: land while the pin is still in, well before its deepest point.
+        # Touched and gone: land while the pin is still in, well before its deepest
+        # point.
         behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
     return max(s * h + behind, steps.least)
 
@@ -139,7 +163,13 @@ def early_separation(
 
 @compiled
 def shorter_step(
-    records: Any, steps: Records, contacts: Records, h: float, q: Array, v: Array, a: Array
+    records: Any,
+    steps: Records,
+    contacts: Records,
+    h: float,
+    q: Array,
+    v: Array,
+    a: Array,
 ) -> float:
     """Return the step, s, with which a trial step of length ``h`` has to be repeated; -1 if none.
 
@@ -150,7 +180,9 @@ def shorter_step(
     for k in range(contacts.shape[0] if h > least else 0):
         last, contact = records.memory[k], contacts[k]
         if records.onset[k] > 0.0:
-            wanted = early_separation(last, steps[0], contact, packed.joints[k].clearance, h)
+            wanted = early_separation(
+                last, steps[0], contact, packed.joints[k].clearance, h
+            )
         else:
             wanted = late_touchdown(packed.joints[k], last, steps[0], contact, h)
         shortest = min(shortest, wanted)
@@ -165,16 +197,20 @@ def shorter_step(
 def longest_step(records: Any, longest: float, parts: float) -> float:
     """Limit the step, s, of an error-controlled method by contacts just begun and worn surfaces.
 
-    A free impact gets at least ``parts`` steps. A contact that the surrounding motion pulls open
-    again may be far shorter; its ``longest_step`` tells how short. The error estimate sees a bump
-    that a pin runs over only where a stage happens to fall on it.
+    A free impact gets at least ``parts`` steps. A contact that the surrounding motion
+    pulls open again may be far shorter; its ``longest_step`` tells how short. The error
+    estimate sees a bump that a pin runs over only where a stage happens to fall on it.
     """
     for k in range(records.memory.shape[0]):
         joint, last = records.packed.joints[k], records.memory[k]
         if records.onset[k] > 0.0 and last.steps < 2.0 * parts:
             part = contact_step(joint, 0.0, records.onset[k], parts)
             longest = min(longest, part, last.longest_step)
-        if joint.surface_bins > 0 and last.sweep > 0.0 and last.penetration > -joint.relief:
+        if (
+            joint.surface_bins > 0
+            and last.sweep > 0.0
+            and last.penetration > -joint.relief
+        ):
             bins = 2.0 * math.pi / joint.surface_bins / last.sweep
             longest = min(longest, bins / SKIM_STEPS)
     return longest
@@ -186,9 +222,15 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
     packed, free, parts = records.packed, steps[0].free, steps[0].per_contact
     chosen = free
     for k in range(records.memory.shape[0]):
-        joint, last, is_closed = packed.joints[k], records.memory[k], records.onset[k] > 0.0
+        joint, last, is_closed = (
+            packed.joints[k],
+            records.memory[k],
+            records.onset[k] > 0.0,
+        )
         depth, rate = last.penetration, last.rate
-        acceleration = penetration_acceleration(joint, packed.surfaces[k], records.contacts[k], a)
+        acceleration = penetration_acceleration(
+            joint, packed.surfaces[k], records.contacts[k], a
+        )
         wanted = math.inf
         if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
@@ -198,13 +240,14 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             part = contact_step(joint, depth, rate, parts)
             wanted = min(wanted, step_in_contact(last, steps[0], part, acceleration))
             last.acceleration = acceleration
-            # A pin that leaves is seen inside its bore before it is closed on the other side.
+            # A pin that leaves is seen inside its bore before it is closed on the other
+            # side.
             departure, leaving, _ = time_to_event(-depth, -rate, -acceleration, 0.0)
             if departure < math.inf:
                 wanted = min(wanted, departure + BORE_PART * joint.clearance / leaving)
         else:
-            # Part of the time in which the present acceleration crosses the clearance, and the
-            # time at which the present motion closes the gap.
+            # Part of the time in which the present acceleration crosses the clearance,
+            # and the time at which the present motion closes the gap.
             if acceleration != 0.0:
                 flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
                 wanted = min(wanted, flight / STEPS_PER_FLIGHT)
@@ -214,7 +257,9 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
                 arrival, closing = across, speed_across
             if arrival < min(chosen, max(wanted, steps[0].least)):
                 behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
-                landing = step_to_event(arrival, doubt, True, behind, joint.normal.abrupt)
+                landing = step_to_event(
+                    arrival, doubt, True, behind, joint.normal.abrupt
+                )
                 wanted = min(wanted, landing)
         chosen = min(chosen, max(wanted, steps[0].least))
     return chosen

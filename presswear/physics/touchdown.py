@@ -1,12 +1,12 @@
 """Touchdown and separation of pins: the state of contact between steps.
 
-The force law needs the closing speed at touchdown. Taken from the first penetrated state it is
-wrong by parts in a thousand. One rule holds in all engines: an event is predicted from value and
-derivatives in the last state (``time_to_event``), a step ends just behind it, and its moment is the
-root of the cubic through values and rates at both ends of the step (``joint_crossing``,
-``load_crossing``). An engine that can repeat a step does so where the prediction was missed; the
-in-house solver repeats until the step ends on the event. In this module ``records`` is the
-``RecorderState`` of a run.
+The force law needs the closing speed at touchdown. Taken from the first penetrated
+state it is wrong by parts in a thousand. One rule holds in all engines: an event is
+predicted from value and derivatives in the last state (``time_to_event``), a step ends
+just behind it, and its moment is the root of the cubic through values and rates at both
+ends of the step (``joint_crossing``, ``load_crossing``). An engine that can repeat a
+step does so where the prediction was missed; the in-house solver repeats until the step
+ends on the event. In this module ``records`` is the ``RecorderState`` of a run.
 """
 
 import math
@@ -35,8 +35,14 @@ MEMORY = np.dtype(
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        ("step_peak", np.float64),  # normal force at a maximum within the last step, N; else 0
-        ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
+        (
+            "step_peak",
+            np.float64,
+        ),  # normal force at a maximum within the last step, N; else 0
+        (
+            "sweep",
+            np.float64,
+        ),  # speed at which the contact runs over the wear maps, rad/s
         *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
         ("touchdown_time", np.float64),  # of the present contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
@@ -72,19 +78,28 @@ STORED_CONTACT = np.dtype(
         ("steps", np.float64),
     ]
 )
-CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()  # where they are stored as columns
+CONTACT_COLUMNS: tuple[str, ...] = (
+    STORED_CONTACT.names or ()
+)  # where they are stored as columns
 
 # Closing speed of a joint that bears no force until its touchdown is located
 HELD_OPEN = -1.0
 POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
 FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
-PEAK_HALVINGS = 12  # that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
-MAX_PEAK_RATIO = 1.05  # of a peak and the larger force at the ends of its step; 1.02 was found
-LEAST_STEPS = 20  # steps that every contact gets, unless it is shorter than so many shortest steps
+PEAK_HALVINGS = (
+    12  # that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
+)
+MAX_PEAK_RATIO = (
+    1.05  # of a peak and the larger force at the ends of its step; 1.02 was found
+)
+# steps that every contact gets, unless it is shorter than so many shortest steps
+LEAST_STEPS = 20
 
 
 @compiled
-def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> tuple[float, float]:
+def hermite(
+    p0: float, r0: float, p1: float, r1: float, h: float, s: float
+) -> tuple[float, float]:
     """Return the value and time derivative at s in 0 .. 1 of the cubic through two states."""
     a, b, rise = r0 * h, r1 * h, p1 - p0
     curve = 3.0 * rise - 2.0 * a - b
@@ -141,7 +156,8 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float, float]:
     """Return when a quantity below zero reaches it, by its value and three derivatives, s.
 
-    Infinite if never.  Also the rate then, and what the third derivative changes of the time.
+    Infinite if never.  Also the rate then, and what the third derivative changes of the
+    time.
     """
     root = r * r - 2.0 * a * p
     denominator = r + math.sqrt(root) if root >= 0.0 else 0.0
@@ -164,8 +180,9 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float,
 def time_across(contact: Records, clearance: float) -> tuple[float, float]:
     """Return when a pin that flies inwards meets the opposite wall, s, and its speed there, m/s.
 
-    The flight is straight and the bore round. The distance from the wall has a kink in the centre,
-    beyond which its derivatives say nothing. Infinite where the pin rests or flies outwards.
+    The flight is straight and the bore round. The distance from the wall has a kink in
+    the centre, beyond which its derivatives say nothing. Infinite where the pin rests
+    or flies outwards.
     """
     ex, ey = contact.eccentricity_x, contact.eccentricity_y
     vx, vy = contact.velocity_x, contact.velocity_y
@@ -187,7 +204,9 @@ def step_to_event(
     """
     if not is_near:
         return max(arrival - 2.0 * doubt, 0.5 * arrival)
-    return arrival - behind if is_abrupt and arrival > 2.0 * behind else arrival + behind
+    return (
+        arrival - behind if is_abrupt and arrival > 2.0 * behind else arrival + behind
+    )
 
 
 @compiled
@@ -201,7 +220,8 @@ def is_reversed(last: Records, contact: Records) -> bool:
 def seen_from_opposite(penetration: float, eccentricity: float) -> float:
     """Return the penetration of a pin into the wall beyond the centre of its bore, m.
 
-    The pin is farther from that wall than the centre, by its eccentricity. The rate changes sign.
+    The pin is farther from that wall than the centre, by its eccentricity. The rate
+    changes sign.
     """
     return penetration - 2.0 * eccentricity
 
@@ -212,10 +232,10 @@ def joint_crossing(
 ) -> tuple[float, float, float, float]:
     """Return the part of a step at which a joint touches down or separates; 2 if it does not.
 
-    Also the penetration at the end of the step, m, its rate at the start and at the event, m/s,
-    all with the sign in which they grow towards the event. All are those of the wall that the pin
-    leaves, or on which it lands: a pin that runs through the centre of its bore is closed on both
-    sides of it, and open between them.
+    Also the penetration at the end of the step, m, its rate at the start and at the
+    event, m/s, all with the sign in which they grow towards the event. All are those of
+    the wall that the pin leaves, or on which it lands: a pin that runs through the
+    centre of its bore is closed on both sides of it, and open between them.
     """
     start, end = last.penetration, contact.penetration
     first, final = last.rate, contact.rate
@@ -224,7 +244,9 @@ def joint_crossing(
             end = seen_from_opposite(end, contact.eccentricity)
             final = -final
         else:
-            start = seen_from_opposite(start, math.hypot(last.eccentricity_x, last.eccentricity_y))
+            start = seen_from_opposite(
+                start, math.hypot(last.eccentricity_x, last.eccentricity_y)
+            )
             first = -first
     if is_closed:
         start, end, first, final = -start, -end, -first, -final
@@ -247,7 +269,9 @@ def load_crossing(
 
 
 @compiled
-def touch_down(records: Any, k: int, t: float, closing: float, started_closed: bool) -> None:
+def touch_down(
+    records: Any, k: int, t: float, closing: float, started_closed: bool
+) -> None:
     """Begin a contact: a joint counts as closed while its onset speed is not zero."""
     records.onset[k] = max(closing, 1e-300)
     last = records.memory[k]
@@ -294,9 +318,9 @@ def force_within(
 ) -> float:
     """Return the normal force, N, at the part ``s`` of a step between two closed states.
 
-    The law is evaluated on the cubic through both penetrations and rates, plus ``quartic`` times
-    s^2 (1 - s)^2. On a foundation the elastic force follows the power of the penetration that force
-    and energy of each state give.
+    The law is evaluated on the cubic through both penetrations and rates, plus
+    ``quartic`` times s^2 (1 - s)^2. On a foundation the elastic force follows the power
+    of the penetration that force and energy of each state give.
     """
     start, end = last.penetration, contact.penetration
     depth, rate = hermite(start, last.rate, end, contact.rate, h, s)
@@ -305,10 +329,16 @@ def force_within(
     rate += 2.0 * quartic * product * (1.0 - 2.0 * s) / h
     if depth <= 0.0:
         return 0.0
-    rate += (1.0 - s) * (last.closing - last.rate) + s * (contact.closing - contact.rate)
+    rate += (1.0 - s) * (last.closing - last.rate) + s * (
+        contact.closing - contact.rate
+    )
     if joint.foundation > 0.0 and joint.surface_bins > 0:
-        first = last.elastic * (depth / start) ** (last.elastic * start / last.energy - 1.0)
-        second = contact.elastic * (depth / end) ** (contact.elastic * end / contact.energy - 1.0)
+        first = last.elastic * (depth / start) ** (
+            last.elastic * start / last.energy - 1.0
+        )
+        second = contact.elastic * (depth / end) ** (
+            contact.elastic * end / contact.energy - 1.0
+        )
         elastic = (1.0 - s) * first + s * second
     else:
         elastic = elastic_at(joint.normal, depth)
@@ -321,15 +351,16 @@ def peak_within(
 ) -> float:
     """Return the maximum of the normal force, N, within a step of a contact; 0 if there is none.
 
-    There is one if the force rises at the beginning of the step and falls at its end. The quartic
-    also passes through the state before, if that was closed. On a foundation, a maximum far above
-    both ends is an error of the extrapolated powers.
+    There is one if the force rises at the beginning of the step and falls at its end.
+    The quartic also passes through the state before, if that was closed. On a
+    foundation, a maximum far above both ends is an error of the extrapolated powers.
     """
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
     start, end = last.penetration, contact.penetration
     if not (onset_speed > 0.0 and h > 0.0 and start > 0.0 and end > 0.0):
         return 0.0
-    # In a very short step round-off of the penetrations bends the cubic more than the motion does.
+    # In a very short step round-off of the penetrations bends the cubic more than the
+    # motion does.
     deviation = end - start - 0.5 * h * (last.rate + contact.rate)
     if abs(deviation) > h * abs(contact.rate - last.rate):
         return 0.0
@@ -340,9 +371,12 @@ def peak_within(
     low, high = 0.0, 1.0 - FORCE_SLOPE
     largest = 0.0
     for i in range(2):
-        # While the pin goes deeper the force mostly rises up to the end, which is tested first.
+        # While the pin goes deeper the force mostly rises up to the end, which is
+        # tested first.
         if (i == 0) == (last.rate > 0.0):
-            force = normal_force(joint.normal, contact.elastic, end, contact.closing, onset)
+            force = normal_force(
+                joint.normal, contact.elastic, end, contact.closing, onset
+            )
             s = high
         else:
             force = normal_force(joint.normal, last.elastic, start, last.closing, onset)
@@ -360,7 +394,10 @@ def peak_within(
     for _ in range(PEAK_HALVINGS):
         s = 0.5 * (low + high)
         force = force_within(joint, onset, last, contact, h, quartic, s)
-        if force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE) > force:
+        if (
+            force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE)
+            > force
+        ):
             low = s
         else:
             high = s
@@ -368,7 +405,9 @@ def peak_within(
 
 
 @inlined
-def remember(last: Records, joint: Records, onset_speed: float, contact: Records, t: float) -> None:
+def remember(
+    last: Records, joint: Records, onset_speed: float, contact: Records, t: float
+) -> None:
     """Store what the next step needs of an accepted state; count the step, and find its peak.
 
     A state that is stored again at the same time changes neither count nor peak.
@@ -397,9 +436,10 @@ def remember(last: Records, joint: Records, onset_speed: float, contact: Records
 def settle(records: Any, t: float, needed: int) -> int:
     """Bring the state of contact up to an accepted state.
 
-    Latches closing speeds and files contacts that ended, those of fewer than ``needed`` steps as
-    unresolved. Returns the number of joints that have touched down or separated; forces of an open
-    joint that is closed now, or of a closed one that is open, have to be filled again.
+    Latches closing speeds and files contacts that ended, those of fewer than ``needed``
+    steps as unresolved. Returns the number of joints that have touched down or
+    separated; forces of an open joint that is closed now, or of a closed one that is
+    open, have to be filled again.
     """
     joints, onset = records.packed.joints, records.onset
     events = 0

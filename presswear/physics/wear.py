@@ -32,13 +32,17 @@ ARC_MARGIN = 1e-9  # rad, round-off of the ends of an arc
 
 @inlined
 def contact_area(
-    penetration: float, eccentricity: float, bearing_radius: float, pin_radius: float, width: float
+    penetration: float,
+    eccentricity: float,
+    bearing_radius: float,
+    pin_radius: float,
+    width: float,
 ) -> float:
     """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27 as printed).
 
-    beta is at the centre of the pin, so that half the chord is R_j sin(beta): the printed area is
-    too large by R_i / R_j. cos beta + 1 is formed from the penetration itself; equation 25 as
-    printed loses ten digits to cancellation.
+    beta is at the centre of the pin, so that half the chord is R_j sin(beta): the
+    printed area is too large by R_i / R_j. cos beta + 1 is formed from the penetration
+    itself; equation 25 as printed loses ten digits to cancellation.
     """
     reach = eccentricity + pin_radius + bearing_radius
     above = penetration * reach / (2.0 * eccentricity * pin_radius)
@@ -53,7 +57,8 @@ def deposit_in_bins(
 ) -> None:
     """Add the wear of a dose p ds, N/m, to the depths of both surfaces, shape (2, m).
 
-    It is spread over the bins that the contact crosses in the step, which takes ``h`` seconds.
+    It is spread over the bins that the contact crosses in the step, which takes ``h``
+    seconds.
     """
     added, turns = joint.wear_coefficient * pressure_dose, joint.map_turns
     direction = direction_of(contact)
@@ -70,13 +75,18 @@ def deposit_in_bins(
 def spread_evenly(depth: Array, start: float, end: float, added: float) -> None:
     """Add a sum of depths to the bins of a map, shape (m,), between two angles, rad."""
     count = depth.shape[0]
-    low, high = min(start, end) * count / (2.0 * math.pi), max(start, end) * count / (2.0 * math.pi)
+    low, high = (
+        min(start, end) * count / (2.0 * math.pi),
+        max(start, end) * count / (2.0 * math.pi),
+    )
     first, last = math.floor(low), math.floor(high)
     if first == last or not high - low < count:
         depth[bin_of(end, count)] += added
         return
     for k in range(first, last + 1):
-        depth[k % count] += added * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
+        depth[k % count] += (
+            added * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
+        )
 
 
 @lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
@@ -90,7 +100,8 @@ def deposit_over_arc(
 ) -> None:
     """Add the wear of a dose F_n ds, N m, wherever the surfaces overlap.
 
-    ``depth`` and ``shares``, a working space that is zero and left so, have the shape (2, n).
+    ``depth`` and ``shares``, a working space that is zero and left so, have the shape
+    (2, n).
     """
     zero = joint.map_turns * contact.bearing_angle
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
@@ -99,7 +110,9 @@ def deposit_over_arc(
     if joint.surface_nodes == 0:
         deposit_round_arc(depth, joint, contact, zero, relative_angle, added)
     else:
-        deposit_worn_arc(depth, joint, surfaces, contact, zero, relative_angle, added, shares)
+        deposit_worn_arc(
+            depth, joint, surfaces, contact, zero, relative_angle, added, shares
+        )
 
 
 @compiled
@@ -116,7 +129,9 @@ def deposit_round_arc(
     direction = direction_of(contact) - zero
     half = 0.0
     if eccentricity > clearance:  # cos(half) = c / e
-        half = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
+        half = 2.0 * math.asin(
+            math.sqrt(0.5 * (eccentricity - clearance) / eccentricity)
+        )
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         place = direction + side * relative_angle
@@ -147,9 +162,13 @@ def deposit_worn_arc(
             total += shares[side, k]
             k = k + 1 if k + 1 < bins else 0
         if total == 0.0:
-            # A step that ends with the separation leaves its wear where the pin last was, and so
-            # does an overlap so slight that round-off hides it.
-            place = math.atan2(contact.normal_y, contact.normal_x) - zero + side * relative_angle
+            # A step that ends with the separation leaves its wear where the pin last
+            # was, and so does an overlap so slight that round-off hides it.
+            place = (
+                math.atan2(contact.normal_y, contact.normal_x)
+                - zero
+                + side * relative_angle
+            )
             depth[side, bin_of(place, bins)] += part * added
             continue
         scale = part * added / total
@@ -172,7 +191,9 @@ def share_worn_arc(
     """Add the integrals of the overlap to the bins of both maps; return the arc, rad."""
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
     c, s = cos_sin(zero)
-    place = place_of(joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle)
+    place = place_of(
+        joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
+    )
     arcs = count_arcs(surfaces, joint, place, contact.place - zero)
     for i in range(arcs):
         share_arc(surfaces, joint, place, i, shares)

@@ -1,6 +1,7 @@
 """Recorded numbers, each declared once: series, numbers of each cycle, sections.
 
-Recorder, statistics, stored stages and tables read these lists; ``observe`` fills the columns.
+Recorder, statistics, stored stages and tables read these lists; ``observe`` fills the
+columns.
 """
 
 from typing import NamedTuple
@@ -38,10 +39,17 @@ JOINT_SERIES = (
     Column("eccentricity_y", "m", "and upwards"),
     Column("penetration", "m", "of the pin into the bearing, negative while open"),
     Column("normal", "N", "normal force, 0 while open", "normal_force"),
-    Column("tangential", "N", "friction, with the sign of the contact model", "tangential_force"),
+    Column(
+        "tangential",
+        "N",
+        "friction, with the sign of the contact model",
+        "tangential_force",
+    ),
     Column("sliding", "m/s", "tangential speed at the contact"),
 )
-ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(len(JOINT_SERIES))
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(
+    len(JOINT_SERIES)
+)
 # Arrays of a joint in a stored stage, and the series that they hold
 JOINT_ARRAYS = {
     "eccentricity": ("eccentricity_x", "eccentricity_y"),
@@ -50,7 +58,8 @@ JOINT_ARRAYS = {
     "sliding": ("sliding",),
 }
 
-# Numbers of each cycle: of the output point and the energies, then of each joint and each drive
+# Numbers of each cycle: of the output point and the energies, then of each joint and
+# each drive
 CYCLE = (
     Column("displacement_max", "m", "greatest displacement of the output point"),
     Column("velocity_min", "m/s", "least velocity"),
@@ -61,7 +70,9 @@ CYCLE = (
     Column("bottom_height", "m", "lowest place of the output point"),
     Column("bottom_time", "s", "when it is there"),
     Column("drive_work", "J", "work of the drives"),
-    Column("stored_energy_change", "J", "change of kinetic, potential and elastic energy"),
+    Column(
+        "stored_energy_change", "J", "change of kinetic, potential and elastic energy"
+    ),
 )
 (
     DISPLACEMENT_MAX,
@@ -96,13 +107,18 @@ DRIVE_CYCLE = (
 TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(
     len(DRIVE_CYCLE)
 )
-CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(len, (CYCLE, JOINT_CYCLE, DRIVE_CYCLE))
+CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(
+    len, (CYCLE, JOINT_CYCLE, DRIVE_CYCLE)
+)
 SERIES_COUNT, JOINT_SERIES_COUNT = len(SERIES), len(JOINT_SERIES)
 
-# Columns of a Poincare section: of the output point, then of each joint; see ``observe.OUTPUT`` and
-# ``contact.CONTACT``
+# Columns of a Poincare section: of the output point, then of each joint; see
+# ``observe.OUTPUT`` and ``contact.CONTACT``
 SECTION_NAMES = ("place", "velocity")
-SECTION_JOINT_NAMES = (*("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"), "normal")
+SECTION_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
+    "normal",
+)
 
 
 def cycle_columns(joints: int, drives: int) -> int:
@@ -121,4 +137,6 @@ def series_column(name: str, joint: int | None = None) -> int:
     """Return the column of a series of the linkage, or of a joint, in a row of all series."""
     if joint is None:
         return names_of(SERIES).index(name)
-    return SERIES_COUNT + JOINT_SERIES_COUNT * joint + names_of(JOINT_SERIES).index(name)
+    return (
+        SERIES_COUNT + JOINT_SERIES_COUNT * joint + names_of(JOINT_SERIES).index(name)
+    )

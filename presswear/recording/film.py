@@ -1,7 +1,7 @@
 """Film of a run: positions of all bodies and joint forces, a few hundred frames per cycle.
 
-It is fine enough to replay a run, and too coarse to compute from.  Its size does not grow after the
-first ``FILM_CYCLES`` cycles.
+It is fine enough to replay a run, and too coarse to compute from.  Its size does not
+grow after the first ``FILM_CYCLES`` cycles.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,13 +14,22 @@ from presswear.tools.compile import Records, compiled, copy_to
 
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
 FILM_CYCLES = 20  # that are kept
-# Columns of a frame for each joint: its forces, N, the direction in which the pin presses,
-# penetration, m, and greatest normal force since the frame before, N
-FILM_JOINT = ("normal", "tangential", "direction_x", "direction_y", "penetration", "peak")
+# Columns of a frame for each joint: its forces, N, the direction in which the pin
+# presses, penetration, m, and greatest normal force since the frame before, N
+FILM_JOINT = (
+    "normal",
+    "tangential",
+    "direction_x",
+    "direction_y",
+    "penetration",
+    "peak",
+)
 FILM_JOINT_COUNT, _PEAK = len(FILM_JOINT), FILM_JOINT.index("peak")
 
 # Frames kept, their interval, and the time from which the next is due, s
-FRAME_SAMPLER = np.dtype([("frames", np.int64), ("interval", np.float64), ("next", np.float64)])
+FRAME_SAMPLER = np.dtype(
+    [("frames", np.int64), ("interval", np.float64), ("next", np.float64)]
+)
 
 
 def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:
@@ -33,7 +42,12 @@ def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:
 
 @compiled
 def take_frame(
-    film: Array, samplers: Records, contacts: Records, memory: Records, t: float, q: Array
+    film: Array,
+    samplers: Records,
+    contacts: Records,
+    memory: Records,
+    t: float,
+    q: Array,
 ) -> None:
     """Note the peaks of a step in the present frame, and complete the frame if it is due."""
     sampler = samplers[0]
@@ -46,7 +60,9 @@ def take_frame(
 
 
 @compiled
-def complete_frame(film: Array, samplers: Records, contacts: Records, t: float, q: Array) -> None:
+def complete_frame(
+    film: Array, samplers: Records, contacts: Records, t: float, q: Array
+) -> None:
     """Fill the present frame from an accepted state and begin the next."""
     sampler = samplers[0]
     frame = film[sampler.frames]
@@ -73,7 +89,8 @@ class Film:
     """Frames of a run."""
 
     time: Array  # (n,), s
-    position: Array  # (n, 3 bodies): mass centre, m, and angle, rad, in the order of the linkage
+    # (n, 3 bodies): mass centre, m, and angle, rad, in the order of the linkage
+    position: Array
     joints: Array  # (n, joints, 6), columns FILM_JOINT
 
     @staticmethod
@@ -92,7 +109,9 @@ class Film:
         return arrays
 
     @staticmethod
-    def from_arrays(stored: Mapping[str, Array], bodies: int, names: Sequence[str]) -> "Film":
+    def from_arrays(
+        stored: Mapping[str, Array], bodies: int, names: Sequence[str]
+    ) -> "Film":
         """Return the film of stored arrays; KeyError or ValueError if they are no film."""
         time, position = stored["time"], stored["position"]
         if time.ndim != 1 or len(time) < 1 or position.shape != (len(time), 3 * bodies):

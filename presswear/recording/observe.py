@@ -1,7 +1,7 @@
 """Compiled recording of a run, step by step: series, contacts, peaks, drives and wear.
 
-Memory does not grow with the number of cycles: series and single contacts are recorded in the first
-cycles only; everything else is one row per cycle or a running sum.
+Memory does not grow with the number of cycles: series and single contacts are recorded
+in the first cycles only; everything else is one row per cycle or a running sum.
 """
 
 import math
@@ -88,7 +88,10 @@ OUTPUT = np.dtype(
         ("last_time", np.float64),  # of the last row, s
         ("now", np.float64),  # of the last accepted state, s
         ("interval", np.float64),  # longest time between two rows, s
-        ("force_step", np.float64),  # change of a force, part of its peak, that makes a row
+        (
+            "force_step",
+            np.float64,
+        ),  # change of a force, part of its peak, that makes a row
         ("index", np.int64),  # of the x of the output body in q
         ("cos", np.float64),
         ("sin", np.float64),
@@ -120,7 +123,8 @@ class RecorderState(NamedTuple):
     counters: Records  # of COUNTERS
     stored_contacts: Records  # of STORED_CONTACT, shape (joints, rows)
     output: Records  # one of OUTPUT
-    # Rows of SERIES, of JOINT_SERIES for each joint, and of torques where they are stored
+    # Rows of SERIES, of JOINT_SERIES for each joint, and of torques where they are
+    # stored
     series: Array
     film: Array  # see ``presswear.recording.film``
     sampler: Records  # one of FRAME_SAMPLER
@@ -130,13 +134,16 @@ class RecorderState(NamedTuple):
     shares: Array  # working space of ``deposit_over_arc``, (2, m)
     torque: Array  # of the drives in the present state, N m
     drives: Records  # of DRIVE
-    # In the order of ENERGIES, of engines that sum by steps: J; rates in the last state, W
+    # In the order of ENERGIES, of engines that sum by steps: J; rates in the last
+    # state, W
     energies: Array
     powers: Array
 
 
 @inlined
-def output_motion(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+def output_motion(
+    state: Records, q: Array, v: Array, a: Array
+) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
     i, along, across = state.index, state.cos, state.sin
     place: float = along * q[i] + across * q[i + 1]
@@ -158,10 +165,10 @@ def lowest_between(
 ) -> tuple[float, float]:
     """Return the lowest position in a step, m, and the time since the step began, s.
 
-    It is the minimum of the quintic polynomial through place, velocity and acceleration at both
-    ends, between which the coordinate turns from falling to rising.  It is off by h^6 / 46080
-    times the greatest sixth derivative at most; if the acceleration has jumped by J at the first
-    end, by 0.018 J h^2.
+    It is the minimum of the quintic polynomial through place, velocity and acceleration
+    at both ends, between which the coordinate turns from falling to rising.  It is off
+    by h^6 / 46080 times the greatest sixth derivative at most; if the acceleration has
+    jumped by J at the first end, by 0.018 J h^2.
     """
     c1 = h * before[1]
     c2 = 0.5 * h * h * before[2]
@@ -213,7 +220,9 @@ def note_bottom(
 
 
 @compiled
-def note_top(state: Records, cycle: Array, h: float, now: tuple[float, float, float]) -> None:
+def note_top(
+    state: Records, cycle: Array, h: float, now: tuple[float, float, float]
+) -> None:
     """Find the highest place in a step that ends now; call it before ``note_bottom``."""
     highest = now[0]
     if 0.0 <= state.velocity < math.inf and now[1] < 0.0:
@@ -240,8 +249,9 @@ def sum_drives(records: RecorderState, h: float, v: Array) -> None:
 def note_drives(records: RecorderState, h: float, v: Array) -> None:
     """Add the integrals of a step of length ``h``, s, to the cycle, and update the peaks.
 
-    Where the power changes its sign in the step, the smaller part of the work is that of a power
-    that is linear over the step.  Given and returned work differ by the work of the step.
+    Where the power changes its sign in the step, the smaller part of the work is that
+    of a power that is linear over the step.  Given and returned work differ by the work
+    of the step.
     """
     first = records.cycle.shape[0] - DRIVE_CYCLE_COUNT * records.drives.shape[0]
     for k in range(records.drives.shape[0]):
@@ -266,7 +276,9 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
 
 
 @inlined
-def note_output(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+def note_output(
+    records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
+) -> None:
     """Add the motion of the output point in a step of length ``h``, s, to the cycle."""
     cycle, state = records.cycle, records.output[0]
     motion = output_motion(state, q, v, a)
@@ -305,8 +317,13 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
         return
     depth = records.depth[k, :, : joint.map_bins]
     if joint.over_arc:
-        surfaces, shares = records.packed.surfaces[k], records.shares[:, : joint.map_bins]
-        deposit_over_arc(depth, joint, surfaces, records.contacts[k], integrals.work, shares)
+        surfaces, shares = (
+            records.packed.surfaces[k],
+            records.shares[:, : joint.map_bins],
+        )
+        deposit_over_arc(
+            depth, joint, surfaces, records.contacts[k], integrals.work, shares
+        )
     else:
         deposit_in_bins(depth, joint, records.contacts[k], integrals.pressure, h)
 
@@ -315,8 +332,8 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
 def is_row_due(records: RecorderState, t: float) -> bool:
     """Return whether the present state is a row of the series.
 
-    It is one after the longest time between two rows, where a force has changed since the last
-    row, and where a load changes its law.
+    It is one after the longest time between two rows, where a force has changed since
+    the last row, and where a load changes its law.
     """
     state, series, row = records.output[0], records.series, records.output[0].rows
     if row >= min(state.room, series.shape[0]):
@@ -356,7 +373,9 @@ def write_row(output: Records, series: Array, contacts: Records, torque: Array) 
 
 
 @inlined
-def observe(records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+def observe(
+    records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
+) -> None:
     """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
     note_output(records, t, h, q, v, a)
     note_drives(records, h, v)

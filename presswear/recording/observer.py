@@ -19,12 +19,18 @@ class Progress:
     """Progress of a campaign."""
 
     stage: int  # index of the stage that runs
-    part: float  # completed fraction of that stage and of the wear update after it, 0 to 1
-    whole: float  # completed fraction of the campaign, 0 to 1, as far as it can be estimated
+    # completed fraction of that stage and of the wear update after it, 0 to 1
+    part: float
+    # completed fraction of the campaign, 0 to 1, as far as it can be estimated
+    whole: float
     word: str  # short description of the present step, or nothing
     linkage: Linkage  # that runs, on its worn surfaces
-    film: "Film | None" = None  # last frames of one of the runs, if an observer needs frames
-    estimate: float | None = None  # ``whole`` by the latest estimate alone, which may fall
+    film: "Film | None" = (
+        None  # last frames of one of the runs, if an observer needs frames
+    )
+    estimate: float | None = (
+        None  # ``whole`` by the latest estimate alone, which may fall
+    )
 
 
 class Observer:

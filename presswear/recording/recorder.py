@@ -31,7 +31,9 @@ from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
 _KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
-_SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)  # saved whole
+_SMALL = tuple(
+    name for name in RecorderState._fields if name not in _KEPT
+)  # saved whole
 
 
 @dataclass
@@ -43,8 +45,8 @@ class Recorder:
     sections_per_cycle: int = 0
     # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE and DRIVE_CYCLE
     cycles: Array = field(init=False)
-    # Largest depth added by each cycle, and depth after it, of bearing and pin, m, shape (cycles,
-    # 2, joints, 2); no row where the surfaces stay
+    # Largest depth added by each cycle, and depth after it, of bearing and pin, m,
+    # shape (cycles, 2, joints, 2); no row where the surfaces stay
     growth: Array = field(init=False)
     _sections: list[Array] = field(default_factory=list, init=False)
 
@@ -65,7 +67,9 @@ class Recorder:
     @property
     def torques(self) -> Array:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
-        return self.rows[:, SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size :]
+        return self.rows[
+            :, SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size :
+        ]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
@@ -112,7 +116,9 @@ class Recorder:
 
         Columns SECTION_NAMES, then SECTION_JOINT_NAMES of each joint.
         """
-        columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.records.memory.size
+        columns = (
+            len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.records.memory.size
+        )
         whole = self._sections[: len(self.cycles) * self.sections_per_cycle]
         return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
 
@@ -175,7 +181,8 @@ class Recorder:
     def save(self) -> State:
         """Return all that is not in the linkage, the start and the plan, as named arrays.
 
-        Rows of series, contacts, film and cycles are views: once written they do not change.
+        Rows of series, contacts, film and cycles are views: once written they do not
+        change.
         """
         records, frames = self.records, int(self.records.sampler["frames"][0])
         arrays = {

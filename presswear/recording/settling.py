@@ -1,10 +1,11 @@
 """Settled motions: do the last cycles of a run repeat, and since when?
 
-A rattling motion may be a transient: it is irregular for a time that nobody can foretell, then
-comes to rest on a motion that repeats, and stays there (Lai and Tél, Transient Chaos, Springer
-2011).  A run has settled if its last cycles repeat.  They are compared by their signature: where
-each pin is at the end of the cycle, over the clearance, and the logarithm of each peak force.
-Between two cycles of a chaotic motion a signature changes by about 1.
+A rattling motion may be a transient: it is irregular for a time that nobody can
+foretell, then comes to rest on a motion that repeats, and stays there (Lai and Tél,
+Transient Chaos, Springer 2011).  A run has settled if its last cycles repeat.  They are
+compared by their signature: where each pin is at the end of the cycle, over the
+clearance, and the logarithm of each peak force. Between two cycles of a chaotic motion
+a signature changes by about 1.
 """
 
 import math
@@ -20,7 +21,8 @@ from presswear.tools.arrays import Array
 Verdict = Literal["settled", "coexisting", "irregular", "mixed", "unwatched"]
 
 PERIODS = (1, 2, 3, 4)  # cycles after which a settled motion may repeat
-REPEATED = 10  # cycles that a settled motion has repeated for: laminar phases of chaos are shorter
+# cycles that a settled motion has repeated for: laminar phases of chaos are shorter
+REPEATED = 10
 CHANGE = 0.2  # largest change of a signature between cycles that repeat
 LEAST_FORCE = 1e-3  # of the largest peak force: smaller ones do not count
 
@@ -50,10 +52,18 @@ class Settling:
     """Kinds of motion that the replicates of a stage came to."""
 
     watched: int  # cycles of the shortest run
-    starts: tuple[int | None, ...]  # cycles of each replicate before it settled; None: irregular
-    motions: tuple[Motion, ...]  # the one of most replicates first, the irregular one last
-    half_life: Estimate | None = None  # of the irregular motion, cycles; None: none settled
-    least_half_life: float = 0.0  # of the irregular motion with 95 % probability, cycles
+    starts: tuple[
+        int | None, ...
+    ]  # cycles of each replicate before it settled; None: irregular
+    motions: tuple[
+        Motion, ...
+    ]  # the one of most replicates first, the irregular one last
+    half_life: Estimate | None = (
+        None  # of the irregular motion, cycles; None: none settled
+    )
+    least_half_life: float = (
+        0.0  # of the irregular motion with 95 % probability, cycles
+    )
 
     @property
     def runs(self) -> int:
@@ -78,8 +88,8 @@ class Settling:
     def skipped(self, replicate: int) -> int:
         """Return the number of cycles of a replicate that come before its start-up.
 
-        Where all replicates have settled, the numbers are those of the motion that goes on, after a
-        start-up: in its first cycle the rattle ends.
+        Where all replicates have settled, the numbers are those of the motion that goes
+        on, after a start-up: in its first cycle the rattle ends.
         """
         if self.settled < self.runs:
             return 0
@@ -97,7 +107,8 @@ def signatures(places: Array, forces: Array) -> Array:
     Parameters
     ----------
     places : ndarray, shape (cycles, joints, 2)
-        Place of each pin at the end of a cycle, relative to its bearing, over the clearance.
+        Place of each pin at the end of a cycle, relative to its bearing, over the
+        clearance.
     forces : ndarray, shape (cycles, joints)
         Largest normal force in a cycle, N.
     """
@@ -109,7 +120,8 @@ def signatures(places: Array, forces: Array) -> Array:
 def rest_of(cycles: Array) -> Rest | None:
     """Return the motion on which a run came to rest, from the signatures of its cycles, or None.
 
-    Of the periods by which the last cycles repeat, it is the one that goes back furthest.
+    Of the periods by which the last cycles repeat, it is the one that goes back
+    furthest.
     """
     best: Rest | None = None
     for period in PERIODS:
@@ -128,7 +140,10 @@ def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
     groups: list[list[int]] = []
     for k, rest in enumerate(rests):
         for group in groups:
-            if np.abs(rest.signature - rests[group[0]].signature).max(initial=0.0) <= CHANGE:
+            if (
+                np.abs(rest.signature - rests[group[0]].signature).max(initial=0.0)
+                <= CHANGE
+            ):
                 group.append(k)
                 break
         else:
@@ -139,10 +154,11 @@ def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
 def half_life(starts: Sequence[int], irregular: Sequence[int]) -> Estimate | None:
     """Return the half-life of the irregular motion, cycles; None if no run has settled from it.
 
-    The irregular motion is left at a constant rate, so that its duration is exponential.  Runs that
-    had not settled when they ended are censored.  The rate is the number of runs that settled over
-    the time of all; the ends of its interval are quantiles of chi-square (Lawless, Statistical
-    Models and Methods for Lifetime Data, 2nd ed., section 4.1).
+    The irregular motion is left at a constant rate, so that its duration is
+    exponential.  Runs that had not settled when they ended are censored.  The rate is
+    the number of runs that settled over the time of all; the ends of its interval are
+    quantiles of chi-square (Lawless, Statistical Models and Methods for Lifetime Data,
+    2nd ed., section 4.1).
 
     Parameters
     ----------
@@ -171,11 +187,14 @@ def least_half_life(starts: Sequence[int], irregular: Sequence[int]) -> float:
     return 2.0 * math.log(2.0) * time / float(chdtri(2 * count + 2, 1.0 - LEVEL))
 
 
-def _irregular_time(starts: Sequence[int], irregular: Sequence[int]) -> tuple[int, float]:
+def _irregular_time(
+    starts: Sequence[int], irregular: Sequence[int]
+) -> tuple[int, float]:
     """Return how many runs settled from irregular motion, and the irregular cycles of all.
 
-    They are counted from the end of the start-up: runs that have settled by then were never
-    irregular.  The last cycles of the others, which may be regular already, do not count.
+    They are counted from the end of the start-up: runs that have settled by then were
+    never irregular.  The last cycles of the others, which may be regular already, do
+    not count.
     """
     lasted = [start - STARTUP_CYCLES for start in starts if start > STARTUP_CYCLES]
     unseen = STARTUP_CYCLES + REPEATED

@@ -1,6 +1,7 @@
 """Soundness checks after each cycle: findings that make the numbers of a run worthless.
 
-Each limit lies far beyond the values of a sound run, so that a run ends where one is exceeded.
+Each limit lies far beyond the values of a sound run, so that a run ends where one is
+exceeded.
 """
 
 import math
@@ -19,11 +20,17 @@ from presswear.tools.arrays import Array
 
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 
-RESIDUAL = 3e-3  # residual of the energy balance over the energy that the drives exchanged
+RESIDUAL = (
+    3e-3  # residual of the energy balance over the energy that the drives exchanged
+)
 # Of the heat of damping and friction: wear is no more accurate than that.
 RESIDUAL_DISSIPATED = 1e-2
-MIN_RESIDUAL = 1e-4  # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
-MIN_EXCHANGED = 1e-3  # of the kinetic energy: at an instant hardly any energy is exchanged
+MIN_RESIDUAL = (
+    1e-4  # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
+)
+MIN_EXCHANGED = (
+    1e-3  # of the kinetic energy: at an instant hardly any energy is exchanged
+)
 MADE = 1.0  # created over dissipated energy: beyond it the contacts drive the linkage
 MIN_MADE = 1e-3  # of the energy exchanged
 # Contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred.
@@ -93,7 +100,9 @@ class Condition:
 def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
     """Return the first finding after a cycle, or None."""
     if not (np.isfinite(now.position).all() and np.isfinite(now.velocity).all()):
-        return Finding("state", "the state is no longer finite", now.time, "", now.remedy)
+        return Finding(
+            "state", "the state is no longer finite", now.time, "", now.remedy
+        )
     return (
         _check_contacts(linkage, recorder, now)
         or _check_energy(linkage, recorder, now)
@@ -101,15 +110,16 @@ def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | N
     )
 
 
-def _check_contacts(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
+def _check_contacts(
+    linkage: Linkage, recorder: Recorder, now: Condition
+) -> Finding | None:
     """Check penetration and steps of the contacts of each joint."""
     pairs = list(zip(linkage.clearances, recorder.records.counters, strict=True))
     for joint, counters in pairs:
         deepest, limit = float(counters["deepest"]), joint.pin_radius
         if deepest > limit:
-            what = (
-                f"the penetration of {deepest:.3g} m exceeds the radius of the pin, {limit:.3g} m"
-            )
+            what = f"the penetration of {deepest:.3g} m exceeds "
+            what += f"the radius of the pin, {limit:.3g} m"
             remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
             return Finding("penetration", what, now.time, joint.name, remedy)
     for joint, counters in pairs:
@@ -123,15 +133,20 @@ def _check_contacts(linkage: Linkage, recorder: Recorder, now: Condition) -> Fin
     return None
 
 
-def _check_energy(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
+def _check_energy(
+    linkage: Linkage, recorder: Recorder, now: Condition
+) -> Finding | None:
     ledger = now.ledger
     if ledger.drive_exchange <= 0.0:
         return None
     kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
-    # If a weight falls from rest, all energy exchanged is what its fall turns into heat.
+    # If a weight falls from rest, all energy exchanged is what its fall turns into
+    # heat.
     exchange = max(ledger.drive_exchange, ledger.dissipated, MIN_EXCHANGED * kinetic)
     heat = ledger.dissipated
-    limit = min(RESIDUAL * exchange, max(RESIDUAL_DISSIPATED * heat, MIN_RESIDUAL * exchange))
+    limit = min(
+        RESIDUAL * exchange, max(RESIDUAL_DISSIPATED * heat, MIN_RESIDUAL * exchange)
+    )
     if abs(ledger.residual) > limit:
         what = (
             f"the energy balance has a residual of {ledger.residual:.3g} J, limit {limit:.3g} J: "
@@ -159,13 +174,16 @@ def _check_constraints(linkage: Linkage, now: Condition) -> Finding | None:
     limit = max(DRIFT * clearance, MIN_DRIFT) if clearance < math.inf else DRIFT_IDEAL
     if error[worst] <= limit:
         return None
-    what = f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
+    what = (
+        f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
+    )
     remedy = "engine = dae with projection = on prevents it"
     return Finding("constraints", what, now.time, constraints.names[worst], remedy)
 
 
-# Times after a state, s, at which forces are evaluated. Those up to the second limit are also the
-# distances of positions and speeds to both sides of it, m, rad, m/s or rad/s.
+# Times after a state, s, at which forces are evaluated. Those up to the second limit
+# are also the distances of positions and speeds to both sides of it, m, rad, m/s or
+# rad/s.
 _AFTER = (0.0, *np.geomspace(1e-15, 1e-2, 53))
 _BESIDE = 1e-6
 
@@ -175,9 +193,10 @@ def with_cause(
 ) -> Finding:
     """Return a finding on a state that is not finite with the element whose force is not.
 
-    The forces are evaluated at the last finite state and close to it: along the motion and, for
-    what depends on the speed, to both sides of it. Without such an element viscous damping of
-    joints is the cause. Without both, or without a finite state, the finding stays.
+    The forces are evaluated at the last finite state and close to it: along the motion
+    and, for what depends on the speed, to both sides of it. Without such an element
+    viscous damping of joints is the cause. Without both, or without a finite state, the
+    finding stays.
     """
     if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
         return finding
@@ -191,10 +210,14 @@ def with_cause(
                     what = f"the force of {element.name} is not finite"
                     remedy = "its law must give a number everywhere"
                     return replace(finding, what=what, remedy=remedy)
-    damped = [joint.name for joint in linkage.clearances if joint.normal.viscosity > 0.0]
+    damped = [
+        joint.name for joint in linkage.clearances if joint.normal.viscosity > 0.0
+    ]
     if damped and not finding.joint:
         # The steps follow the damper, whatever their tolerance.
-        return replace(finding, remedy=f"less viscous_damping at {', '.join(damped)} may help")
+        return replace(
+            finding, remedy=f"less viscous_damping at {', '.join(damped)} may help"
+        )
     return finding
 
 
@@ -221,11 +244,15 @@ def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
     elements = []
     for spring in linkage.springs:
         alone = replace(bare, springs=(spring,))
-        elements.append(_Element(f"spring {spring.name}", BodyForces(alone, pack(alone))))
+        elements.append(
+            _Element(f"spring {spring.name}", BodyForces(alone, pack(alone)))
+        )
     for k, load in enumerate(linkage.live_loads):
         alone, loads = replace(bare, loads=(load,)), records.packed.loads
         assert loads is not None
-        part = loads._replace(records=loads.records[k : k + 1], modes=loads.modes[k : k + 1])
+        part = loads._replace(
+            records=loads.records[k : k + 1], modes=loads.modes[k : k + 1]
+        )
         name = getattr(load, "name", "") or f"on {load.body}"
         forces = BodyForces(alone, pack(alone)._replace(loads=part))
         elements.append(_Element(f"{type(load).__name__.lower()} {name}", forces))

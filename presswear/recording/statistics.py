@@ -1,10 +1,11 @@
 """Statistics of cycles, which are samples of a chaotic motion: means, wear maps, intervals.
 
-Cycles after the start-up are the samples: in the first cycle the pins fall on their bearings all at
-once, and the second cycle has weaker impacts than later ones.  Successive cycles are correlated: an
-interval is that of as many independent samples as the cycles are worth.  Confidence intervals are
-of 95 %.  In this module ``runs`` are arrays of one number per cycle, start-up included, one for
-each run; ``count`` is the number of maps that bootstrap samples are from.
+Cycles after the start-up are the samples: in the first cycle the pins fall on their
+bearings all at once, and the second cycle has weaker impacts than later ones.
+Successive cycles are correlated: an interval is that of as many independent samples as
+the cycles are worth.  Confidence intervals are of 95 %.  In this module ``runs`` are
+arrays of one number per cycle, start-up included, one for each run; ``count`` is the
+number of maps that bootstrap samples are from.
 """
 
 import math
@@ -19,7 +20,9 @@ from numpy.typing import NDArray
 from presswear.tools.arrays import Array, State
 from presswear.tools.numbers import readable, with_interval
 
-STARTUP_CYCLES = 2  # that are no samples; if no more ran, the last of them is the only one
+STARTUP_CYCLES = (
+    2  # that are no samples; if no more ran, the last of them is the only one
+)
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
 MAX_BATCHES = 32  # of wear maps; with more, two neighbours become one
 LEVEL = 0.95
@@ -27,7 +30,9 @@ RANGE_STROKES = 10  # successive strokes of which the range is computed
 MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as it is
 MAX_WIDTH = 0.1  # of a turn, of the widest Gaussian that smooths a map
 WIDTHS = 64  # of Gaussians to choose from
-RESAMPLES = 1000  # of a bootstrap: an end of an interval scatters by about 5 % of its width
+RESAMPLES = (
+    1000  # of a bootstrap: an end of an interval scatters by about 5 % of its width
+)
 MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
 _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
@@ -43,7 +48,9 @@ class Estimate:
     samples: int = 0  # cycles, batches of cycles or replicates behind it
 
     @staticmethod
-    def symmetric(mean: float, half_width: float | None, samples: int = 0) -> "Estimate":
+    def symmetric(
+        mean: float, half_width: float | None, samples: int = 0
+    ) -> "Estimate":
         """Return an estimate whose interval reaches as far to both sides."""
         if half_width is None:
             return Estimate(mean, samples=samples)
@@ -52,13 +59,18 @@ class Estimate:
     @property
     def half_width(self) -> float | None:
         """Half the length of the interval; None: too few samples."""
-        return None if self.low is None or self.high is None else 0.5 * (self.high - self.low)
+        return (
+            None
+            if self.low is None or self.high is None
+            else 0.5 * (self.high - self.low)
+        )
 
     @property
     def positive(self) -> "Estimate":
         """Estimate of a positive quantity, with the interval of its logarithm (delta method).
 
-        Without an interval if an end is more than ``MAX_FACTOR`` times away: too few samples.
+        Without an interval if an end is more than ``MAX_FACTOR`` times away: too few
+        samples.
         """
         half = self.half_width
         if half is None or self.mean <= 0.0:
@@ -76,21 +88,31 @@ class Estimate:
     def __str__(self) -> str:
         """Return the mean with its interval; ``±`` where both ends are about as far away.
 
-        An interval over more than ``MAX_FACTOR`` squared says no more than too few cycles.
+        An interval over more than ``MAX_FACTOR`` squared says no more than too few
+        cycles.
         """
         if self.low is None and self.samples >= MIN_SAMPLES:
-            return f"{readable(self.mean)} (no interval)"  # of different motions, or too wide
-        if self.low is None or self.high is None or 0.0 < MAX_FACTOR**2 * self.low < self.high:
+            # of different motions, or too wide
+            return f"{readable(self.mean)} (no interval)"
+        if (
+            self.low is None
+            or self.high is None
+            or 0.0 < MAX_FACTOR**2 * self.low < self.high
+        ):
             return with_interval(self.mean, None)
         half = 0.5 * (self.high - self.low)
         if abs(0.5 * (self.low + self.high) - self.mean) <= 0.05 * half:
             return with_interval(self.mean, half)
-        mean, *ends = (readable(number, 2) for number in (self.mean, self.low, self.high))
+        mean, *ends = (
+            readable(number, 2) for number in (self.mean, self.low, self.high)
+        )
         return f"{mean} ({' to '.join(ends)})"
 
     def scaled(self, factor: float) -> "Estimate":
         """Return the estimate in another unit; the factor is positive."""
-        low, high = (None if end is None else factor * end for end in (self.low, self.high))
+        low, high = (
+            None if end is None else factor * end for end in (self.low, self.high)
+        )
         return Estimate(factor * self.mean, low, high, self.samples)
 
 
@@ -118,23 +140,26 @@ def half_width_of_runs(series: Sequence[Array]) -> float | None:
     Parameters
     ----------
     series : sequence of ndarray
-        Successive samples, one array for each run. The runs are independent of each other.
+        Successive samples, one array for each run. The runs are independent of each
+        other.
     """
     samples = np.concatenate(series)
     if samples.size < 2:
         return None
     worth = samples.size / inefficiency(series)
-    return quantile(max(worth - 1.0, 1.0)) * (float(samples.std(ddof=1)) / math.sqrt(worth))
+    return quantile(max(worth - 1.0, 1.0)) * (
+        float(samples.std(ddof=1)) / math.sqrt(worth)
+    )
 
 
 def inefficiency(series: Sequence[Array]) -> float:
     """Return how many successive samples are worth one independent sample, 1 or more.
 
-    It is the sum of the autocorrelations over all lags.  The autocovariances are those of all runs
-    together.  They are summed in pairs of neighbouring lags, up to the first pair that is not
-    positive, and no pair counts more than the pair before it: the initial monotone sequence (Geyer,
-    Practical Markov chain Monte Carlo, Statistical Science 7, 4, 1992).  Negative
-    correlation does not narrow an interval.
+    It is the sum of the autocorrelations over all lags.  The autocovariances are those
+    of all runs together.  They are summed in pairs of neighbouring lags, up to the
+    first pair that is not positive, and no pair counts more than the pair before it:
+    the initial monotone sequence (Geyer, Practical Markov chain Monte Carlo,
+    Statistical Science 7, 4, 1992).  Negative correlation does not narrow an interval.
     """
     samples = np.concatenate(series)
     count, mean = samples.size, float(samples.mean())
@@ -146,7 +171,8 @@ def inefficiency(series: Sequence[Array]) -> float:
     total, last = -1.0, math.inf
     for lag in range(0, longest - 1, 2):
         first, second = (
-            _autocovariance(deviations, each, variance / count) for each in (lag, lag + 1)
+            _autocovariance(deviations, each, variance / count)
+            for each in (lag, lag + 1)
         )
         pair = min((first + second) / variance, last)
         if pair <= 0.0:
@@ -159,17 +185,21 @@ def inefficiency(series: Sequence[Array]) -> float:
 def _autocovariance(deviations: Sequence[Array], lag: int, noise: float) -> float:
     """Return the autocovariance of all runs, weighted by the part of the samples with that lag.
 
-    The deviations are from the mean of all samples, which lowers each product by the variance of
-    this mean, the ``noise``.
+    The deviations are from the mean of all samples, which lowers each product by the
+    variance of this mean, the ``noise``.
     """
     pairs = [(run[: run.size - lag], run[lag:]) for run in deviations if run.size > lag]
-    products = sum(float(before @ after) + before.size * noise for before, after in pairs)
+    products = sum(
+        float(before @ after) + before.size * noise for before, after in pairs
+    )
     return products / sum(run.size for run in deviations)
 
 
 def quantile(freedom: float) -> float:
     """Return Student's quantile at the upper end of an interval; the normal one for infinity."""
-    from scipy.special import stdtrit  # slow to import, and scipy.stats three times as slow
+    from scipy.special import (
+        stdtrit,
+    )  # slow to import, and scipy.stats three times as slow
 
     return float(stdtrit(freedom, 0.5 + 0.5 * LEVEL))
 
@@ -210,7 +240,11 @@ class MapBatches:
     @property
     def sampled(self) -> Array:
         """Depth of all samples, m."""
-        return np.asarray(self._sums.sum(axis=0)) if self.cycles > STARTUP_CYCLES else self._last
+        return (
+            np.asarray(self._sums.sum(axis=0))
+            if self.cycles > STARTUP_CYCLES
+            else self._last
+        )
 
     @property
     def batches(self) -> Array:
@@ -220,7 +254,9 @@ class MapBatches:
 
     def since(self, cycle: int) -> "MapBatches":
         """Return the maps without the batches that begin in the first cycles."""
-        skipped = min(-(-cycle // self.size), max(self.cycles - STARTUP_CYCLES, 0) // self.size)
+        skipped = min(
+            -(-cycle // self.size), max(self.cycles - STARTUP_CYCLES, 0) // self.size
+        )
         later = MapBatches(self.shape, self.cycles - skipped * self.size, self.size)
         later._last[...] = self._last
         later._sums[: MAX_BATCHES - skipped] = self._sums[skipped:]
@@ -234,7 +270,9 @@ class MapBatches:
     @staticmethod
     def load(state: State) -> "MapBatches":
         """Return the maps that ``save`` gave."""
-        maps = MapBatches(state["last"].shape, *(int(number) for number in state["filed"]))
+        maps = MapBatches(
+            state["last"].shape, *(int(number) for number in state["filed"])
+        )
         maps._last[...], maps._sums[...] = state["last"], state["sums"]
         return maps
 
@@ -282,7 +320,10 @@ def _smoothings(bins: int) -> tuple[Array, Array]:
     widths = np.geomspace(MIN_WIDTH, MAX_WIDTH * bins, WIDTHS)
     peak = np.zeros((1, 2, bins))
     peak[0, 0, 0] = 1.0
-    left = [np.fft.fft(smoothed(peak, np.full((1, 2), w), [bins])[0, 0]).real for w in widths]
+    left = [
+        np.fft.fft(smoothed(peak, np.full((1, 2), w), [bins])[0, 0]).real
+        for w in widths
+    ]
     return widths, np.array(left)
 
 
@@ -291,10 +332,10 @@ def smoothing_widths(
 ) -> Array:
     """Return the widths with which a wear map is smoothed, in bins, shape (joints, 2).
 
-    Mallows' criterion (Some comments on C_p, Technometrics 15, 4, 1973) estimates the mean square
-    error of the smoothed map without bias.  The variance of the Gaussian is half of that at which
-    the estimate is least: the peak is flattened half as much, at a few parts in a hundred more
-    error.
+    Mallows' criterion (Some comments on C_p, Technometrics 15, 4, 1973) estimates the
+    mean square error of the smoothed map without bias.  The variance of the Gaussian is
+    half of that at which the estimate is least: the peak is flattened half as much, at
+    a few parts in a hundred more error.
 
     Parameters
     ----------
@@ -314,7 +355,9 @@ def smoothing_widths(
     mean, volume = np.tensordot(share, maps, 1), maps.sum(axis=-1, keepdims=True)
     whole = mean.sum(axis=-1, keepdims=True)
     # Only noise of the shape counts: the volume of a map is kept as it is.
-    off = maps - mean * np.divide(volume, whole, out=np.zeros_like(volume), where=whole > 0.0)
+    off = maps - mean * np.divide(
+        volume, whole, out=np.zeros_like(volume), where=whole > 0.0
+    )
     scale = weights.sum() / (len(maps) - 1) / cycles
     for k, count in enumerate(bins):
         widths, left = _smoothings(count)
@@ -329,14 +372,17 @@ def smoothing_widths(
 def smoothed_maps(runs: Sequence[MapBatches], bins: Sequence[int]) -> Array:
     """Return the mean depth of a cycle in each run, smoothed, m, shape (runs, joints, 2, bins).
 
-    The noise is that of the batches of all runs. ``bins`` are those of each joint; none: raw maps.
+    The noise is that of the batches of all runs. ``bins`` are those of each joint;
+    none: raw maps.
     """
     batches = map_batches(runs)
     return np.array([smoothed_mean([run], bins, batches) for run in runs])
 
 
 def smoothed_mean(
-    runs: Sequence[MapBatches], bins: Sequence[int], batches: tuple[Array, Array] | None = None
+    runs: Sequence[MapBatches],
+    bins: Sequence[int],
+    batches: tuple[Array, Array] | None = None,
 ) -> Array:
     """Return the mean depth of a cycle in all runs, smoothed, m; ``batches`` give the noise."""
     depth, cycles = mean_map(runs), sum(run.samples for run in runs)
@@ -347,8 +393,8 @@ def smoothed_mean(
 def map_errors(maps: Array, weights: Array) -> Array:
     """Return the standard error of each joint's mean map relative to its rms, shape (joints,).
 
-    Infinite if there are too few samples. They count as independent: over all bins the maps of
-    successive cycles correlate by -0.1 to 0.05 (four-bar, press).
+    Infinite if there are too few samples. They count as independent: over all bins the
+    maps of successive cycles correlate by -0.1 to 0.05 (four-bar, press).
 
     Parameters
     ----------
@@ -380,14 +426,18 @@ def about(mean: float, estimate: Estimate) -> Estimate:
     off = mean - estimate.mean
     if estimate.low is None or estimate.high is None:
         return replace(estimate, mean=mean)
-    return widened(Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples), off)
+    return widened(
+        Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples), off
+    )
 
 
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     """Return bootstrap means, (RESAMPLES, bins), of maps, (n, bins), with weights, (n,)."""
     count = len(maps)
     generator = np.random.default_rng(seed)
-    picked = generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights
+    picked = (
+        generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights
+    )
     return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
 
 
@@ -403,9 +453,10 @@ def _ends(draws: Array, centre: Array | float, count: int) -> Array:
 def basic_interval(value: float, draws: Array, count: int) -> Estimate:
     """Return the interval of a statistic from its bootstrap samples, shape (RESAMPLES,).
 
-    A statistic that is biased by noise, such as the deepest of many bins, is biased again by as
-    much in the samples: the interval is reflected at the estimate ("basic" bootstrap, Davison and
-    Hinkley, Bootstrap Methods and their Application, section 2.4), and widened as Student's is.
+    A statistic that is biased by noise, such as the deepest of many bins, is biased
+    again by as much in the samples: the interval is reflected at the estimate ("basic"
+    bootstrap, Davison and Hinkley, Bootstrap Methods and their Application, section
+    2.4), and widened as Student's is.
     """
     if count < MIN_SAMPLES:
         return Estimate(value, samples=count)
@@ -413,7 +464,9 @@ def basic_interval(value: float, draws: Array, count: int) -> Estimate:
     return Estimate(value, value - above, value - below, count)
 
 
-def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
+def angle_interval(
+    place: int, places: NDArray[np.int64], bins: int, count: int
+) -> Estimate:
     """Return the angle of a bin, rad, with its interval from its places in bootstrap samples.
 
     The ends are continuous with the angle: they may lie below 0 or above 2 pi.
@@ -424,7 +477,9 @@ def angle_interval(place: int, places: NDArray[np.int64], bins: int, count: int)
     moved = (places - place + bins // 2) % bins - bins // 2
     left, right = _ends(moved.astype(np.float64), 0.0, count).tolist()
     width = 2.0 * math.pi / bins  # no place is known better than its bin
-    return Estimate(angle, angle + width * min(left, -0.5), angle + width * max(right, 0.5), count)
+    return Estimate(
+        angle, angle + width * min(left, -0.5), angle + width * max(right, 0.5), count
+    )
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
@@ -447,8 +502,8 @@ def peak_of(
     draws : ndarray, shape (RESAMPLES, bins)
         Bootstrap samples of ``resampled``.
     centre : ndarray, shape (bins,) or None
-        Mean of the maps behind them, if it differs from the mean, m. The interval is then moved
-        to the mean and widened by the distance.
+        Mean of the maps behind them, if it differs from the mean, m. The interval is
+        then moved to the mean and widened by the distance.
     """
     place = int(mean.argmax())
     deepest = float((mean if centre is None else centre).max())
@@ -461,14 +516,15 @@ def peak_of(
 def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate, bool]:
     """Return the mean over the cycles of several runs, and whether the runs differ.
 
-    Runs whose means differ by more than their cycles explain (one-way analysis of variance, 1 %)
-    are single samples themselves: the interval is that of the runs.
+    Runs whose means differ by more than their cycles explain (one-way analysis of
+    variance, 1 %) are single samples themselves: the interval is that of the runs.
 
     Parameters
     ----------
     alone : sequence of ndarray
-        Runs that are single samples, such as those on surfaces of their own: their scatter, and the
-        distance of their mean from that of the runs, give the interval.
+        Runs that are single samples, such as those on surfaces of their own: their
+        scatter, and the distance of their mean from that of the runs, give the
+        interval.
     """
     samples = [after_startup(rows) for rows in runs]
     everything = np.concatenate(samples)
@@ -477,7 +533,9 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
         means = np.array([after_startup(rows).mean() for rows in alone])
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
         return Estimate.symmetric(mean, half, everything.size), True
-    return Estimate.symmetric(mean, _half_width_of(samples), everything.size), differ(samples)
+    return Estimate.symmetric(mean, _half_width_of(samples), everything.size), differ(
+        samples
+    )
 
 
 def _half_width_of(samples: Sequence[Array]) -> float | None:
@@ -490,10 +548,10 @@ def _half_width_of(samples: Sequence[Array]) -> float | None:
 def spread(runs: Sequence[Array]) -> Estimate | None:
     """Return the standard deviation of cycles about the mean of their run; None: too few.
 
-    The distance between the means of runs on different surfaces does not count.  The interval is
-    that of the logarithm of the variance by the jackknife (Miller, The jackknife - a review,
-    Biometrika 61, 1, 1974), which holds for samples that are not normal.  Its pseudo-values are
-    correlated as the cycles are.
+    The distance between the means of runs on different surfaces does not count.  The
+    interval is that of the logarithm of the variance by the jackknife (Miller, The
+    jackknife - a review, Biometrika 61, 1, 1974), which holds for samples that are not
+    normal.  Its pseudo-values are correlated as the cycles are.
     """
     samples = [after_startup(rows) for rows in runs]
     centred = [run - run.mean() for run in samples if run.size > 1]
@@ -504,11 +562,19 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     value = math.sqrt(squares / free)
     count = sum(run.size for run in centred)
     # The other samples of the run have another mean: the sum of all is zero.
-    without = [(squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1) for run in centred]
+    without = [
+        (squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1)
+        for run in centred
+    ]
     if count < MIN_SAMPLES or not all(np.all(left > 0.0) for left in without):
         return Estimate(value, samples=count)
-    pseudo = [2.0 * count * math.log(value) - (count - 1) * np.log(left) for left in without]
-    centre, half = float(np.concatenate(pseudo).mean()), half_width_of_runs(pseudo) or 0.0
+    pseudo = [
+        2.0 * count * math.log(value) - (count - 1) * np.log(left) for left in without
+    ]
+    centre, half = (
+        float(np.concatenate(pseudo).mean()),
+        half_width_of_runs(pseudo) or 0.0,
+    )
     low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
     return Estimate(value, low, high, count)
 
@@ -517,14 +583,16 @@ def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
     """Return the mean range over successive cycles of a run, and their number.
 
     The range of a sample grows with its size.  Each run is therefore cut into pieces of
-    ``RANGE_STROKES`` cycles, or of as many as the shortest run has.  Cycles that do not fill a
-    piece are left out, at the start.
+    ``RANGE_STROKES`` cycles, or of as many as the shortest run has.  Cycles that do not
+    fill a piece are left out, at the start.
     """
     samples = [after_startup(rows) for rows in runs]
     count = min([RANGE_STROKES, *(run.size for run in samples)])
     if count < 2:
         return None, count
-    ranges = [np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples]
+    ranges = [
+        np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples
+    ]
     everything = np.concatenate(ranges)
     mean, half = float(everything.mean()), _half_width_of(ranges)
     return Estimate.symmetric(mean, half, everything.size).positive, count
@@ -545,6 +613,8 @@ def differ(samples: Sequence[Array]) -> bool:
     per_sample = inefficiency(centred)
     between, within = len(groups) - 1, everything.size - len(groups)
     scatter = per_sample * sum(float(group @ group) for group in centred) / within
-    distances = [group.size * float(group.mean() - everything.mean()) ** 2 for group in groups]
+    distances = [
+        group.size * float(group.mean() - everything.mean()) ** 2 for group in groups
+    ]
     ratio = sum(distances) / between / scatter if scatter > 0.0 else math.inf
     return bool(fdtrc(between, max(within / per_sample, 1.0), ratio) < 0.01)

@@ -1,10 +1,11 @@
 """Exchange table: a run as CSV or NPZ, for export and for comparison.
 
-One column per quantity, one row per time, SI units. Columns of a joint J or of a driven body D are
-``J_penetration`` or ``D_torque``; units of all names are in ``UNITS``. A table needs ``time``,
-strictly increasing, and at least one other column; their order is free. CSV: a header line with the
-names, values separated by commas, or by semicolons where a table is read, lines that begin with
-``#`` are comments. NPZ: one array of one dimension per column, under its name.
+One column per quantity, one row per time, SI units. Columns of a joint J or of a driven
+body D are ``J_penetration`` or ``D_torque``; units of all names are in ``UNITS``. A
+table needs ``time``, strictly increasing, and at least one other column; their order is
+free. CSV: a header line with the names, values separated by commas, or by semicolons
+where a table is read, lines that begin with ``#`` are comments. NPZ: one array of one
+dimension per column, under its name.
 """
 
 import re
@@ -15,7 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from presswear.recording.columns import JOINT_SERIES, SERIES
-from presswear.results.press_analysis import Strokes, curves_of, height_of, process_force
+from presswear.results.press_analysis import (
+    Strokes,
+    curves_of,
+    height_of,
+    process_force,
+)
 from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array, read_numbers, write_arrays
@@ -40,7 +46,9 @@ UNITS = {
     "strokes": "1",
     **{name: item.unit for name, item in FOLLOWED.items()},
 }
-_MOMENTS = [f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")]
+_MOMENTS = [
+    f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")
+]
 _ENDINGS = ".csv", ".npz"
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 
@@ -82,7 +90,9 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     for name, joint in item.joints.items() if item.has_joint_series else ():
         for column in JOINT_SERIES:
             columns[f"{name}_{column.table_name}"] = joint.series(column.name)
-    for body, curve in curves_of(result.scene, item.time, item.arrays.get("drive_torque")).items():
+    for body, curve in curves_of(
+        result.scene, item.time, item.arrays.get("drive_torque")
+    ).items():
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}
     return columns
@@ -91,12 +101,19 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
 def strokes_table(result: Result, stage: int) -> dict[str, Array]:
     """Return the instants of the recorded strokes of a stage on the work, one row per stroke.
 
-    Missing instants are nan. InputError if there is no such stage, or no stroke on the work.
+    Missing instants are nan. InputError if there is no such stage, or no stroke on the
+    work.
     """
     strokes = result.strokes(stage)
     if strokes is None or not len(strokes.contact):
-        why = "the scene has no process" if strokes is None else "no stroke touches the work"
-        raise InputError(f"stage {stage} of {result.scene.name} has no strokes to write: {why}")
+        why = (
+            "the scene has no process"
+            if strokes is None
+            else "no stroke touches the work"
+        )
+        raise InputError(
+            f"stage {stage} of {result.scene.name} has no strokes to write: {why}"
+        )
     columns = np.hstack([strokes.contact, strokes.fracture, strokes.separation])
     return dict(zip(_MOMENTS, columns.T, strict=True))
 
@@ -104,7 +121,9 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
 def life_table(result: Result) -> dict[str, Array]:
     """Return the quantities of a service life over strokes; InputError without a life."""
     if result.life is None:
-        raise InputError(f"{result.scene.name} has no life to write: its scene has no `life`")
+        raise InputError(
+            f"{result.scene.name} has no life to write: its scene has no `life`"
+        )
     if not result.life.curves:
         raise InputError(
             f"{result.scene.name}: its life is {result.life.ended}, without curves to write"
@@ -113,7 +132,9 @@ def life_table(result: Result) -> dict[str, Array]:
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():
         name = key.replace(".", "_")
-        columns |= dict(zip((name, f"{name}_low", f"{name}_high"), values.T, strict=True))
+        columns |= dict(
+            zip((name, f"{name}_low", f"{name}_high"), values.T, strict=True)
+        )
     return columns
 
 
@@ -128,7 +149,13 @@ def write_table(path: Path, table: Table) -> None:
     # The names come first: numpy.genfromtxt takes them from the first line.
     head = f"{','.join(table)}\n# units: {','.join(f'{name} {unit_of(name)}' for name in table)}"
     rows = np.column_stack(list(table.values()))
-    style = {"fmt": "%.17g", "delimiter": ",", "header": head, "comments": "", "encoding": "utf-8"}
+    style = {
+        "fmt": "%.17g",
+        "delimiter": ",",
+        "header": head,
+        "comments": "",
+        "encoding": "utf-8",
+    }
     write_whole(path, lambda file: np.savetxt(file, rows, **style))
 
 
@@ -138,42 +165,58 @@ def read_table(path: Path) -> dict[str, Array]:
     table = _read_csv(path) if is_csv else read_numbers(path, most=MOST_BYTES)
     if "time" not in table or len(table) < 2:
         missing = "time" if "time" not in table else "any column besides time"
-        raise InputError(f"{path} lacks {missing}; it has {', '.join(table) or 'no column'}")
+        raise InputError(
+            f"{path} lacks {missing}; it has {', '.join(table) or 'no column'}"
+        )
     time = table["time"]
     if time.size == 0:
         raise InputError(f"{path} has no rows")
     for name, values in table.items():
         if values.shape != (time.size,):
-            raise InputError(f"{path}: {name} has {values.size} values, time has {time.size}")
+            raise InputError(
+                f"{path}: {name} has {values.size} values, time has {time.size}"
+            )
         wrong = np.flatnonzero(~np.isfinite(values))
         if wrong.size:
             row = wrong[0]
-            raise InputError(f"{path}: {name} = {values[row]} in row {row + 1}: must be finite")
+            raise InputError(
+                f"{path}: {name} = {values[row]} in row {row + 1}: must be finite"
+            )
     late = np.flatnonzero(np.diff(time) <= 0.0)
     if late.size:
-        raise InputError(f"{path}: time does not increase from row {late[0] + 1} to {late[0] + 2}")
+        raise InputError(
+            f"{path}: time does not increase from row {late[0] + 1} to {late[0] + 2}"
+        )
     return table
 
 
 def _read_csv(path: Path) -> dict[str, Array]:
     lines = read_text(path).splitlines()
-    lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    lines = [
+        line for line in lines if line.strip() and not line.lstrip().startswith("#")
+    ]
     header = "".join(lines[:1])
     separator = separator_of(header)
     names = [name.strip().strip('"') for name in header.split(separator)]
     try:
         rows = (
-            np.loadtxt(lines[1:], delimiter=separator, ndmin=2) if lines[1:] else np.zeros((0, 0))
+            np.loadtxt(lines[1:], delimiter=separator, ndmin=2)
+            if lines[1:]
+            else np.zeros((0, 0))
         )
     except ValueError as error:
         # numpy counts such rows from 0
         place = re.compile(r"at row (\d+), column")
-        text = place.sub(lambda match: f"in row {int(match[1]) + 1}, column", f"{error}")
+        text = place.sub(
+            lambda match: f"in row {int(match[1]) + 1}, column", f"{error}"
+        )
         raise InputError(f"{path}: {text}") from None
     if len(set(names)) < len(names):
         raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
     if len(rows) and rows.shape[1] != len(names):
-        raise InputError(f"{path}: {rows.shape[1]} values in a row for {len(names)} columns")
+        raise InputError(
+            f"{path}: {rows.shape[1]} values in a row for {len(names)} columns"
+        )
     return dict(zip(names, rows.reshape(-1, len(names)).T, strict=True))
 
 
@@ -182,12 +225,15 @@ def compare_tables(
 ) -> list[ColumnDifference]:
     """Return differences column by column at the times of a table that lie within the run.
 
-    The displacement of the run between rows is the cubic through displacements and velocities, the
-    velocity its derivative; other columns are monotone cubics. ``until`` is the last time compared,
-    s, None for the whole overlap. ``tolerance`` bounds the rms difference relative to the rms of
-    the column.
+    The displacement of the run between rows is the cubic through displacements and
+    velocities, the velocity its derivative; other columns are monotone cubics.
+    ``until`` is the last time compared, s, None for the whole overlap. ``tolerance``
+    bounds the rms difference relative to the rms of the column.
     """
-    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # slow to import
+    from scipy.interpolate import (
+        CubicHermiteSpline,
+        PchipInterpolator,
+    )  # slow to import
 
     time = ours["time"]
     if time.size < 2:
@@ -199,7 +245,9 @@ def compare_tables(
     common = (theirs["time"] >= time[0]) & (theirs["time"] <= last)
     if not common.any():
         table = f"{theirs['time'][0]:g} to {theirs['time'][-1]:g} s"
-        raise InputError(f"no overlap: run from {time[0]:g} to {last:g} s, table from {table}")
+        raise InputError(
+            f"no overlap: run from {time[0]:g} to {last:g} s, table from {table}"
+        )
     cubic = CubicHermiteSpline(time, ours["displacement"], ours["velocity"])
     curves = {"displacement": cubic, "velocity": cubic.derivative()}
     differences = []
@@ -210,5 +258,7 @@ def compare_tables(
             off = values[common] - expected
             rms, size = (float(np.sqrt(np.mean(part**2))) for part in (off, expected))
             greatest, bound = float(np.abs(off).max()), tolerance * size
-            differences.append(ColumnDifference(name, unit_of(name), greatest, rms, bound))
+            differences.append(
+                ColumnDifference(name, unit_of(name), greatest, rms, bound)
+            )
     return differences

@@ -1,9 +1,10 @@
 """Result folder: its document ``result.json`` with provenance, and writing into it.
 
-One process at a time writes into a folder. A finished stage is stored at once. The state of an
-unfinished run is stored in a checkpoint after every stage and at an interval within a stage, so
-that an interrupted run resumes with the same numbers. ``result.json`` lists every file with its
-digest. Everything is checked before it is used, and nothing that is read is executed.
+One process at a time writes into a folder. A finished stage is stored at once. The
+state of an unfinished run is stored in a checkpoint after every stage and at an
+interval within a stage, so that an interrupted run resumes with the same numbers.
+``result.json`` lists every file with its digest. Everything is checked before it is
+used, and nothing that is read is executed.
 """
 
 import hashlib
@@ -59,10 +60,19 @@ def revision_of(source: Path) -> str:
 
     An installed package may lie in the environment of another repository.
     """
-    git = partial(subprocess.run, cwd=source, capture_output=True, text=True, timeout=5, check=True)
+    git = partial(
+        subprocess.run,
+        cwd=source,
+        capture_output=True,
+        text=True,
+        timeout=5,
+        check=True,
+    )
     try:
         git(["git", "ls-files", "--error-unmatch", "__init__.py"])
-        return git(["git", "describe", "--always", "--dirty", "--abbrev=12"]).stdout.strip()
+        return git(
+            ["git", "describe", "--always", "--dirty", "--abbrev=12"]
+        ).stdout.strip()
     except (OSError, subprocess.SubprocessError):
         return "unknown"
 
@@ -94,7 +104,11 @@ def provenance() -> Provenance:
 
 def _versions(origin: Provenance) -> dict[str, str]:
     """Return the versions of the source and of all packages that numbers depend on, by name."""
-    packages = {name: number for name, number in origin["packages"].items() if name != "matplotlib"}
+    packages = {
+        name: number
+        for name, number in origin["packages"].items()
+        if name != "matplotlib"
+    }
     return {"python": origin["python"], "source": origin["source"], **packages}
 
 
@@ -121,7 +135,9 @@ class StoredResult:
 
     scene: dict[str, Any]
     provenance: Provenance
-    status: Literal["running", "interrupted", "completed", "unconverged", "failed"] = "running"
+    status: Literal["running", "interrupted", "completed", "unconverged", "failed"] = (
+        "running"
+    )
     message: str = ""
     wall_s: float = 0.0
     life: LifeResult | None = None
@@ -144,12 +160,16 @@ def read_stored(path: Path) -> StoredResult:
     file, missing = path / FILE, f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
         missing += "; a sweep holds whole results where it ran with keep = results"
-    elif inner := sorted(f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")):
+    elif inner := sorted(
+        f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")
+    ):
         missing += f"; name one that it holds: {', '.join(inner[:3])}"
     stored = typed(read_json(file, missing, SCHEMA), StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]
     files = {name for index in indices for name in files_of(index)}
-    files |= {LIFE} if stored.life and stored.life.ended not in WITHOUT_CURVES else set()
+    files |= (
+        {LIFE} if stored.life and stored.life.ended not in WITHOUT_CURVES else set()
+    )
     if indices != list(range(len(indices))) or files != stored.files.keys():
         unlike = ", ".join(sorted(files ^ stored.files.keys()))
         raise InputError(f"{file}: the stages {indices} and 'files' differ: {unlike}")
@@ -164,8 +184,8 @@ def _is_looser(scene: Scene, key: str, old: Any, new: Any) -> bool:
 class ResultFolder(Observer):
     """Result folder that a run writes into; files of others are never changed.
 
-    As a context it is released at the end: an interrupted run can resume, and a run that is
-    impossible before anything was computed leaves nothing.
+    As a context it is released at the end: an interrupted run can resume, and a run
+    that is impossible before anything was computed leaves nothing.
 
     Parameters
     ----------
@@ -175,8 +195,12 @@ class ResultFolder(Observer):
         Whether to resume a run of the same scene that is in the folder.
     """
 
-    resumed: State | None = None  # arrays of the checkpoint to resume from; None: from the start
-    stored_part = "stored up to its end"  # last stored cycle, once the folder is released
+    resumed: State | None = (
+        None  # arrays of the checkpoint to resume from; None: from the start
+    )
+    stored_part = (
+        "stored up to its end"  # last stored cycle, once the folder is released
+    )
 
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False
@@ -187,7 +211,9 @@ class ResultFolder(Observer):
             remedy = "name a new folder, or resume its run (--resume)"
             raise InputError(f"folder {path}: it exists and is not empty; {remedy}")
         if not free and not (path / FILE).is_file():
-            raise InputError(f"folder {path}: it contains no run to resume: it has no {FILE}")
+            raise InputError(
+                f"folder {path}: it contains no run to resume: it has no {FILE}"
+            )
         self.path, self.interval = path, interval
         self.remarks: list[str] = []  # lines for the user
         self._latest: Any = None
@@ -227,7 +253,9 @@ class ResultFolder(Observer):
         self._refuse(start, [change for change in changes if change not in looser])
         before, now = _versions(stored.provenance), _versions(here)
         start = f"folder {self.path}: another program started this run, and numbers would differ: "
-        self._refuse(start, [(name, before.get(name, "missing"), now[name]) for name in now])
+        self._refuse(
+            start, [(name, before.get(name, "missing"), now[name]) for name in now]
+        )
         for _, old, new in looser:
             self._loosen(old, new)
         if self.is_finished:
@@ -240,7 +268,9 @@ class ResultFolder(Observer):
             if is_checkpoint or (is_part and item.name.endswith(PART)):
                 item.unlink()
         if checkpoint is None:
-            self.remarks.append(f"{self.path} has no checkpoint yet: the run starts again")
+            self.remarks.append(
+                f"{self.path} has no checkpoint yet: the run starts again"
+            )
         else:
             self.resumed = read_arrays(self.path / checkpoint.file, checkpoint.digest)
             first = checkpoint.index
@@ -274,7 +304,11 @@ class ResultFolder(Observer):
     @staticmethod
     def _refuse(start: str, pairs: Iterable[tuple[str, Any, Any]]) -> None:
         """Raise InputError if any value there differs from the value here."""
-        items = [f"{key} is {old} there and {new} here" for key, old, new in pairs if old != new]
+        items = [
+            f"{key} is {old} there and {new} here"
+            for key, old, new in pairs
+            if old != new
+        ]
         if items:
             raise InputError(f"{start}{', '.join(items)}; name a new folder")
 
@@ -282,10 +316,14 @@ class ResultFolder(Observer):
         """Store a finished stage."""
         numbers, frames = files_of(stage.index)
         with self._writing():
-            self._stored.files[numbers] = write_arrays(self.path / numbers, stage.arrays)
+            self._stored.files[numbers] = write_arrays(
+                self.path / numbers, stage.arrays
+            )
             # Compressing a film would take longer than the rest and save a tenth.
             film = stage.film.arrays(stage.joint_names)
-            self._stored.files[frames] = write_arrays(self.path / frames, film, np.savez)
+            self._stored.files[frames] = write_arrays(
+                self.path / frames, film, np.savez
+            )
         self._stored.stages.append(replace(stage, arrays={}, read_film=None))
         self._write()
 
@@ -314,7 +352,9 @@ class ResultFolder(Observer):
         with self._writing():
             digest = write_arrays(self.path / file, self._latest.save(), np.savez)
         latest = self._latest
-        self._replace_checkpoint(StoredCheckpoint(file, digest, latest.words, latest.index))
+        self._replace_checkpoint(
+            StoredCheckpoint(file, digest, latest.words, latest.index)
+        )
         self._saved = time.perf_counter()
 
     def _replace_checkpoint(self, checkpoint: StoredCheckpoint | None) -> None:
@@ -352,10 +392,14 @@ class ResultFolder(Observer):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+    def __exit__(
+        self, kind: object, error: BaseException | None, trace: object
+    ) -> None:
         try:
             # After a signal any error is treated as an interrupt.
-            if isinstance(error, KeyboardInterrupt) or (error is not None and is_stopped()):
+            if isinstance(error, KeyboardInterrupt) or (
+                error is not None and is_stopped()
+            ):
                 self.interrupt()
             elif isinstance(error, InputError):
                 self.discard()
@@ -370,7 +414,9 @@ class ResultFolder(Observer):
     def _check(self) -> None:
         """Raise RunFailed if the folder is gone, or has been replaced by another."""
         if not self._lock.is_held():
-            raise RunFailed(f"the folder {self.path} was removed or replaced; the run has stopped")
+            raise RunFailed(
+                f"the folder {self.path} was removed or replaced; the run has stopped"
+            )
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -380,4 +426,6 @@ class ResultFolder(Observer):
             yield
         except OSError as error:
             fault = f"{error.filename} cannot be written: {error.strerror}"
-            raise RunFailed(f"{fault}; the run has stopped, earlier files are intact") from error
+            raise RunFailed(
+                f"{fault}; the run has stopped, earlier files are intact"
+            ) from error

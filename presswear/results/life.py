@@ -73,18 +73,21 @@ class LifeResult:
     Attributes
     ----------
     ended : {"limit", "at_most", "worn", "cycles", "preliminary", "quick"}
-        A limit was exceeded; the strokes reached their maximum; a surface was worn deeper than the
-        model allows or a run failed; the cycles reached their maximum; refinements follow; rates of
-        the new and the once worn surfaces, without an error of the wear steps.
+        A limit was exceeded; the strokes reached their maximum; a surface was worn
+        deeper than the model allows or a run failed; the cycles reached their maximum;
+        refinements follow; rates of the new and the once worn surfaces, without an
+        error of the wear steps.
     strokes : float
         Life; if no limit was exceeded, strokes for which the wear was computed.
     curves : mapping of str to ndarray
-        ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): mean, and the ends of
-        its interval. A quick life has none, and a folder stores none of a preliminary life.
+        ``strokes``, shape (n,), and each quantity by its key, shape (n, 3): mean, and
+        the ends of its interval. A quick life has none, and a folder stores none of a
+        preliminary life.
     """
 
     ended: Ended
-    message: str  # reason, unless a limit was exceeded; state of a preliminary or a quick life
+    # reason, unless a limit was exceeded; state of a preliminary or a quick life
+    message: str
     strokes: float
     sampling: float | None  # half width of ln(strokes) by the scatter of the motion
     step: float | None  # half width of ln(strokes) by the wear step
@@ -94,8 +97,12 @@ class LifeResult:
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
-    settling: Settling | None = None  # motions on the surfaces at the start; None: a quick life
-    settled: tuple[int | None, ...] = ()  # histories that repeat at the end of each load block
+    settling: Settling | None = (
+        None  # motions on the surfaces at the start; None: a quick life
+    )
+    settled: tuple[
+        int | None, ...
+    ] = ()  # histories that repeat at the end of each load block
 
     @property
     def first(self) -> LimitResult | None:
@@ -143,27 +150,38 @@ class LifeResult:
         first = self.first
         if first is None:
             reached = (
-                f"{words_of(one.key)} {quantity_text(one.last, one.unit)}" for one in self.limits
+                f"{words_of(one.key)} {quantity_text(one.last, one.unit)}"
+                for one in self.limits
             )
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
-        limit = f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
+        limit = (
+            f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
+        )
         line = f"life: {self.words} until {limit}{scatter}"
-        return f"{self.ended} {line}; {self.message}" if self.ended in WITHOUT_CURVES else line
+        return (
+            f"{self.ended} {line}; {self.message}"
+            if self.ended in WITHOUT_CURVES
+            else line
+        )
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     """Return how many times a life is as long as another, and the probability that it is longer.
 
-    The ratio has its 95 % interval. The probability is that of independent lives with normal errors
-    of their logarithms. Both are empty if a life has no interval or ended without a limit. The
-    scatter of the wear coefficients is left out, because it changes both lives alike.
+    The ratio has its 95 % interval. The probability is that of independent lives with
+    normal errors of their logarithms. Both are empty if a life has no interval or ended
+    without a limit. The scatter of the wear coefficients is left out, because it
+    changes both lives alike.
     """
     ended = {life.ended, reference.ended}
     if ended != {"limit"} or life.error is None or reference.error is None:
         return "", ""
-    ratio, half = life.strokes / reference.strokes, math.hypot(life.error, reference.error)
+    ratio, half = (
+        life.strokes / reference.strokes,
+        math.hypot(life.error, reference.error),
+    )
     low, high = ratio / math.exp(half), ratio * math.exp(half)
     text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
     if half == 0.0:

@@ -6,7 +6,9 @@ from presswear.recording.settling import REPEATED, Motion, Settling
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.numbers import counted, quantity_text, readable
 
-SETTLE_ADVICE = "presswear dynamics settle shows how likely each motion is, and how long it lasts"
+SETTLE_ADVICE = (
+    "presswear dynamics settle shows how likely each motion is, and how long it lasts"
+)
 
 
 def sentence_of(settling: Settling) -> str:
@@ -29,7 +31,10 @@ def peak_force(motion: Motion) -> str:
 
 
 def _mixed(settling: Settling) -> str:
-    runs, peaks = counted(settling.runs, "run"), " or ".join(map(peak_force, _regular(settling)))
+    runs, peaks = (
+        counted(settling.runs, "run"),
+        " or ".join(map(peak_force, _regular(settling))),
+    )
     text = f"{settling.settled} of {runs} came to rest on a regular motion (peak force {peaks}) "
     text += f"after {_strokes_before(settling)}; {_irregular(settling)}"
     return f"{text}: after a disturbance expect both"
@@ -37,7 +42,9 @@ def _mixed(settling: Settling) -> str:
 
 def _coexisting(settling: Settling) -> str:
     regular = _regular(settling)
-    kinds = ", ".join(f"{motion.replicates} with {peak_force(motion)}" for motion in regular)
+    kinds = ", ".join(
+        f"{motion.replicates} with {peak_force(motion)}" for motion in regular
+    )
     text = f"{counted(settling.runs, 'run')} came to rest on {len(regular)} different "
     text += f"regular motions (peak force: {kinds}) after {_strokes_before(settling)}: which one a "
     return f"{text}machine shows depends on how it starts"
@@ -57,7 +64,9 @@ def _only_irregular(settling: Settling) -> str:
     text += f"on a regular motion in {settling.watched} strokes"
     least = settling.least_half_life
     if least >= 1.0:
-        text += f", so that half of such runs last longer than {least:.0f} strokes (95 %)"
+        text += (
+            f", so that half of such runs last longer than {least:.0f} strokes (95 %)"
+        )
     return text
 
 

@@ -1,9 +1,10 @@
 """Oil film in the joints: does the assumption of dry contact hold?
 
-No film is simulated. The force of each joint with all joints closed, and the turning of its
-bodies, give the film of a finite journal bearing in steady rotation over the cycle (Butenschoen,
-Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter instationaerer Belastung, 1976).
-Oil that is squeezed out carries as well and is left out: the film is a lower bound.
+No film is simulated. The force of each joint with all joints closed, and the turning of
+its bodies, give the film of a finite journal bearing in steady rotation over the cycle
+(Butenschoen, Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter
+instationaerer Belastung, 1976). Oil that is squeezed out carries as well and is left
+out: the film is a lower bound.
 """
 
 import math
@@ -42,7 +43,9 @@ class OilFilm:
     def full_share(self) -> float:
         """Share of the time in which the film is full."""
         weights = np.gradient(self.time)  # the instants are not evenly spaced
-        return float(weights @ (self.thickness > FULL_FILM * self.roughness) / weights.sum())
+        return float(
+            weights @ (self.thickness > FULL_FILM * self.roughness) / weights.sum()
+        )
 
 
 def sommerfeld(eccentricity: Array, ratio: float) -> Array:
@@ -60,13 +63,16 @@ def sommerfeld(eccentricity: Array, ratio: float) -> Array:
     a2 = -1.000026 - b * (0.023634 + b * (0.4215 + b * (0.038817 + b * 0.090551)))
     rest = 1.0 - e * e
     root = np.sqrt(math.pi**2 * rest + 16.0 * e * e)
-    return np.asarray(b * b * e / (2.0 * rest * rest) * root * a1 * (e - 1.0) / (a2 + e))
+    return np.asarray(
+        b * b * e / (2.0 * rest * rest) * root * a1 * (e - 1.0) / (a2 + e)
+    )
 
 
 def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
     """Return the least thickness of the film, m, for forces, N, and speeds, rad/s.
 
-    ``speed`` is |w1 + w2 - 2 gamma'| with the rates of pin, bearing and direction of the force.
+    ``speed`` is |w1 + w2 - 2 gamma'| with the rates of pin, bearing and direction of
+    the force.
     """
     diameter, clearance = 2.0 * bearing.bearing_radius, bearing.clearance
     ratio = min(max(bearing.width / diameter, USUAL_WIDTHS[0]), USUAL_WIDTHS[1])
@@ -78,7 +84,9 @@ def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
         gap = 0.5 * (low + high)
         is_carried = carried * sommerfeld(-np.expm1(gap), ratio) >= force
         low, high = np.where(is_carried, gap, low), np.where(is_carried, high, gap)
-    return np.asarray(clearance * np.where(high <= math.log(2.0 * _LEAST_GAP), 0.0, np.exp(high)))
+    return np.asarray(
+        clearance * np.where(high <= math.log(2.0 * _LEAST_GAP), 0.0, np.exp(high))
+    )
 
 
 def oil_films(scene: Scene) -> dict[str, OilFilm]:
@@ -89,7 +97,9 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
     return {} if scene.has_untrusted_loads else _films(scene)
 
 
-@lru_cache(maxsize=16)  # a report has the films in sentences, in a number and in a figure
+@lru_cache(
+    maxsize=16
+)  # a report has the films in sentences, in a number and in a figure
 def _films(scene: Scene) -> dict[str, OilFilm]:
     bearings = {name: scene.bearing(name) for name in scene.clearance_joints}
     oiled = {
@@ -111,7 +121,10 @@ def _films(scene: Scene) -> dict[str, OilFilm]:
         )
         turning = first + second - 2.0 * np.gradient(np.unwrap(np.angle(force)), time)
         size, speed = np.abs(force), np.abs(turning)
-        film, roughness = thickness(bearing, size, speed), math.sqrt(2.0) * bearing.roughness
+        film, roughness = (
+            thickness(bearing, size, speed),
+            math.sqrt(2.0) * bearing.roughness,
+        )
         films[pin.name] = OilFilm(time, size, speed, film, roughness)
     return films
 
@@ -127,18 +140,25 @@ def dry_contact(scene: Scene) -> list[str]:
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
         relative = readable(_relative(bearing))
-        text = f"Joint {name}: the relative clearance is {relative} per mille of the bore "
-        usual = "{} to {} with oil, up to twice that with grease".format(*OIL_CLEARANCES)
+        text = (
+            f"Joint {name}: the relative clearance is {relative} per mille of the bore "
+        )
+        usual = "{} to {} with oil, up to twice that with grease".format(
+            *OIL_CLEARANCES
+        )
         text += f"(bearing makers give {usual})."
         film = oil_films(scene).get(name)
         if film is None:
             is_wide = bearing.viscosity is not None
-            reason = "It is too wide for a film" if is_wide else "No viscosity is specified"
+            reason = (
+                "It is too wide for a film" if is_wide else "No viscosity is specified"
+            )
             sentences.append(f"{text} {reason}: the contact is dry.")
             continue
         thick, loaded = film.thickness, int(film.force.argmax())
         median, at_force, least = (
-            readable(1e6 * float(value)) for value in (np.median(thick), thick[loaded], thick.min())
+            readable(1e6 * float(value))
+            for value in (np.median(thick), thick[loaded], thick.min())
         )
         full = readable(100.0 * film.full_share)
         text += (
@@ -148,7 +168,9 @@ def dry_contact(scene: Scene) -> list[str]:
             f"{full} % of the cycle. {STEADY}."
         )
         if film.full_share < 1.0:
-            text += " Short work squeezes the oil, which can carry where this film is thin."
+            text += (
+                " Short work squeezes the oil, which can carry where this film is thin."
+            )
         text += " Impacts and wear of dry contact are upper bounds."
         sentences.append(text)
     return sentences

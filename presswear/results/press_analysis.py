@@ -1,6 +1,7 @@
 """Press quantities of a stage: strokes, tonnage, drives, bottom dead centre, deep contacts.
 
-They are computed from the stored arrays of a stage and from the ideal motion of its scene.
+They are computed from the stored arrays of a stage and from the ideal motion of its
+scene.
 """
 
 import math
@@ -38,23 +39,35 @@ from presswear.tools.user_function import UserFunction
 
 PHASES = ("approach", "work", "snap-through", "return")  # of a stroke
 APPROACH, WORK, SNAP_THROUGH, RETURN = PHASES
-SNAP_THROUGH_S = 20e-3  # s after a fracture, in which press builders look for reversed loads
+SNAP_THROUGH_S = (
+    20e-3  # s after a fracture, in which press builders look for reversed loads
+)
 ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
-SMALL_CONTACT = 0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
-LAW_WORDS = {"power": "K delta^1.5", "liu": "Liu's law", "foundation": "an elastic foundation"}
+SMALL_CONTACT = (
+    0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
+)
+LAW_WORDS = {
+    "power": "K delta^1.5",
+    "liu": "Liu's law",
+    "foundation": "an elastic foundation",
+}
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
-_PIECES, _PIECES_BEFORE = 720, 90  # of the cycle of ideal torques, and of the one before it
+_PIECES, _PIECES_BEFORE = (
+    720,
+    90,
+)  # of the cycle of ideal torques, and of the one before it
 
 
-# Strokes on the work ------------------------------------------------------------------------------
+# Strokes on the work
+# ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Strokes:
     """Instants of the recorded strokes on the work.
 
-    Each array has the shape (strokes, 2): time, s, and height over the ideal bottom dead centre, m;
-    nan for a missing instant.
+    Each array has the shape (strokes, 2): time, s, and height over the ideal bottom
+    dead centre, m; nan for a missing instant.
     """
 
     contact: Array  # the output touches the work
@@ -76,12 +89,15 @@ class SampledStroke(NamedTuple):
     def phases(self) -> dict[str, tuple[float, float]]:
         """Start and end of each phase, s.
 
-        Without work a stroke is approach down to bottom dead centre and return from there. Work
-        lasts from contact to fracture, or until its force has vanished, and after
-        ``SNAP_THROUGH_S`` of snap-through follows the return.
+        Without work a stroke is approach down to bottom dead centre and return from
+        there. Work lasts from contact to fracture, or until its force has vanished, and
+        after ``SNAP_THROUGH_S`` of snap-through follows the return.
         """
         if math.isnan(self.contact):
-            return {APPROACH: (self.start, self.bottom), RETURN: (self.bottom, self.end)}
+            return {
+                APPROACH: (self.start, self.bottom),
+                RETURN: (self.bottom, self.end),
+            }
         worked = after = self.done
         if not math.isnan(self.fracture):
             worked, after = self.fracture, min(self.fracture + SNAP_THROUGH_S, self.end)
@@ -111,8 +127,9 @@ def process_force(scene: Scene, stage: StageResult) -> Array | None:
 def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     """Return the strokes of the first replicate on the work; None if the scene has no process.
 
-    A stroke starts with the first contact after the output was half way up between the work and
-    the other end of the ideal stroke. Engines end a step, and write a row, at contact and fracture.
+    A stroke starts with the first contact after the output was half way up between the
+    work and the other end of the ideal stroke. Engines end a step, and write a row, at
+    contact and fracture.
     """
     process = scene.process
     if process is None:
@@ -120,8 +137,12 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     height, missing, rows = height_of(scene, stage), np.full((1, 2), math.nan), []
     top = process.height
     broken = math.nan if process.fracture is None else top - process.fracture
-    contacts, fractures = (_passes(stage, height, level, -1.0) for level in (top, broken))
-    leavings, turns = (_passes(stage, height, level, 1.0) for level in (top, top + scene.lift))
+    contacts, fractures = (
+        _passes(stage, height, level, -1.0) for level in (top, broken)
+    )
+    leavings, turns = (
+        _passes(stage, height, level, 1.0) for level in (top, top + scene.lift)
+    )
 
     def between(instants: Array, start: float, end: float) -> Array:
         inside = instants[(instants[:, 0] > start) & (instants[:, 0] < end)]
@@ -140,7 +161,12 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
 
 def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Array:
     """Return times at which the height rises (1.0) or falls (-1.0) to a level, and heights then."""
-    off, rate, time, instants = sign * (height - level), sign * stage.velocity, stage.time, []
+    off, rate, time, instants = (
+        sign * (height - level),
+        sign * stage.velocity,
+        stage.time,
+        [],
+    )
     for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
         step = time[k + 1] - time[k]
         ends = off[k], rate[k], off[k + 1], rate[k + 1], step
@@ -175,7 +201,8 @@ def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
     return result
 
 
-# Tonnage ------------------------------------------------------------------------------------------
+# Tonnage
+# ------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -186,7 +213,9 @@ class JointTonnage:
     """
 
     peak_by_phase: Mapping[str, Estimate]  # greatest force in each phase
-    working_force: Estimate | None  # greatest along the impulse from contact to fracture
+    working_force: (
+        Estimate | None
+    )  # greatest along the impulse from contact to fracture
     reversed_force: Estimate | None  # against it, within SNAP_THROUGH_S of the fracture
     reversed_fraction: Estimate | None  # reversed over working force, stroke by stroke
     reversal_time: Estimate | None  # from the fracture to the first reversed force, s
@@ -196,16 +225,21 @@ class JointTonnage:
 class Tonnage:
     """Tonnage and shock in the sampled strokes of the first replicate of a stage.
 
-    Reversed forces are those that inertia, drives at their prescribed motion and elastic contacts
-    cause in each joint when the work gives way. They are not a bound of the reverse tonnage
-    of a press, most of which is strain energy of frame, tools and drives.
+    Reversed forces are those that inertia, drives at their prescribed motion and
+    elastic contacts cause in each joint when the work gives way. They are not a bound
+    of the reverse tonnage of a press, most of which is strain energy of frame, tools
+    and drives.
     """
 
     strokes: int  # recorded sampled strokes, from upper dead centre to the next
-    peak_force: Estimate | None  # greatest force of the work in a stroke, N; None: no process
+    peak_force: (
+        Estimate | None
+    )  # greatest force of the work in a stroke, N; None: no process
     work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
-    vibration_before: Estimate | None  # rms acceleration of the output minus the ideal one, m/s^2,
+    vibration_before: (
+        Estimate | None
+    )  # rms acceleration of the output minus the ideal one, m/s^2,
     vibration_after: Estimate | None  # SNAP_THROUGH_S before contact and after fracture
 
 
@@ -215,7 +249,10 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     if not strokes:
         return None
     series = stage.joints if stage.has_joint_series else {}
-    joints = {name: joint_tonnage(stage.time, joint, strokes) for name, joint in series.items()}
+    joints = {
+        name: joint_tonnage(stage.time, joint, strokes)
+        for name, joint in series.items()
+    }
     force, time = process_force(scene, stage), stage.time
     peak = work = before = after = None
     if force is not None:
@@ -228,43 +265,67 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         deviation = stage.acceleration - scene.ideal_slider(time, closed=False)[:, 2]
         window = SNAP_THROUGH_S
         broken = [item for item in strokes if not math.isnan(item.fracture)]
-        before = _mean(_rms(time, deviation, s.contact - window, s.contact) for s in broken)
-        after = _mean(_rms(time, deviation, s.fracture, s.fracture + window) for s in broken)
+        before = _mean(
+            _rms(time, deviation, s.contact - window, s.contact) for s in broken
+        )
+        after = _mean(
+            _rms(time, deviation, s.fracture, s.fracture + window) for s in broken
+        )
     return Tonnage(len(strokes), peak, work, joints, before, after)
 
 
-def joint_tonnage(time: Array, joint: JointResult, strokes: list[SampledStroke]) -> JointTonnage:
+def joint_tonnage(
+    time: Array, joint: JointResult, strokes: list[SampledStroke]
+) -> JointTonnage:
     """Return the forces of a joint in sampled strokes."""
     size = np.hypot(*joint.force.T)
-    # A series has few rows in contacts that are light for the joint: their peaks are stored.
-    touchdown, separation, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
+    # A series has few rows in contacts that are light for the joint: their peaks are
+    # stored.
+    touchdown, separation, peak = map(
+        joint.contact, ("touchdown", "separation", "peak_force")
+    )
     peaks: dict[str, list[float]] = {name: [] for name in PHASES}
     for stroke in strokes:
         for name, (start, end) in stroke.phases.items():
             values = size[(time >= start) & (time < end)]
             within = peak[(touchdown >= start) & (separation < end)].max(initial=0.0)
-            peaks[name] += [max(float(values.max()), float(within))] if values.size else []
-    # Complex numbers are vectors: the force of the pin on its bearing in global directions. The
-    # friction is stored as it acts on the pin.
+            peaks[name] += (
+                [max(float(values.max()), float(within))] if values.size else []
+            )
+    # Complex numbers are vectors: the force of the pin on its bearing in global
+    # directions. The friction is stored as it acts on the pin.
     vector = np.array([1.0, 1j])
-    pressed = joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
+    pressed = (
+        joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
+    )
     broken = [stroke for stroke in strokes if not math.isnan(stroke.fracture)]
     reversals = [_reversal(time, pressed, stroke) for stroke in broken]
     working, back, delay = np.array(reversals).reshape(-1, 3).T
     loaded = working > 0.0
-    means = {name: mean for name, values in peaks.items() if (mean := _mean(values)) is not None}
+    means = {
+        name: mean
+        for name, values in peaks.items()
+        if (mean := _mean(values)) is not None
+    }
     fraction = back[loaded] / working[loaded]
-    return JointTonnage(means, _mean(working), _mean(back), _mean(fraction), _mean(delay))
+    return JointTonnage(
+        means, _mean(working), _mean(back), _mean(fraction), _mean(delay)
+    )
 
 
-def _reversal(time: Array, force: Array, stroke: SampledStroke) -> tuple[float, float, float]:
+def _reversal(
+    time: Array, force: Array, stroke: SampledStroke
+) -> tuple[float, float, float]:
     """Return the greatest working force and, after the fracture, the greatest reversed one, N.
 
-    The third number is the time from the fracture to the first reversed force, s; nan if there is
-    none within ``SNAP_THROUGH_S``. ``force`` are vectors as complex numbers.
+    The third number is the time from the fracture to the first reversed force, s; nan
+    if there is none within ``SNAP_THROUGH_S``. ``force`` are vectors as complex
+    numbers.
     """
     into = _rows(time, stroke.contact, stroke.fracture)
-    after = _rows(time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end))
+    after = _rows(
+        time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
+    )
     impulse = complex(np.trapezoid(force[into], time[into]))
     if impulse == 0.0:
         return 0.0, 0.0, math.nan
@@ -280,7 +341,9 @@ def _rms(time: Array, values: Array, start: float, end: float) -> float:
     rows = _rows(time, start, end)
     if time[rows].size < 2:
         return math.nan
-    return math.sqrt(float(np.trapezoid(values[rows] ** 2, time[rows]) / np.ptp(time[rows])))
+    return math.sqrt(
+        float(np.trapezoid(values[rows] ** 2, time[rows]) / np.ptp(time[rows]))
+    )
 
 
 def _rows(time: Array, start: float, end: float) -> slice:
@@ -299,7 +362,8 @@ def _mean(values: Iterable[float]) -> Estimate | None:
     return Estimate.symmetric(float(samples.mean()), half, samples.size).positive
 
 
-# Drives -------------------------------------------------------------------------------------------
+# Drives
+# -------------------------------------------------------------------------------------------
 
 
 class Duty(NamedTuple):
@@ -339,8 +403,12 @@ class DriveResult(NamedTuple):
 
     duty: DriveDuty  # of the run, integrated over all steps
     ideal: DriveDuty  # of rigid joints without friction
-    rubbing: DriveDuty | None  # of rigid joints with the friction of their bearings, if any
-    peak_torque: Estimate | None  # largest in magnitude of a cycle, mean over cycles, N m
+    rubbing: (
+        DriveDuty | None
+    )  # of rigid joints with the friction of their bearings, if any
+    peak_torque: (
+        Estimate | None
+    )  # largest in magnitude of a cycle, mean over cycles, N m
     peak_power: Estimate | None  # W
 
 
@@ -360,11 +428,15 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         for k in range(scene.replicate_count)
     ]
     cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
-    last = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(len(cycles), len(ideal), -1)
+    last = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(
+        len(cycles), len(ideal), -1
+    )
     numbers, peaks = {}, {}
     for k, body in enumerate(ideal):
         columns = dict(zip(names_of(DRIVE_CYCLE), last[:, k].T, strict=True))
-        peaks[body] = [_mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")]
+        peaks[body] = [
+            _mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")
+        ]
         if stage.statistics.high_bumps or (settling and settling.is_mixture):
             peaks[body] = [peak and peak.without_interval for peak in peaks[body]]
         numbers[body] = {
@@ -404,7 +476,8 @@ def rubbing_drives(scene: Scene) -> dict[str, DriveDuty]:
 def ideal_drives(scene: Scene, rubs: bool = False) -> dict[str, DriveDuty]:
     """Return the duties of the drives of the linkage with rigid joints by their bodies.
 
-    With ``rubs`` the joints have the friction of their bearings; RunFailed if it blocks the motion.
+    With ``rubs`` the joints have the friction of their bearings; RunFailed if it blocks
+    the motion.
     """
     curves, weights = ideal_curves(scene, rubs)
     numbers = {
@@ -426,33 +499,43 @@ def ideal_drives(scene: Scene, rubs: bool = False) -> dict[str, DriveDuty]:
 def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     """Return times in a cycle of rigid joints without friction, s, and the force of each pin, N.
 
-    The forces are x + 1j y, shape (n,), on the first body; the first cycle after the run-up lets
-    the laws of loads follow the motion and is left out.
+    The forces are x + 1j y, shape (n,), on the first body; the first cycle after the
+    run-up lets the laws of loads follow the motion and is left out.
     """
     linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
     equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
     # A load can be shorter than a piece. Corners next to an equal instant add nothing.
-    corners = load_corners(linkage, ideal, np.append(equal, scene.run_up + 2.0 * period))
+    corners = load_corners(
+        linkage, ideal, np.append(equal, scene.run_up + 2.0 * period)
+    )
     gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
     time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
     is_last = time >= equal[_PIECES]
     held = constraint_forces(linkage, ideal, time)[is_last]
     pins = enumerate(linkage.revolutes)  # each has two rows
-    return time[is_last], {one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins}
+    return time[is_last], {
+        one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins
+    }
 
 
 def _farthest(values: Array) -> float:
     return float(values[np.abs(values).argmax()])
 
 
-def _duties(numbers: Mapping[str, Mapping[str, float]], period: float) -> dict[str, DriveDuty]:
+def _duties(
+    numbers: Mapping[str, Mapping[str, float]], period: float
+) -> dict[str, DriveDuty]:
     """Return duties of drives from the numbers of a cycle, which are named in ``DRIVE_CYCLE``."""
     duties = {}
     for body, item in numbers.items():
         supplied, returned = item["work_given"], item["work_returned"]
         means = item["torque_integral"] / period, (supplied - returned) / period
         torque, power = (
-            Duty(mean, math.sqrt(item[f"{name}_square_integral"] / period), item[f"{name}_peak"])
+            Duty(
+                mean,
+                math.sqrt(item[f"{name}_square_integral"] / period),
+                item[f"{name}_peak"],
+            )
             for name, mean in zip(("torque", "power"), means, strict=True)
         )
         duties[body] = DriveDuty(torque, power, supplied, returned)
@@ -464,37 +547,48 @@ def curves_of(scene: Scene, time: Array, torque: Array | None) -> dict[str, Driv
     return _curves(scene.mechanism.linkage(), scene.ideal.at(time), torque)
 
 
-def _curves(linkage: Linkage, motion: Motion, torque: Array | None) -> dict[str, DriveCurve]:
+def _curves(
+    linkage: Linkage, motion: Motion, torque: Array | None
+) -> dict[str, DriveCurve]:
     """Return drives by their bodies in a motion."""
     curves = {}
     for k, drive in enumerate(linkage.drives):
         place = 3 * linkage.index(drive.body) + 2
         item = np.zeros(0) if torque is None else torque[:, k]
         power = item * motion.velocity[: item.size, place]
-        curves[drive.body] = DriveCurve(motion.time, motion.position[:, place], item, power)
+        curves[drive.body] = DriveCurve(
+            motion.time, motion.position[:, place], item, power
+        )
     return curves
 
 
 @lru_cache(maxsize=16)
-def ideal_curves(scene: Scene, rubs: bool = False) -> tuple[dict[str, DriveCurve], Array]:
+def ideal_curves(
+    scene: Scene, rubs: bool = False
+) -> tuple[dict[str, DriveCurve], Array]:
     """Return the drives of rigid joints over a cycle after the run-up, by their bodies.
 
-    The array holds the weights of the instants in an integral over the cycle, s. With ``rubs`` the
-    joints have the friction of their bearings.
+    The array holds the weights of the instants in an integral over the cycle, s. With
+    ``rubs`` the joints have the friction of their bearings.
     """
     bushings = rubbing_joints(scene) if rubs else ()
     start, period = scene.run_up, scene.mechanism.period
     # The laws of loads are followed through a cycle before.
-    before, cycle = (np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES))
+    before, cycle = (
+        np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES)
+    )
     edges = start + np.concatenate([before, period + cycle[1:]])
     corners = load_corners(scene.loaded, scene.ideal, edges)
     if bushings:
         turns = friction_corners(scene.loaded, scene.ideal, edges, bushings)
         corners = np.union1d(corners, turns)
     edges = np.union1d(edges, corners)
-    # Supplied and returned energy have a kink where the power of a drive changes its sign.
+    # Supplied and returned energy have a kink where the power of a drive changes its
+    # sign.
     for _ in range(2):
-        for time, _, _, power in _integrated(scene, edges, corners, bushings)[0].values():
+        for time, _, _, power in _integrated(scene, edges, corners, bushings)[
+            0
+        ].values():
             k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
             turns = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
             edges = np.union1d(edges, turns)
@@ -518,11 +612,15 @@ def _integrated(
     forces = forces_in_motion(linkage, scene.ideal, motion, bushings)
     curves = _curves(linkage, motion, forces[:, -len(linkage.drives) :])
     last = time > edges[-1] - scene.mechanism.period
-    cut = {body: DriveCurve(*(part[last] for part in curve)) for body, curve in curves.items()}
+    cut = {
+        body: DriveCurve(*(part[last] for part in curve))
+        for body, curve in curves.items()
+    }
     return cut, weights[last]
 
 
-# Bottom dead centre -------------------------------------------------------------------------------
+# Bottom dead centre
+# -------------------------------------------------------------------------------
 
 
 def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:
@@ -533,7 +631,10 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
     ideal = bottom_of(scene.ideal)
     if ideal is None:
         return []
-    error, start = stage.each_cycle("bottom_height") - ideal.height, stage.arrays["cycle_start"]
+    error, start = (
+        stage.each_cycle("bottom_height") - ideal.height,
+        stage.arrays["cycle_start"],
+    )
     rows = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
     return [(ideal.first + 1.0 + np.arange(item.size), item) for item in rows]
 
@@ -541,8 +642,9 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
 def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     """Return how much higher bottom dead centre is in a stage than in another, m.
 
-    The other stage is the unworn one, which gives the drift by wear, or that of a run at another
-    speed. Both are taken as independent. None if either has no sampled stroke.
+    The other stage is the unworn one, which gives the drift by wear, or that of a run
+    at another speed. Both are taken as independent. None if either has no sampled
+    stroke.
     """
     later, earlier = stage.statistics.bdc, since.statistics.bdc
     if later is None or earlier is None:
@@ -552,7 +654,8 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     return Estimate.symmetric(later.error.mean - earlier.error.mean, half)
 
 
-# Deep contacts ------------------------------------------------------------------------------------
+# Deep contacts
+# ------------------------------------------------------------------------------------
 
 
 def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float]:
@@ -560,7 +663,11 @@ def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float
     ratios = {}
     for name in scene.clearance_joints:
         arrays = [stage.arrays for stage in stages if not stage.failed]
-        depths = [one[f"{name}_penetration"].max(initial=0.0) for one in arrays if _has(one, name)]
+        depths = [
+            one[f"{name}_penetration"].max(initial=0.0)
+            for one in arrays
+            if _has(one, name)
+        ]
         ratios[name] = float(max(depths, default=0.0)) / scene.bearing(name).clearance
     return ratios
 
@@ -572,10 +679,11 @@ def _has(arrays: Mapping[str, Array], joint: str) -> bool:
 def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
     """Return the peak force, N, of each elastic law for the elastic energy of a peak force, N.
 
-    The law of the scene stores that energy in round surfaces up to the force, and an impact of the
-    same energy is assumed for all laws. A force that the load prescribes is the same for all laws,
-    and a forced penetration makes them differ more. Empty for a user law, and for an exponent
-    other than 1.5, which the laws of conforming pins do not have.
+    The law of the scene stores that energy in round surfaces up to the force, and an
+    impact of the same energy is assumed for all laws. A force that the load prescribes
+    is the same for all laws, and a forced penetration makes them differ more. Empty for
+    a user law, and for an exponent other than 1.5, which the laws of conforming pins do
+    not have.
     """
     bearing, conventions = scene.bearing(joint), scene.conventions
     if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
@@ -583,10 +691,15 @@ def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
     records = {}
     for law in get_args(Elasticity):
         stiffness = bearing.stiffness(law, conventions.stiffness)
-        records[law] = normal_record(NormalLaw(stiffness, elasticity=law), bearing.clearance)
+        records[law] = normal_record(
+            NormalLaw(stiffness, elasticity=law), bearing.clearance
+        )
     used = records[bearing.elastic_law(conventions.contact)]
     energy = elastic_of(used, _depth_of(used, 0, force))[1]
-    return {law: elastic_of(one, _depth_of(one, 1, energy))[0] for law, one in records.items()}
+    return {
+        law: elastic_of(one, _depth_of(one, 1, energy))[0]
+        for law, one in records.items()
+    }
 
 
 def _depth_of(law: Records, kind: int, value: float) -> float:
@@ -595,15 +708,17 @@ def _depth_of(law: Records, kind: int, value: float) -> float:
     while elastic_of(law, high)[kind] < value:
         low, high = high, 2.0 * high
     while low < (middle := 0.5 * (low + high)) < high:
-        low, high = (middle, high) if elastic_of(law, middle)[kind] < value else (low, middle)
+        low, high = (
+            (middle, high) if elastic_of(law, middle)[kind] < value else (low, middle)
+        )
     return high
 
 
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on joints whose penetration is too large for a stiffness of small contacts.
 
-    The surfaces overlap by e cos(x) - c at an angle x from the line of centres: over an arc of
-    which c / (c + penetration) is the cosine of the half.
+    The surfaces overlap by e cos(x) - c at an angle x from the line of centres: over an
+    arc of which c / (c + penetration) is the cosine of the half.
     """
     sentences = []
     for name, ratio in penetrations(scene, stages).items():
@@ -619,7 +734,9 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         )
         last = next(one for one in reversed(stages) if not one.failed)
         joint = last.statistics.joints.get(name)
-        if joint and (forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)):
+        if joint and (
+            forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)
+        ):
             used = scene.bearing(name).elastic_law(scene.conventions.contact)
             rest = [
                 f"{quantity_text(force, 'N')} by {LAW_WORDS[law]}"
@@ -635,7 +752,11 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
 
 def high_bumps(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on stages whose surfaces have bumps higher than the penetration."""
-    advice = "life.quick = off" if scene.is_quick else "more cycles, or extrapolation = steps"
+    advice = (
+        "life.quick = off"
+        if scene.is_quick
+        else "more cycles, or extrapolation = steps"
+    )
     sentences = []
     for stage in stages:
         rough = [
@@ -657,7 +778,8 @@ def contact_warnings(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     return deep_contacts(scene, stages) + high_bumps(scene, stages)
 
 
-# Sampled motion -----------------------------------------------------------------------------------
+# Sampled motion
+# -----------------------------------------------------------------------------------
 
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:

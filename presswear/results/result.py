@@ -1,7 +1,7 @@
 """A result, the same in memory and on disk.
 
-On disk ``result.json`` holds the scene, the provenance, the statistics and the digests of all
-files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
+On disk ``result.json`` holds the scene, the provenance, the statistics and the digests
+of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 """
 
 from collections.abc import Mapping
@@ -141,15 +141,17 @@ class Result:
         first += [] if self.life is None else [f"{self.life}"]
         remark = self.scene.bin_remark
         lines += [f"worn volume: {remark}"] if remark else []
-        return "\n".join([*first, *lines, *press.contact_warnings(self.scene, self.stages)])
+        return "\n".join(
+            [*first, *lines, *press.contact_warnings(self.scene, self.stages)]
+        )
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
 
-        Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response, bottom, force,
-        path, phase, poincare, impacts, modes, spectrum, drives and oil; without a name all figures
-        that have data are drawn. ``stage`` is the only stage to draw.
-        InputError for an unknown name or stage, and for a figure without data.
+        Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response,
+        bottom, force, path, phase, poincare, impacts, modes, spectrum, drives and oil;
+        without a name all figures that have data are drawn. ``stage`` is the only stage
+        to draw. InputError for an unknown name or stage, and for a figure without data.
         """
         # Imported here, because results are in a lower layer.
         return import_module("presswear.show.figures").plot(self, names, stage)
@@ -165,7 +167,9 @@ class Result:
         """Return the statistics with one row per stage and one column per number; needs pandas."""
         import pandas
 
-        table = pandas.json_normalize([asdict(stage.statistics) for stage in self.stages])
+        table = pandas.json_normalize(
+            [asdict(stage.statistics) for stage in self.stages]
+        )
         names = [self.stage_name(stage.index) for stage in self.stages]
         table.index = pandas.Index(names, name="stage")
         return table
@@ -189,8 +193,9 @@ def load(path: str | Path, trust: bool = False) -> Result:
     Parameters
     ----------
     trust : bool
-        Whether this process may execute the Python source code of user laws that the result
-        stores. Running the scene again, static equilibria and ideal torques need it.
+        Whether this process may execute the Python source code of user laws that the
+        result stores. Running the scene again, static equilibria and ideal torques need
+        it.
     """
     path = Path(path)
     scene, stored = stored_scene(path)
@@ -209,7 +214,9 @@ def load(path: str | Path, trust: bool = False) -> Result:
     life = stored.life
     if life is not None and life.ended not in WITHOUT_CURVES:
         curves = read_numbers(path / LIFE, stored.files[LIFE], CURVE_BYTES)
-        check_shapes(curves, dict.fromkeys(curves, ("strokes", 3)) | {"strokes": ("strokes",)})
+        check_shapes(
+            curves, dict.fromkeys(curves, ("strokes", 3)) | {"strokes": ("strokes",)}
+        )
         life = replace(life, curves=curves)
     ended = stored.status, stored.message, stored.provenance, stored.wall_s
     return Result(scene, tuple(stages), *ended, path, life)
@@ -220,7 +227,8 @@ def _film(file: Path, digest: str, linkage: Linkage) -> Film:
     joints = tuple(joint.name for joint in linkage.clearances)
     check_shapes(
         arrays,
-        dict.fromkeys(arrays, ("frames",)) | {"position": ("frames", 3 * len(linkage.bodies))},
+        dict.fromkeys(arrays, ("frames",))
+        | {"position": ("frames", 3 * len(linkage.bodies))},
     )
     try:
         return Film.from_arrays(arrays, len(linkage.bodies), joints)
@@ -233,7 +241,11 @@ def unfinished(result: Result) -> str:
     if result.status in FINISHED or result.path is None:
         return ""
     process = holder(result.path)
-    how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
+    how = (
+        "interrupted"
+        if result.status == "interrupted"
+        else "killed, or stopped by an error"
+    )
     how = f"{process} is writing to it" if process else how
     stages = f"{len(result.stages)} of {result.scene.wear_updates + 1} stages"
     if result.life is not None and result.life.ended == PRELIMINARY:
@@ -248,9 +260,10 @@ def read_surfaces(source: str | Path) -> Surfaces:
     Parameters
     ----------
     source : str or Path
-        ``DIR:STAGE``: surfaces that the stage ran on, the mean of its replicates, such as 1 for
-        the surfaces after the first wear update; ``DIR``: those of its last stage; ``FILE.csv``: a
-        table of profiles, see ``presswear.scene.files.read_profiles``.
+        ``DIR:STAGE``: surfaces that the stage ran on, the mean of its replicates, such
+        as 1 for the surfaces after the first wear update; ``DIR``: those of its last
+        stage; ``FILE.csv``: a table of profiles, see
+        ``presswear.scene.files.read_profiles``.
     """
     text = f"{source}"
     if text.lower().endswith(TABLE):

@@ -67,12 +67,13 @@ class BottomStatistics:
     range: Estimate | None  # mean range of ``range_strokes`` successive strokes
     range_strokes: int
     standard_deviation: Estimate | None  # of the height from stroke to stroke
-    # Behind the ideal motion; None if the ideal motion dwells or has several equal bottoms
+    # Behind the ideal motion; None if the ideal motion dwells or has several equal
+    # bottoms
     delay: Estimate | None = None
     delay_angle: Estimate | None = None  # rad
     delay_standard_deviation: Estimate | None = None
-    # Times in the cycle of bottoms of an ideal stroke that differ by less than the scatter, or of
-    # which different strokes reach different ones; empty: one bottom
+    # Times in the cycle of bottoms of an ideal stroke that differ by less than the
+    # scatter, or of which different strokes reach different ones; empty: one bottom
     equal_bottoms: tuple[float, ...] = ()
 
 
@@ -82,7 +83,9 @@ class WearPeak:
 
     depth: Estimate  # m
     angle: Estimate  # rad; the ends of its interval may lie below 0 or above 2 pi
-    step_error: float | None = None  # error of the depth by the wear step, m; in the interval
+    step_error: float | None = (
+        None  # error of the depth by the wear step, m; in the interval
+    )
 
 
 @dataclass(frozen=True)
@@ -109,11 +112,17 @@ class JointStatistics:
     unresolved_contacts: int  # with too few steps
     min_steps_per_contact: int | None  # None: no contact
     contact_time_fraction: float
-    load_distance_per_cycle: Estimate  # integral of normal force times sliding speed, N m
+    load_distance_per_cycle: (
+        Estimate  # integral of normal force times sliding speed, N m
+    )
     wear_volume: Estimate  # that one wear update takes off bearing and pin, m^3
     wear_volume_step_error: float | None  # by the wear step, m^3; not in the interval
-    wear_map_error: float | None  # standard error of the wear map over its root mean square
-    wear_depth_max_by_replicate: tuple[float, ...]  # deepest place of one wear update, m
+    wear_map_error: (
+        float | None
+    )  # standard error of the wear map over its root mean square
+    wear_depth_max_by_replicate: tuple[
+        float, ...
+    ]  # deepest place of one wear update, m
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
     bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
@@ -125,17 +134,25 @@ class StageStatistics:
 
     cycles: int  # of all replicates
     energy_made_per_cycle: Estimate | None = None  # by the contacts, J
-    drive_work_per_cycle: Estimate | None = None  # of all drives, less what it stores, J
+    drive_work_per_cycle: Estimate | None = (
+        None  # of all drives, less what it stores, J
+    )
     output: OutputStatistics | None = None
     bdc: BottomStatistics | None = None  # None: nothing moves, or no stroke is complete
     joints: Mapping[str, JointStatistics] = field(default_factory=dict)
     wear_error: float | None = None  # relative
-    load_distance_step_error: float | None = None  # fraction by which finer time steps change it
+    load_distance_step_error: float | None = (
+        None  # fraction by which finer time steps change it
+    )
     peak_force_step_error: float | None = None
     energy_residual: float = 0.0  # residual of the energy balance, J
     energy_exchanged: float = 0.0  # by the drives, J
-    energy_made_fraction: float = 0.0  # made by contacts over dissipated by contacts and friction
-    settling: Settling | None = None  # motions that the replicates came to; None: no clearance
+    energy_made_fraction: float = (
+        0.0  # made by contacts over dissipated by contacts and friction
+    )
+    settling: Settling | None = (
+        None  # motions that the replicates came to; None: no clearance
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))
@@ -144,7 +161,9 @@ class StageStatistics:
     def high_bumps(self) -> dict[str, Bumps]:
         """Joints whose bumps are higher than the penetration; with one, peaks have no interval."""
         bumps = {name: joint.bumps for name, joint in self.joints.items()}
-        return {name: one for name, one in bumps.items() if one is not None and one.are_high}
+        return {
+            name: one for name, one in bumps.items() if one is not None and one.are_high
+        }
 
     @property
     def energy_residual_fraction(self) -> float | None:
@@ -172,7 +191,9 @@ class JointResult:
     """Clearance joint in a stage."""
 
     name: str
-    stored: JointStatistics | None  # None if the stage failed before a cycle was complete
+    stored: (
+        JointStatistics | None
+    )  # None if the stage failed before a cycle was complete
     # By their names in the file, without the name of the joint
     arrays: Mapping[str, Array] = field(repr=False)
 
@@ -270,9 +291,15 @@ class StageResult:
     wall_s: float
     diagnostics: Mapping[str, str | int | float | None]  # of the solver
     statistics: StageStatistics
-    arrays: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED, repr=False)
-    joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)  # with clearance
-    read_film: Callable[[], Film] | None = field(default=None, metadata=NOT_STORED, repr=False)
+    arrays: Mapping[str, Array] = field(
+        default_factory=dict, metadata=NOT_STORED, repr=False
+    )
+    joint_names: tuple[str, ...] = field(
+        default=(), metadata=NOT_STORED
+    )  # with clearance
+    read_film: Callable[[], Film] | None = field(
+        default=None, metadata=NOT_STORED, repr=False
+    )
 
     def __repr__(self) -> str:
         """Return the cycles, and peak force and wear of each joint."""
@@ -282,7 +309,9 @@ class StageResult:
         for name, joint in statistics.joints.items():
             volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)
             force = f"mean peak force {joint.peak_force_per_cycle} N"
-            lines.append(f"{name}: {force}, worn volume per million strokes {volume} mm³")
+            lines.append(
+                f"{name}: {force}, worn volume per million strokes {volume} mm³"
+            )
         return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
 
     @property
@@ -371,15 +400,17 @@ class StageResult:
             }
             source = getattr(self.arrays, "source", self.name)
             arrays = Arrays(parts, f"{source}, joint {name}")
-            arrays["cycles"] = self.arrays["cycles"][:, first : first + JOINT_CYCLE_COUNT]
+            arrays["cycles"] = self.arrays["cycles"][
+                :, first : first + JOINT_CYCLE_COUNT
+            ]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints
 
     def section(self, name: str, joint: str = "") -> Array:
         """Return a quantity in the Poincaré sections of the first replicate; SI.
 
-        Its name is of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint. The result has
-        the shape (cycles, sections).
+        Its name is of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` for a joint. The
+        result has the shape (cycles, sections).
         """
         if "sections" not in self.arrays:
             raise InputError(f"{self.name}: no sections were stored; use sections = 1")

@@ -95,4 +95,6 @@ def check_shapes(arrays: Arrays, shapes: dict[str, tuple[str | int, ...]]) -> No
             for size, length in zip(shape, stored, strict=False)
         )
         if len(stored) != len(shape) or stored != wanted:
-            raise InputError(f"{arrays.source}: {name} has the shape {stored}, which does not fit")
+            raise InputError(
+                f"{arrays.source}: {name} has the shape {stored}, which does not fit"
+            )

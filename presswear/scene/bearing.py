@@ -11,21 +11,37 @@ from presswear.linkage import elements, laws
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, choice, count, named_set, quantity, written
+from presswear.tools.quantities import (
+    Quantity,
+    choice,
+    count,
+    named_set,
+    quantity,
+    written,
+)
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
-LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
-# Bristles make the steps of explicit methods short: a pin that slides by d takes about 0.3 d / z
-# steps, with the deflection z, m, at which bristles slip, and a flight of t about 0.3 t / tau,
-# with the time tau, s, in which bristles relax.
+LEAST_RAMP = (
+    1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
+)
+# Bristles make the steps of explicit methods short: a pin that slides by d takes about
+# 0.3 d / z steps, with the deflection z, m, at which bristles slip, and a flight of t
+# about 0.3 t / tau, with the time tau, s, in which bristles relax.
 LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
 LEAST_RELAXATION = 1e-6  # s
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
 # Values that a rigid joint reads
 _READ_RIGID = {
-    *("clearance", "bearing_radius", "friction_law", "friction", "lower_speed", "upper_speed")
+    *(
+        "clearance",
+        "bearing_radius",
+        "friction_law",
+        "friction",
+        "lower_speed",
+        "upper_speed",
+    )
 }
 
 
@@ -37,20 +53,28 @@ class Conventions(Checked):
         "refined", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
     )
     slip: elements.Slip = choice(
-        "sliding", elements.Slip, "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt"
+        "sliding",
+        elements.Slip,
+        "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt",
     )
     map_frame: elements.MapFrame = choice(
-        "body", elements.MapFrame, "wear maps fixed in direction, or turning with their bodies"
+        "body",
+        elements.MapFrame,
+        "wear maps fixed in direction, or turning with their bodies",
     )
     wear_distribution: elements.WearDistribution = choice(
-        "arc", elements.WearDistribution, "wear into the bin of the contact, or over its arc"
+        "arc",
+        elements.WearDistribution,
+        "wear into the bin of the contact, or over its arc",
     )
     contact: elements.SurfaceContact = choice(
         *("foundation", elements.SurfaceContact),
         "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
     )
     wear_maps: elements.WearMaps = choice(
-        "smoothed", elements.WearMaps, "wear maps smoothed by their sampling error, or with noise"
+        "smoothed",
+        elements.WearMaps,
+        "wear maps smoothed by their sampling error, or with noise",
     )
 
 
@@ -76,30 +100,42 @@ def radial_clearance(diametral: float | str) -> float:
 class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
-    Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance`` stands for
-    twice the clearance, in its place. A clearance of 0 is a rigid joint that rubs: its friction is
-    a moment r F_t(r omega, F) of the joint force F; see ``rigid``. A law can be a function of some
-    of NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a force, N.
+    Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
+    stands for twice the clearance, in its place. A clearance of 0 is a rigid joint that
+    rubs: its friction is a moment r F_t(r omega, F) of the joint force F; see
+    ``rigid``. A law can be a function of some of NORMAL_PARAMETERS or
+    FRICTION_PARAMETERS that returns a force, N.
     """
 
     clearance: float = quantity(
         *(0.3e-3, "m", 0.0, 1.0, "chosen"),
         "radial clearance R_i - R_j, half of that in diameter; 0: a rigid joint with friction",
     )
-    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i")
-    width: float = quantity(0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True)
-    materials: laws.Materials | Any = named_set("paper", laws.MATERIALS, "materials, pin first")
+    bearing_radius: float = quantity(
+        0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i"
+    )
+    width: float = quantity(
+        0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True
+    )
+    materials: laws.Materials | Any = named_set(
+        "paper", laws.MATERIALS, "materials, pin first"
+    )
     contact_stiffness: float | None = quantity(
         *(None, "N/m^n", 1e3, 1e15, "chosen"),
         "stiffness K of small contacts; default: from E and nu, by Hertz or by Liu",
     )
-    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "exponent n of the normal force")
+    exponent: float = quantity(
+        1.5, "", 1.0, 2.5, "paper", "exponent n of the normal force"
+    )
     elasticity: str = choice(
         *(AUTO, (AUTO, *get_args(laws.Elasticity))),
         "elastic force: K delta^n, Liu's, or a foundation; auto: as contact has it, else power",
     )
     normal_law: Law = choice(
-        "lankarani-nikravesh", tuple(laws.DAMPINGS), "normal force law", laws.NORMAL_PARAMETERS
+        "lankarani-nikravesh",
+        tuple(laws.DAMPINGS),
+        "normal force law",
+        laws.NORMAL_PARAMETERS,
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution c_e")
     viscous_damping: float = quantity(
@@ -108,9 +144,15 @@ class Bearing(Checked):
     friction_law: Law = choice(
         "ramp", tuple(laws.FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
     )
-    friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
-    lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
-    upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
+    friction: float = quantity(
+        0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f"
+    )
+    lower_speed: float = quantity(
+        1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below"
+    )
+    upper_speed: float = quantity(
+        1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above"
+    )
     static_friction: float | None = quantity(
         None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; default: c_f"
     )
@@ -118,23 +160,44 @@ class Bearing(Checked):
         1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
     )
     bristle_stiffness: float = quantity(
-        1e5, "1/m", 1e2, 1e7, "chosen", "sigma_0 of friction_law = lugre, per unit of force"
+        1e5,
+        "1/m",
+        1e2,
+        1e7,
+        "chosen",
+        "sigma_0 of friction_law = lugre, per unit of force",
     )
     bristle_damping: float = quantity(
-        10.0, "s/m", 1e-2, 1e4, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
+        10.0,
+        "s/m",
+        1e-2,
+        1e4,
+        "chosen",
+        "sigma_1 of friction_law = lugre, per unit of force",
     )
     viscosity: float | None = quantity(
         *(None, "Pa s", 1e-5, 1e3, "chosen"),
         "viscosity of a lubricant: its film is reported, not simulated; default: dry",
     )
     roughness: float = quantity(
-        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"), "R_q of each surface, compared with the oil film"
+        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"),
+        "R_q of each surface, compared with the oil film",
     )
     pressure_limit: float | None = quantity(
-        None, "Pa", 1e3, 1e10, "chosen", "largest pin pressure p = F / (2 R_i b); default: none"
+        None,
+        "Pa",
+        1e3,
+        1e10,
+        "chosen",
+        "largest pin pressure p = F / (2 R_i b); default: none",
     )
     pv_limit: float | None = quantity(
-        None, "W/m^2", 1.0, 1e12, "chosen", "largest mean of p times sliding speed; default: none"
+        None,
+        "W/m^2",
+        1.0,
+        1e12,
+        "chosen",
+        "largest mean of p times sliding speed; default: none",
     )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
     diametral_clearance: InitVar[float | str | None] = None  # in place of ``clearance``
@@ -145,29 +208,41 @@ class Bearing(Checked):
             object.__setattr__(self, "clearance", radial_clearance(diametral_clearance))
         super().__post_init__()
         if 0.0 < self.clearance < LEAST_CLEARANCE:
-            allowed = f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
+            allowed = (
+                f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
+            )
             raise InputError(f"clearance = {written(self.clearance, 'm')}: {allowed}")
         law, friction_law = self.normal_law, self.friction_law
         if self.clearance == 0.0 and friction_law == laws.LUGRE:
             names = ", ".join(name for name in laws.FRICTIONS if name != laws.LUGRE)
-            raise InputError(f"friction_law = {laws.LUGRE}: with clearance = 0 allowed is {names}")
+            raise InputError(
+                f"friction_law = {laws.LUGRE}: with clearance = 0 allowed is {names}"
+            )
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"
             least, damping = laws.DAMPINGS[law].least, self.viscous_damping
             if self.restitution < least:
-                raise InputError(f"restitution = {self.restitution:g}: {allowed} {least:g} to 1")
+                raise InputError(
+                    f"restitution = {self.restitution:g}: {allowed} {least:g} to 1"
+                )
             if damping > 0.0 and law != laws.KELVIN_VOIGT:
-                raise InputError(f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m")
+                raise InputError(
+                    f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m"
+                )
         if self.static_friction is not None:
             fault = f"static_friction = {self.static_friction:g}"
             if self.static_friction < self.friction:
-                raise InputError(f"{fault}: allowed is {self.friction:g}, the friction, up to 2")
+                raise InputError(
+                    f"{fault}: allowed is {self.friction:g}, the friction, up to 2"
+                )
             if friction_law != laws.LUGRE:
                 raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
         if friction_law == laws.LUGRE and self.friction > 0.0:
             self._check_bristles()
         if not isinstance(friction_law, str) and self.friction == 0.0:
-            raise InputError(f"friction = 0: with friction_law = {friction_law} allowed is above 0")
+            raise InputError(
+                f"friction = 0: with friction_law = {friction_law} allowed is above 0"
+            )
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
@@ -177,7 +252,8 @@ class Bearing(Checked):
             raise InputError(f"clearance = {clearance}: allowed is below {radius}")
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
             low, high, ramp = (
-                written(one, "m/s") for one in (self.lower_speed, self.upper_speed, LEAST_RAMP)
+                written(one, "m/s")
+                for one in (self.lower_speed, self.upper_speed, LEAST_RAMP)
             )
             allowed = f"0 to {ramp} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
@@ -216,24 +292,37 @@ class Bearing(Checked):
     def unread(self) -> tuple[str, ...]:
         """Names of the values that neither its laws nor its oil film read."""
         if self.clearance == 0.0:
-            return tuple(one.name for one in fields(self) if one.name not in _READ_RIGID)
-        lugre = "static_friction", "stribeck_speed", "bristle_stiffness", "bristle_damping"
+            return tuple(
+                one.name for one in fields(self) if one.name not in _READ_RIGID
+            )
+        lugre = (
+            "static_friction",
+            "stribeck_speed",
+            "bristle_stiffness",
+            "bristle_damping",
+        )
         return (
             *(lugre if self.friction_law != laws.LUGRE else ()),
             *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
             *(("roughness",) if self.viscosity is None else ()),
         )
 
-    def check_contact(self, where: str, contact: elements.SurfaceContact, is_worn: bool) -> None:
+    def check_contact(
+        self, where: str, contact: elements.SurfaceContact, is_worn: bool
+    ) -> None:
         """Raise InputError, beginning with ``where``, if surfaces cannot meet in this way."""
         if contact != "foundation":
             return
         if self.elasticity not in (AUTO, "foundation"):
             allowed = "with contact = 'foundation' allowed is auto or foundation, so that new and"
             advice = f"worn surfaces have one law; use contact = 'radial' with {self.elasticity}"
-            raise InputError(f"{where}elasticity = {self.elasticity}: {allowed} {advice}")
+            raise InputError(
+                f"{where}elasticity = {self.elasticity}: {allowed} {advice}"
+            )
         if self.exponent != 1.5:
-            allowed = "with contact = 'foundation' allowed is 1.5; or use contact = 'radial'"
+            allowed = (
+                "with contact = 'foundation' allowed is 1.5; or use contact = 'radial'"
+            )
             raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
         if is_worn and not isinstance(self.normal_law, str):
             allowed = f"one of {', '.join(laws.DAMPINGS)}; or use contact = 'radial'"
@@ -244,9 +333,15 @@ class Bearing(Checked):
         """Return the elastic law of a contact of surfaces, new and worn."""
         if contact == "foundation":
             return "foundation"
-        return "power" if self.elasticity == AUTO else cast(laws.Elasticity, self.elasticity)
+        return (
+            "power"
+            if self.elasticity == AUTO
+            else cast(laws.Elasticity, self.elasticity)
+        )
 
-    def stiffness(self, elasticity: laws.Elasticity, reading: laws.StiffnessReading) -> float:
+    def stiffness(
+        self, elasticity: laws.Elasticity, reading: laws.StiffnessReading
+    ) -> float:
         """Return K, N/m^n: the contact stiffness, else Liu's for his law, else Hertz's."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
@@ -258,8 +353,12 @@ class Bearing(Checked):
 
     def normal(self, conventions: Conventions) -> laws.NormalLaw:
         """Return the normal force law with its parameters."""
-        function = self.normal_law if isinstance(self.normal_law, UserFunction) else None
-        damping = laws.DAMPINGS["lankarani-nikravesh" if function else str(self.normal_law)]
+        function = (
+            self.normal_law if isinstance(self.normal_law, UserFunction) else None
+        )
+        damping = laws.DAMPINGS[
+            "lankarani-nikravesh" if function else str(self.normal_law)
+        ]
         factors = damping.factor(self.restitution), self.viscous_damping
         elasticity = self.elastic_law(conventions.contact)
         stiffness = self.stiffness(elasticity, conventions.stiffness)
@@ -269,7 +368,10 @@ class Bearing(Checked):
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         if isinstance(law := self.normal_law, UserFunction):
             key, normal = f"{joint}.normal_law", self.normal(conventions)
-            state = {name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")}
+            state = {
+                name: getattr(normal, name)
+                for name in ("stiffness", "exponent", "damping")
+            }
             laws.check_normal(key, law, {**state, "clearance": self.clearance})
             law.check_compiles(key, laws.NORMAL_PARAMETERS)
         self.check_user_friction(joint)
@@ -285,7 +387,9 @@ class Bearing(Checked):
     @property
     def friction_parameters(self) -> laws.FrictionLaw:
         """Friction law with its parameters."""
-        function = self.friction_law if isinstance(self.friction_law, UserFunction) else None
+        function = (
+            self.friction_law if isinstance(self.friction_law, UserFunction) else None
+        )
         name = "ramp" if function else str(self.friction_law)
         static = self.friction if self.static_friction is None else self.static_friction
         ramp = self.friction, self.lower_speed, self.upper_speed
@@ -298,10 +402,16 @@ class Bearing(Checked):
         return replace(revolute, bearing_radius=self.bearing_radius, friction=law)
 
     def joint(
-        self, revolute: elements.Revolute, conventions: Conventions, worn: tuple[Surface, Surface]
+        self,
+        revolute: elements.Revolute,
+        conventions: Conventions,
+        worn: tuple[Surface, Surface],
     ) -> elements.ClearanceJoint:
         """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
-        coefficient, share = self.materials.wear_coefficient, self.materials.bearing_share
+        coefficient, share = (
+            self.materials.wear_coefficient,
+            self.materials.bearing_share,
+        )
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
@@ -324,7 +434,9 @@ def initial_surfaces(
 ) -> dict[str, tuple[Surface, Surface]]:
     """Return initial surfaces on the bins of the wear maps, without joints that are round."""
     if not isinstance(surfaces, Mapping):
-        raise InputError(f"surfaces = {surfaces!r}: bearing and pin by joint are expected")
+        raise InputError(
+            f"surfaces = {surfaces!r}: bearing and pin by joint are expected"
+        )
     result = {}
     for name, pair in surfaces.items():
         if not joints:
@@ -332,7 +444,9 @@ def initial_surfaces(
         if name not in joints:
             raise unknown("joint in surfaces", name, joints)
         if not isinstance(pair, tuple | list) or len(pair) != len(SIDES):
-            raise InputError(f"surfaces of {name}: a pair, bearing and pin, is expected")
+            raise InputError(
+                f"surfaces of {name}: a pair, bearing and pin, is expected"
+            )
         first, second = (
             _surface(f"{side} at {name}", value, bearing(name))
             for side, value in zip(SIDES, pair, strict=True)
@@ -357,8 +471,15 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
     if values.ndim == 1:
         values = np.column_stack([bin_centres(values.size), values])
     is_number = values.dtype.kind in "fiu"
-    if not (is_number and values.ndim == 2 and values.shape[1] == 2 and np.isfinite(values).all()):
-        raise InputError(f"{where}: finite depths, or rows of angle and depth, are expected")
+    if not (
+        is_number
+        and values.ndim == 2
+        and values.shape[1] == 2
+        and np.isfinite(values).all()
+    ):
+        raise InputError(
+            f"{where}: finite depths, or rows of angle and depth, are expected"
+        )
     angle, depth = values[np.argsort(values[:, 0] % _TURN, kind="stable")].T
     if not depth.any():
         return Surface()
@@ -373,8 +494,9 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
         return Surface(depth)
     from scipy.interpolate import PchipInterpolator  # slow to import
 
-    # Each bin takes the mean of the monotone cubic through the points, which is the curve of
-    # ``Surface`` and conserves the worn volume. Neighbours beyond both ends close it.
+    # Each bin takes the mean of the monotone cubic through the points, which is the
+    # curve of ``Surface`` and conserves the worn volume. Neighbours beyond both ends
+    # close it.
     around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
     with np.errstate(over="ignore"):  # of slopes next to nothing
         area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
@@ -388,8 +510,12 @@ def _check_angles(where: str, angle: Array) -> None:
     widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
     for k in np.flatnonzero(gaps < 1e-9)[:1]:
-        raise InputError(f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice")
+        raise InputError(
+            f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice"
+        )
     for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
-        raise InputError(f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg")
+        raise InputError(
+            f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg"
+        )

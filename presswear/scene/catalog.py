@@ -34,8 +34,8 @@ SCENES: dict[str, Entry] = {}  # named scenes by name
 def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
     """Register a scene: a base scene with some fields changed.
 
-    The returned function takes settings by key, as texts with units or numbers, SI, and the
-    initial surfaces of the joints.
+    The returned function takes settings by key, as texts with units or numbers, SI, and
+    the initial surfaces of the joints.
     """
 
     def make(*, surfaces: Any = None, **settings: Any) -> Scene:
@@ -59,7 +59,12 @@ ideal = _named("ideal", _CLOSED_FORM, joints="none", wear_updates=0, cycles=2, *
 
 
 def _paper(
-    name: str, title: str, speed: float, clearance: float, friction: float, wear_updates: int = 1
+    name: str,
+    title: str,
+    speed: float,
+    clearance: float,
+    friction: float,
+    wear_updates: int = 1,
 ) -> Make:
     """Register a scene of the paper: crank speed in units of pi rad/s, clearance in m."""
     bearings = Bearing(clearance=clearance, friction=friction)
@@ -75,14 +80,25 @@ _WORN_TWICE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1
 _FRICTION = "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)"
 wear_times = _paper("wear-times", _WORN_TWICE, 3.5, 0.8e-3, 0.02, wear_updates=2)
 friction = _paper("friction", _FRICTION, 6.0, 0.6e-3, 0.05)
-friction_high = _paper("friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1)
-speed = _paper("speed", "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)", 4.0, 0.8e-3, 0.03)
-speed_high = _paper("speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03)
+friction_high = _paper(
+    "friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1
+)
+speed = _paper(
+    "speed", "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)", 4.0, 0.8e-3, 0.03
+)
+speed_high = _paper(
+    "speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03
+)
 _AT_A = "The press with clearance at A alone"
-clearance_a = _named("clearance-a", _AT_A, wear_times, joints="A", wear_updates=0, cycles=5)
-clearance_c = _named("clearance-c", "The press with clearance at C alone", clearance_a, joints="C")
+clearance_a = _named(
+    "clearance-a", _AT_A, wear_times, joints="A", wear_updates=0, cycles=5
+)
+clearance_c = _named(
+    "clearance-c", "The press with clearance at C alone", clearance_a, joints="C"
+)
 
-# 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in all.
+# 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in
+# all.
 _CUTS = "The press cuts a sheet: clearance at A and C, worn once"
 _DRAWS = "The press draws a cup over a cushion, worn once"
 press_blanking = _named(
@@ -92,25 +108,36 @@ press_blanking = _named(
     process=Blanking(),
     cycles_per_update=4e6,
 )
-press_drawing = _named("press-drawing", _DRAWS, press_blanking, process=Drawing(cushion=20.0))
+press_drawing = _named(
+    "press-drawing", _DRAWS, press_blanking, process=Drawing(cushion=20.0)
+)
 
 
 def _servo_press(name: str, title: str, servo: Any) -> Make:
-    return _named(name, f"press-blanking {title}", press_blanking, mechanism=Press(servo=servo))
+    return _named(
+        name, f"press-blanking {title}", press_blanking, mechanism=Press(servo=servo)
+    )
 
 
-press_servo_dwell = _servo_press("press-servo-dwell", "with a dwell, by servo 7", Dwell())
-press_servo_forming = _servo_press("press-servo-forming", "at a constant speed", Forming())
+press_servo_dwell = _servo_press(
+    "press-servo-dwell", "with a dwell, by servo 7", Dwell()
+)
+press_servo_forming = _servo_press(
+    "press-servo-forming", "at a constant speed", Forming()
+)
 press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum())
 
-# 60 strokes a minute; bushings of bronze, at 38 MPa under half of the nominal force. All assumed.
+# 60 strokes a minute; bushings of bronze, at 38 MPa under half of the nominal force.
+# All assumed.
 two_point = _named(
     "two-point",
     "A press on two points of 1,000 kN cuts a sheet: clearance at the slide",
     mechanism=TwoPoint(),
     joints="B1, B2",
     bearings=Bearing(0.1e-3, 0.065, width=0.1, friction=0.08, restitution=0.8),
-    process=Blanking(force=900e3, height=6e-3, thickness=4e-3, rise=0.3e-3, snap=0.2e-3),
+    process=Blanking(
+        force=900e3, height=6e-3, thickness=4e-3, rise=0.3e-3, snap=0.2e-3
+    ),
     wear_updates=0,
     cycles=10,
 )
@@ -124,12 +151,16 @@ slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
     mechanism=SliderCrank(slide_angle=0.0, crank_inertia=1e-4, rod_inertia=2.5e-4),
-    bearings=Bearing(0.5e-3, 0.010, materials=Materials(youngs_modulus=207e9), friction=0.0),
+    bearings=Bearing(
+        0.5e-3, 0.010, materials=Materials(youngs_modulus=207e9), friction=0.0
+    ),
     joints="B",
     wear_updates=0,
     cycles=10,
     origins=dict.fromkeys(_KNOWN, LITERATURE)
-    | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed"),
+    | dict.fromkeys(
+        ("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed"
+    ),
 )
 
 
@@ -193,7 +224,9 @@ def _with_changes(first: str, scene: Scene) -> str:
     changes = changes_of(scene)
     if named_scene(scene) is None:
         in_file = {IN_FILE, DEFAULT, None}
-        changes = tuple(one for one in changes if scene.origins.get(one.key) not in in_file)
+        changes = tuple(
+            one for one in changes if scene.origins.get(one.key) not in in_file
+        )
     if not changes:
         return first
     texts = list(map(str, changes))

@@ -33,7 +33,8 @@ from presswear.tools.serialize import LARGEST, checked_arguments
 
 SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
-SWEEP = "sweep"  # table of the values that a sweep of the scene varies, which the scene ignores
+# table of the values that a sweep of the scene varies, which the scene ignores
+SWEEP = "sweep"
 _PARTS = "process", "servo", "life"
 _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
@@ -54,9 +55,16 @@ def example_file(kind: str) -> str:
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
     folder = files("presswear.scene")
-    text, first = (folder.joinpath(f"{n}.toml").read_text("utf-8") for n in ("example", kind))
+    text, first = (
+        folder.joinpath(f"{n}.toml").read_text("utf-8") for n in ("example", kind)
+    )
     joints = getattr(MECHANISMS.get(kind), "default_joints", "B")
-    named = {"KIND": kind, "MECHANISM": first, "JOINTS": ", ".join(joints), "JOINT": joints[0]}
+    named = {
+        "KIND": kind,
+        "MECHANISM": first,
+        "JOINTS": ", ".join(joints),
+        "JOINT": joints[0],
+    }
     text = re.sub(r"\b(KIND|MECHANISM|JOINTS?)\b", lambda match: named[match[1]], text)
     defaults = settings_of(Scene(MECHANISMS.get(kind, Press)()))
     by_key = {setting.key: setting for setting in defaults}
@@ -108,13 +116,21 @@ def read_toml(file: Path) -> dict[str, Any]:
     text = read_text(file)
     try:
         return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError: an integer of 5000 digits
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # ValueError: an integer of 5000 digits
         message, _, place = f"{error}".partition(" (at ")
         number, line = re.match(r"line (\d+)", place), ""
         if number:
-            written = re.sub(r"\s+#.*", "", text.splitlines()[int(number[1]) - 1]).strip()
+            written = re.sub(
+                r"\s+#.*", "", text.splitlines()[int(number[1]) - 1]
+            ).strip()
             line = f", line {number[1]}: {written}"
-        fault = next((new for old, new in _TOML_FAULTS.items() if message.startswith(old)), message)
+        fault = next(
+            (new for old, new in _TOML_FAULTS.items() if message.startswith(old)),
+            message,
+        )
         if re.search(r"=\s*[0-9]+,[0-9]", line):
             fault = "use a decimal point"
         raise InputError(f"{file}{line}: {fault}") from None
@@ -130,7 +146,9 @@ def scene_from(file: str | Path) -> Scene:
         return scene
     except (InputError, RecursionError) as error:
         text = f"{error}"
-        raise InputError(text if text.startswith(f"{file}") else f"{file}: {text}") from None
+        raise InputError(
+            text if text.startswith(f"{file}") else f"{file}: {text}"
+        ) from None
 
 
 def _scene_of(data: dict[str, Any], file: Path) -> Scene:
@@ -147,7 +165,9 @@ def _scene_of(data: dict[str, Any], file: Path) -> Scene:
     if source is None:
         return scene
     if not isinstance(source, str) or not source.endswith(TABLE):
-        raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
+        raise InputError(
+            f"surfaces = {source!r}: a name that ends in {TABLE} is expected"
+        )
     return on_surfaces(scene, read_profiles(file.parent / source), source)
 
 
@@ -164,20 +184,26 @@ def _mechanism(data: Any, folder: Path) -> tuple[OneMechanism, Mapping[str, Any]
         return linkage_from(_texts(table, "mechanism", folder), "mechanism"), {}
     if kind not in MECHANISMS:
         raise unknown("mechanism", kind, MECHANISMS)
-    return MECHANISMS[kind](), {key: value for key, value in table.items() if key != "kind"}
+    return MECHANISMS[kind](), {
+        key: value for key, value in table.items() if key != "kind"
+    }
 
 
 def _texts(value: Any, place: str, folder: Path) -> Any:
     """Return data with numbers as text, which needs units; user laws stand in the folder."""
     if isinstance(value, Mapping):
-        return {key: _texts(one, f"{place}.{key}", folder) for key, one in value.items()}
+        return {
+            key: _texts(one, f"{place}.{key}", folder) for key, one in value.items()
+        }
     if isinstance(value, list):
         return [_texts(one, place, folder) for one in value]
     if isinstance(value, str) and ".py:" in value:
         return f"{folder / value}"
     if isinstance(value, int | float) and not isinstance(value, bool):
         if abs(value) > LARGEST:
-            raise InputError(f"{place}: a number is too large; allowed is up to {LARGEST:g}")
+            raise InputError(
+                f"{place}: a number is too large; allowed is up to {LARGEST:g}"
+            )
         return f"{value!r}" if value else value  # a zero needs no unit
     return value
 
@@ -189,7 +215,9 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         if not isinstance(data[table], Mapping):
             raise InputError(f"{table} = {shown(data[table])}: a table is expected")
         if table in _PARTS and "kind" not in data[table]:
-            raise InputError(f"{table}: a kind is missing; presswear list SCENE shows the kinds")
+            raise InputError(
+                f"{table}: a kind is missing; presswear list SCENE shows the kinds"
+            )
         for key, value in data[table].items():
             # A.clearance is a table A with a key in TOML.
             inner = value if isinstance(value, Mapping) else {"": value}
@@ -198,16 +226,22 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
                 if table in _PARTS:
                     full = table if full == "kind" else f"{table}.{full}"
                 if full in settings:
-                    raise InputError(f"{full} stands twice; it is allowed in one table only")
+                    raise InputError(
+                        f"{full} stands twice; it is allowed in one table only"
+                    )
                 if full == "kind":
-                    raise InputError(f"{table}: kind belongs to another table; is its # removed?")
+                    raise InputError(
+                        f"{table}: kind belongs to another table; is its # removed?"
+                    )
                 if isinstance(one, list) and full == "joints":
                     one = ",".join(map(str, one))
                 if isinstance(one, list):
                     needed = "it needs a mechanism of bodies; presswear new points writes one"
                     raise InputError(f"{table}.{full}: {needed}")
                 if isinstance(one, bool) or not isinstance(one, str | int | float):
-                    raise InputError(f"{full} = {shown(one)}: a text or a number is expected")
+                    raise InputError(
+                        f"{full} = {shown(one)}: a text or a number is expected"
+                    )
                 settings[full] = _texts(one, f"{table}.{full}", folder)
     return settings
 
@@ -220,9 +254,9 @@ _COLUMNS = "joint", "side", *_MEANINGS
 def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     """Return profiles measured on bearings and pins, rows of angle, rad, and depth, m, by joint.
 
-    The table is text with commas or semicolons: a header such as
-    ``joint,side,angle (deg),depth (um)``, the columns in any order, then a row for each place;
-    lines that begin with ``#`` are comments. A side without a row is round. Errors name the file
+    The table is text with commas or semicolons: a header such as ``joint,side,angle
+    (deg),depth (um)``, the columns in any order, then a row for each place; lines that
+    begin with ``#`` are comments. A side without a row is round. Errors name the file
     and the line.
     """
     lines = [
@@ -231,24 +265,44 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     separator = separator_of(lines[0][1]) if lines else ","
-    table = [(k, [word.strip().strip('"') for word in line.split(separator)]) for k, line in lines]
+    table = [
+        (k, [word.strip().strip('"') for word in line.split(separator)])
+        for k, line in lines
+    ]
     if len(table) < 2:
-        raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
+        raise InputError(
+            f"{file}: it has no rows; a header such as {_HEADER} is expected"
+        )
     (_, header), *rows = table
     names = ["".join(takewhile(str.isalpha, word)) for word in header]
-    units = [word[len(name) :].strip(" ()[]") for name, word in zip(names, header, strict=True)]
+    units = [
+        word[len(name) :].strip(" ()[]")
+        for name, word in zip(names, header, strict=True)
+    ]
     points: dict[str, tuple[list[Any], list[Any]]] = {}
     if sorted(names) != sorted(_COLUMNS):
-        raise InputError(f"{file}: columns {', '.join(names)}: a header as {_HEADER} is expected")
+        raise InputError(
+            f"{file}: columns {', '.join(names)}: a header as {_HEADER} is expected"
+        )
     for number, words in rows:
         try:
             if len(words) != len(names):
                 raise InputError(f"{len(words)} values for {len(names)} columns")
-            row = {n: f"{w} {u}".strip() for n, w, u in zip(names, words, units, strict=True)}
+            row = {
+                n: f"{w} {u}".strip()
+                for n, w, u in zip(names, words, units, strict=True)
+            }
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
-            place = [parse_quantity(name, row[name], one) for name, one in _MEANINGS.items()]
-            points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(place)
+            place = [
+                parse_quantity(name, row[name], one) for name, one in _MEANINGS.items()
+            ]
+            points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(
+                place
+            )
         except InputError as error:
             raise InputError(f"{file}, line {number}: {error}") from None
-    return {name: (np.array(first), np.array(second)) for name, (first, second) in points.items()}
+    return {
+        name: (np.array(first), np.array(second))
+        for name, (first, second) in points.items()
+    }

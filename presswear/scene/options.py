@@ -8,7 +8,14 @@ from typing import ClassVar, NamedTuple
 
 from presswear.engines import settings
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, choice, count, free_text, parse_quantity, quantity
+from presswear.tools.quantities import (
+    Quantity,
+    choice,
+    count,
+    free_text,
+    parse_quantity,
+    quantity,
+)
 from presswear.tools.serialize import Checked, check_fields
 
 
@@ -25,13 +32,19 @@ class Numerics:
         for engine in vars(self).values():
             check_fields(engine)
 
-    def resolved(self, purpose: settings.Purpose, error: float = settings.WEAR_ERROR) -> "Numerics":
+    def resolved(
+        self, purpose: settings.Purpose, error: float = settings.WEAR_ERROR
+    ) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
-        return Numerics(**{k: one.resolved(purpose, error) for k, one in vars(self).items()})
+        return Numerics(
+            **{k: one.resolved(purpose, error) for k, one in vars(self).items()}
+        )
 
     def of(self, engine: settings.Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""
-        name = next(name for name, one in vars(self).items() if type(one) is type(engine))
+        name = next(
+            name for name, one in vars(self).items() if type(one) is type(engine)
+        )
         return Numerics(**{**vars(self), name: engine})
 
 
@@ -40,29 +53,52 @@ class Recording(Checked):
     """Series and sections that are stored of each stage."""
 
     recorded_cycles: int | None = count(
-        None, 1, 1000, "chosen", "first cycles that are stored; default: 5, or as the process needs"
+        None,
+        1,
+        1000,
+        "chosen",
+        "first cycles that are stored; default: 5, or as the process needs",
     )
     rows_per_cycle: int = count(
-        2000, 100, 20_000, "chosen", "smallest number of rows in a cycle; contacts add rows"
+        2000,
+        100,
+        20_000,
+        "chosen",
+        "smallest number of rows in a cycle; contacts add rows",
     )
     series: str = choice(
-        "all", ("all", "output"), "series that are stored: all, or only those of the output point"
+        "all",
+        ("all", "output"),
+        "series that are stored: all, or only those of the output point",
     )
     digits: str = choice(
-        "double", ("double", "single"), "digits of the series of joints: 16, or 7 for smaller files"
+        "double",
+        ("double", "single"),
+        "digits of the series of joints: 16, or 7 for smaller files",
     )
     sections: int = count(
-        0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"
+        0,
+        0,
+        360,
+        "chosen",
+        "Poincare sections of every cycle, at equal angles of the cycle",
     )
     section_angle: float = quantity(
-        0.0, "rad", 0.0, 2.0 * math.pi, "chosen", "angle of the cycle of the first section"
+        0.0,
+        "rad",
+        0.0,
+        2.0 * math.pi,
+        "chosen",
+        "angle of the cycle of the first section",
     )
 
     @property
     def phases(self) -> tuple[float, ...]:
         """Fractions of a cycle at which the Poincaré sections lie, increasing, in (0, 1]."""
         first, count = self.section_angle / (2.0 * math.pi), self.sections
-        return tuple(sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count)))
+        return tuple(
+            sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count))
+        )
 
 
 class Followed(NamedTuple):
@@ -81,12 +117,18 @@ _DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
 _FORCE = "peak normal force of a stroke, mean over strokes"
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
     "depth": Followed("m", True, "depth", "largest wear depth of bearing or pin"),
-    "wear_volume": Followed("m^3", True, "worn volume", "worn volume of bearing and pin"),
+    "wear_volume": Followed(
+        "m^3", True, "worn volume", "worn volume of bearing and pin"
+    ),
     "force_max": Followed("N", True, "peak force", _FORCE),
     "total_clearance": Followed("m", False, "total clearance", _CLEARANCE),
-    "bdc_error": Followed("m", False, f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"),
+    "bdc_error": Followed(
+        "m", False, f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"
+    ),
     "bdc_drift": Followed("m", False, f"drift of {_BDC}", _DRIFT),
-    "repeatability": Followed("m", False, "repeatability", f"standard deviation of {_BDC}"),
+    "repeatability": Followed(
+        "m", False, "repeatability", f"standard deviation of {_BDC}"
+    ),
 }
 
 
@@ -142,10 +184,16 @@ class Life(Checked):
     at_most: float = quantity(
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
     )
-    replaced: str = free_text("", "'A@2e6, C@4e6'", "bushings to replace after so many strokes")
-    turned: str = free_text("", "'A@2e6'", "bushings to turn by half after so many strokes")
+    replaced: str = free_text(
+        "", "'A@2e6, C@4e6'", "bushings to replace after so many strokes"
+    )
+    turned: str = free_text(
+        "", "'A@2e6'", "bushings to turn by half after so many strokes"
+    )
     quick: str = choice(
-        "off", ("off", "on"), "only the wear rates of the new and the once worn surfaces, in short"
+        "off",
+        ("off", "on"),
+        "only the wear rates of the new and the once worn surfaces, in short",
     )
     max_cycles: int = count(
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
@@ -158,7 +206,9 @@ class Life(Checked):
             match = _LIMIT.match(text)
             if match is None:
                 example = "NAME > VALUE is expected, such as 'depth > 0.05 mm'"
-                raise InputError(f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}")
+                raise InputError(
+                    f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}"
+                )
             joint, name, size = match.groups()
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)
@@ -181,12 +231,16 @@ class Life(Checked):
                 joint, sign, strokes = map(str.strip, part.partition("@"))
                 label = f"{key} = {part!r}"
                 if not (joint and sign and strokes):
-                    raise InputError(f"{label}: JOINT@STROKES is expected, such as 'A@2e6'")
+                    raise InputError(
+                        f"{label}: JOINT@STROKES is expected, such as 'A@2e6'"
+                    )
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
                 at = float(parse_quantity(f"{key}: {joint}", strokes, _STROKES))
                 if at >= self.at_most:
-                    raise InputError(f"{label}: allowed is below at_most = {self.at_most:g}")
+                    raise InputError(
+                        f"{label}: allowed is below at_most = {self.at_most:g}"
+                    )
                 services.append(Service(joint, at, key == "turned"))
         return tuple(sorted(services, key=lambda service: service.strokes))
 

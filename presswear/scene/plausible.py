@@ -15,7 +15,11 @@ STEEL = 7850.0  # density, kg/m^3
 USUAL = {
     "length": (0.0, 10.0, "m"),
     "mass ratio": (0.0, 1e3, ""),
-    "gyration": (0.03, 30.0, ""),  # 0.29 of a bar; a flywheel on a small eccentric is far above
+    "gyration": (
+        0.03,
+        30.0,
+        "",
+    ),  # 0.29 of a bar; a flywheel on a small eccentric is far above
     "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
     "speed": (0.0, 2000.0, "rad/s"),
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
@@ -28,8 +32,14 @@ def unusual(key: str, value: float, words: str) -> list[str]:
     low, high, unit = USUAL[key]
     if low <= value <= high:
         return []
-    limit = f"at least {readable(low)}" if value < low else f"up to {quantity_text(high, unit)}"
-    return [f"{words} is {quantity_text(value, unit)} (usual: {limit}); check the units"]
+    limit = (
+        f"at least {readable(low)}"
+        if value < low
+        else f"up to {quantity_text(high, unit)}"
+    )
+    return [
+        f"{words} is {quantity_text(value, unit)} (usual: {limit}); check the units"
+    ]
 
 
 def doubts(scene: Scene) -> list[str]:
@@ -55,13 +65,17 @@ def doubts(scene: Scene) -> list[str]:
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
         words = f"the clearance of joint {name}, divided by the radius of its bearing,"
-        lines += unusual("relative clearance", bearing.clearance / bearing.bearing_radius, words)
+        lines += unusual(
+            "relative clearance", bearing.clearance / bearing.bearing_radius, words
+        )
     if scene.process is not None:
         # The body that is too light for the force of the process, as a bar.
         force = max(force for _, force in scene.process.curve)
         body = max(linkage.bodies, key=lambda one: _length(linkage, one) / one.mass)
         stress = force * STEEL * _length(linkage, body) / body.mass
-        words = f"the mean stress in a steel bar of the length and mass of {body.name}, "
+        words = (
+            f"the mean stress in a steel bar of the length and mass of {body.name}, "
+        )
         words += f"{readable(body.mass)} kg, under the process force of {quantity_text(force, 'N')}"
         lines += unusual("stress", stress, words)
     return lines

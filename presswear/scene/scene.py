@@ -9,7 +9,13 @@ from typing import Any, ClassVar, cast, get_args
 
 import numpy as np
 
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
+from presswear.engines.settings import (
+    Engine,
+    ExudynJoints,
+    ExudynTree,
+    InHouse,
+    Purpose,
+)
 from presswear.linkage import loads
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage, linkage_from
@@ -22,22 +28,45 @@ from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_s
 from presswear.scene.options import LIVES, Life, Numerics, Recording
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity, written
-from presswear.tools.serialize import Checked, check_type, converted, from_plain, make, plain
+from presswear.tools.quantities import (
+    Choice,
+    choice,
+    count,
+    named_set,
+    one_of,
+    quantity,
+    written,
+)
+from presswear.tools.serialize import (
+    Checked,
+    check_type,
+    converted,
+    from_plain,
+    make,
+    plain,
+)
 from presswear.tools.user_function import UserFunction
 
 Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint
 OneMechanism = Parametric | Linkage
-MECHANISMS: dict[str, type[Parametric]] = {one.kind: one for one in get_args(Parametric)}
+MECHANISMS: dict[str, type[Parametric]] = {
+    one.kind: one for one in get_args(Parametric)
+}
 """The mechanisms that are made of a few quantities, by their kinds."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))
-EXTRAPOLATIONS = ("conventions", "single", "steps")  # conventions: steps for wear over an arc
+EXTRAPOLATIONS = (
+    "conventions",
+    "single",
+    "steps",
+)  # conventions: steps for wear over an arc
 REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
-MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off of the forces
+MAX_MASS_RATIO = (
+    1e6  # beyond it accelerations of the light body are round-off of the forces
+)
 
 
 @dataclass(frozen=True)
@@ -48,21 +77,23 @@ class Scene(Checked):
     ----------
     mechanism : Press, SliderCrank, FourBar, SixBar, TwoPoint or Linkage
     bearings : Bearing, or mapping of str to Bearing
-        Bearing of every joint with clearance that is not in ``joint_bearings``. A mapping gives
-        its joints clearance, each with its bearing.
+        Bearing of every joint with clearance that is not in ``joint_bearings``. A
+        mapping gives its joints clearance, each with its bearing.
     joint_bearings : mapping of str to Bearing
         Bearings of single joints that differ from ``bearings``.
     surfaces : mapping of str to pair
-        Initial surfaces of bearing and pin in every replicate, by joint; the rest is round. A side
-        is a ``Surface``, None, depths of equal bins of a turn, shape (m,), m, or rows of angle,
-        rad, and depth, m, shape (n, 2). Where its angles are not those of the bins of the joint,
-        each bin takes the mean of the monotone cubic through the points, which conserves the worn
-        volume.
+        Initial surfaces of bearing and pin in every replicate, by joint; the rest is
+        round. A side is a ``Surface``, None, depths of equal bins of a turn, shape
+        (m,), m, or rows of angle, rad, and depth, m, shape (n, 2). Where its angles are
+        not those of the bins of the joint, each bin takes the mean of the monotone
+        cubic through the points, which conserves the worn volume.
     origins : mapping of str to str
         Origins of values by key, where they differ from those of the fields.
     """
 
-    example: ClassVar[str] = "pw.scenes.ideal() or pw.scene_from('press.toml')"  # for messages
+    example: ClassVar[str] = (
+        "pw.scenes.ideal() or pw.scene_from('press.toml')"  # for messages
+    )
 
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
@@ -91,34 +122,60 @@ class Scene(Checked):
         "with clearance, else trajectory",
     )
     drive_torque: str = choice(
-        "auto", ("auto", "off", "on"), "storage of drive torques; auto: if there is a process"
+        "auto",
+        ("auto", "off", "on"),
+        "storage of drive torques; auto: if there is a process",
     )
     wear_updates: int = count(1, 0, 20, "chosen", "number of wear updates")
     cycles: int | None = count(
-        None, 1, 100_000, "chosen", "cycles of a replicate; default: until the wear maps converge"
+        None,
+        1,
+        100_000,
+        "chosen",
+        "cycles of a replicate; default: until the wear maps converge",
     )
     tolerance: float = quantity(
-        0.1, "", 1e-3, 1.0, "chosen", "allowed standard error of the wear maps over their rms"
+        0.1,
+        "",
+        1e-3,
+        1.0,
+        "chosen",
+        "allowed standard error of the wear maps over their rms",
     )
     max_cycles: int = count(
-        256, 1, 100_000, "chosen", "most cycles of all replicates together, if cycles = none"
+        256,
+        1,
+        100_000,
+        "chosen",
+        "most cycles of all replicates together, if cycles = none",
     )
     cycles_per_update: float | None = quantity(
         *(None, "", 1.0, 1e12, "chosen"),
         "cycles that one wear update represents; default: those that wear a tenth of the clearance",
     )
     extrapolation: str = choice(
-        "conventions", EXTRAPOLATIONS, "wear update in one jump, or in steps of one cycle"
+        "conventions",
+        EXTRAPOLATIONS,
+        "wear update in one jump, or in steps of one cycle",
     )
     replicates: int | None = count(
-        None, 1, 100, "chosen", "independent runs; default: 8 with a life, 4 with wear, else 1"
+        None,
+        1,
+        100,
+        "chosen",
+        "independent runs; default: 8 with a life, 4 with wear, else 1",
     )
     seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
-    surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
+    surfaces: Mapping[str, tuple[Any, Any]] | Any = field(
+        default_factory=dict, hash=False
+    )
     recording: Recording = field(default_factory=Recording)
-    process: loads.Process | None = one_of(loads.PROCESSES, "force of the work on the output point")
+    process: loads.Process | None = one_of(
+        loads.PROCESSES, "force of the work on the output point"
+    )
     life: Life | None = one_of(
-        LIVES, "service life: limits up to which the joints wear, in wear_updates stages"
+        LIVES,
+        "service life: limits up to which the joints wear, in wear_updates stages",
     )
     origins: Mapping[str, str] = field(default_factory=dict, hash=False)
 
@@ -139,7 +196,9 @@ class Scene(Checked):
         if self.joints is None:
             if not self.mechanism.default_joints and self.bearings != Bearing():
                 names = ", ".join(self.mechanism.allowed_joints)
-                raise InputError(f"bearings: no joint has clearance; set joints to any of {names}")
+                raise InputError(
+                    f"bearings: no joint has clearance; set joints to any of {names}"
+                )
             self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
         self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()
@@ -148,8 +207,12 @@ class Scene(Checked):
                 raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
         self._set(  # in one spelling, so that equal scenes are equal
             joints=self._joint_choice.combine(self.bearing_joints),
-            joint_bearings={k: b for k, b in self.joint_bearings.items() if b != self.bearings},
-            surfaces=initial_surfaces(self.surfaces, self.clearance_joints, self.bearing),
+            joint_bearings={
+                k: b for k, b in self.joint_bearings.items() if b != self.bearings
+            },
+            surfaces=initial_surfaces(
+                self.surfaces, self.clearance_joints, self.bearing
+            ),
         )
         if self.life is None and not self.clearance_joints:
             self._set(wear_updates=0)  # no joint wears
@@ -160,7 +223,9 @@ class Scene(Checked):
         if self.life is not None:
             self._check_life(self.life)
         elif self.replicate_count > 1 and not self.clearance_joints:
-            raise InputError(f"replicates = {self.replicates}: allowed is 1 without clearance")
+            raise InputError(
+                f"replicates = {self.replicates}: allowed is 1 without clearance"
+            )
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -169,23 +234,33 @@ class Scene(Checked):
     def check(self) -> None:
         """Raise InputError if the scene cannot be run.
 
-        Assembles the mechanism over a cycle, and checks the process, the torque limits of the
-        drives and the engine. Called once before a run, because it takes longer than the checks of
-        single values.
+        Assembles the mechanism over a cycle, and checks the process, the torque limits
+        of the drives and the engine. Called once before a run, because it takes longer
+        than the checks of single values.
         """
-        coefficients = [self.bearing(j).materials.wear_coefficient for j in self.clearance_joints]
+        coefficients = [
+            self.bearing(j).materials.wear_coefficient for j in self.clearance_joints
+        ]
         if self.wear_updates > 0 and coefficients and not any(coefficients):
-            raise InputError("wear_coefficient = 0: with wear_updates or a life allowed is above 0")
+            raise InputError(
+                "wear_coefficient = 0: with wear_updates or a life allowed is above 0"
+            )
         bodies = self.mechanism.linkage().bodies
-        light, heavy = (least(bodies, key=lambda body: body.mass) for least in (min, max))
+        light, heavy = (
+            least(bodies, key=lambda body: body.mass) for least in (min, max)
+        )
         if heavy.mass > MAX_MASS_RATIO * light.mass:
             masses = f"{heavy.name} = {heavy.mass:g} kg, mass of {light.name} = {light.mass:g} kg"
-            raise InputError(f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}")
+            raise InputError(
+                f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}"
+            )
         _ = self.ideal  # raises where the linkage cannot follow its drives
         if self.base_linkage.springs:
             # Imported here, because it loads numba.
             springs = import_module("presswear.physics.interactions.spring")
-            springs.check_springs(self.base_linkage, self.ideal.at(np.zeros(1)).position[0])
+            springs.check_springs(
+                self.base_linkage, self.ideal.at(np.zeros(1)).position[0]
+            )
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded
@@ -198,7 +273,9 @@ class Scene(Checked):
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
             fault = f"it needs a linkage without free loops, but {reason}"
-            raise InputError(f"engine = {ExudynTree.word!r}: {fault}; allowed is one of {engines}")
+            raise InputError(
+                f"engine = {ExudynTree.word!r}: {fault}; allowed is one of {engines}"
+            )
 
     def _check_life(self, life: Life) -> None:
         if not self.clearance_joints:
@@ -209,19 +286,26 @@ class Scene(Checked):
             raise InputError("replicates = 1: with a life allowed is 2 to 100")
         if self.conventions.wear_distribution != "arc":
             reason = "its depth depends on the width of the bins"
-            raise InputError(f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}")
+            raise InputError(
+                f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}"
+            )
         services = life.services(self.clearance_joints)
         limits = life.limits(self.clearance_joints)
         if self.is_quick:
-            others = [one.key for one in limits if one.name not in ("depth", "wear_volume")]
-            faults = [f"until: {key}: allowed are depth and wear_volume" for key in others]
+            others = [
+                one.key for one in limits if one.name not in ("depth", "wear_volume")
+            ]
+            faults = [
+                f"until: {key}: allowed are depth and wear_volume" for key in others
+            ]
             faults += [f"{one.words}: allowed is no maintenance" for one in services]
             if self.wear_updates > 1:
                 faults.append(f"wear_updates = {self.wear_updates}: allowed is 1")
             if faults:
                 raise InputError(f"{faults[0]} with life.quick = on")
         if limits and all(
-            one.name == "depth" and one.value >= self.bearing(one.joint).clearance for one in limits
+            one.name == "depth" and one.value >= self.bearing(one.joint).clearance
+            for one in limits
         ):
             clearance = written(self.bearing(limits[0].joint).clearance, "m")
             limit = f"until = '{limits[0].key} > {written(limits[0].value, 'm')}'"
@@ -236,12 +320,16 @@ class Scene(Checked):
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        return tuple(name for name in self.bearing_joints if self.bearing(name).clearance > 0.0)
+        return tuple(
+            name for name in self.bearing_joints if self.bearing(name).clearance > 0.0
+        )
 
     @property
     def rigid_bearings(self) -> tuple[str, ...]:
         """Names of the joints that have a bearing without clearance."""
-        return tuple(name for name in self.bearing_joints if self.bearing(name).clearance == 0.0)
+        return tuple(
+            name for name in self.bearing_joints if self.bearing(name).clearance == 0.0
+        )
 
     @property
     def _joint_choice(self) -> Choice:
@@ -268,7 +356,8 @@ class Scene(Checked):
             for key in ("normal_law", "friction_law")
         }
         laws |= {
-            f"{one}.friction_law": self.bearing(one).friction_law for one in self.rigid_bearings
+            f"{one}.friction_law": self.bearing(one).friction_law
+            for one in self.rigid_bearings
         }
         applied = enumerate(self.mechanism.linkage().loads)
         laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
@@ -319,8 +408,8 @@ class Scene(Checked):
     def wears_in_steps(self) -> bool:
         """True if a wear update is applied in steps.
 
-        By default only with the distribution over the arc: a profile whose depth depends on the
-        width of its bins has no step that is small enough.
+        By default only with the distribution over the arc: a profile whose depth
+        depends on the width of its bins has no step that is small enough.
         """
         if self.is_quick:
             return False
@@ -338,7 +427,9 @@ class Scene(Checked):
         widths = dict.fromkeys(f"{360.0 / one.angles:.3g}°" for one in wears)
         return f"bins of {' and '.join(widths)}; twice as many bins halve it"
 
-    def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
+    def linkage(
+        self, worn: Mapping[str, tuple[Surface, Surface]] | None = None
+    ) -> Linkage:
         """Return the linkage on worn surfaces, bearing and pin by joint, or on initial ones."""
         return self._linkage_on(worn) if worn else self._initial_linkage
 
@@ -352,7 +443,9 @@ class Scene(Checked):
         surfaces |= {**self.surfaces, **worn}
         names = self.clearance_joints
         loose = tuple(
-            self.bearing(joint.name).joint(joint, self.conventions, surfaces[joint.name])
+            self.bearing(joint.name).joint(
+                joint, self.conventions, surfaces[joint.name]
+            )
             for joint in ideal.revolutes
             if joint.name in names
         )
@@ -384,7 +477,9 @@ class Scene(Checked):
     @property
     def lift(self) -> float:
         """Height over the work at which a stroke on it is over, m: half way up."""
-        return 0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
+        return (
+            0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
+        )
 
     @property
     def process_laws(self) -> dict[str, loads.OverPosition]:
@@ -420,8 +515,8 @@ class Scene(Checked):
     def auto_purpose(self) -> Purpose:
         """Purpose of a run for which none is specified.
 
-        With clearance, trajectories diverge within the first cycles: a run that is longer has
-        statistics, which need no trajectory.
+        With clearance, trajectories diverge within the first cycles: a run that is
+        longer has statistics, which need no trajectory.
         """
         if self.wear_updates > 0:
             return "wear"
@@ -435,7 +530,9 @@ class Scene(Checked):
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
             word = ExudynTree.word if is_tree else ExudynJoints.word
-        purpose = cast(Purpose, self.auto_purpose if self.purpose == "auto" else self.purpose)
+        purpose = cast(
+            Purpose, self.auto_purpose if self.purpose == "auto" else self.purpose
+        )
         numerics = self.numerics.resolved(purpose, self.tolerance)
         engines = numerics.tree, numerics.joints, numerics.dae
         return next(engine for engine in engines if engine.word == word)
@@ -460,8 +557,8 @@ class Scene(Checked):
     def ideal_slider(self, time: Array, closed: bool = True) -> Array:
         """Return displacement from the start, velocity and acceleration of the ideal output.
 
-        Shape (n, 3) at times of shape (n,), s; m, m/s, m/s^2. See ``IdealMotion.at`` for
-        ``closed``.
+        Shape (n, 3) at times of shape (n,), s; m, m/s, m/s^2. See ``IdealMotion.at``
+        for ``closed``.
         """
         slider = self.ideal.at(np.append(0.0, time), closed).output(self.base_linkage)
         slider[:, 0] -= slider[0, 0]
@@ -515,11 +612,22 @@ def _mechanism_from(data: Any) -> OneMechanism:
     return cast(OneMechanism, make("mechanism", MECHANISMS[kind], data))
 
 
-_ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+_ORDINALS = (
+    "first",
+    "second",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+)
 
 
 def stage_name(index: int, is_worn: bool = False) -> str:
     """Return the name of a stage: ``no wear``, or ``initial surfaces``, ``first wear``, ..."""
     if index == 0:
         return "initial surfaces" if is_worn else "no wear"
-    return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
+    return (
+        f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
+    )

@@ -1,8 +1,8 @@
 """Settings of a scene: the table of all values that can be set, changes of them, and their texts.
 
-Keys are the names of the fields of a scene and of its parts, without the names of the parts. A
-part that may be absent and a single joint are named before a dot: ``process.force``,
-``A.clearance``.
+Keys are the names of the fields of a scene and of its parts, without the names of the
+parts. A part that may be absent and a single joint are named before a dot:
+``process.force``, ``A.clearance``.
 """
 
 import re
@@ -63,16 +63,20 @@ class Setting:
 def settings_of(scene: Scene) -> list[Setting]:
     """Return all settings with present values; of single joints only those that differ."""
     common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
-    single = (setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint))
-    differing = (one for one in single if one.value != common[one.key.rpartition(".")[2]])
+    single = (
+        setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint)
+    )
+    differing = (
+        one for one in single if one.value != common[one.key.rpartition(".")[2]]
+    )
     return [*settings_in(scene, scene.origins), *differing]
 
 
 def used_settings_of(scene: Scene) -> list[Setting]:
     """Return the settings whose values a run of the scene uses.
 
-    Left out are values of bearings that each joint has a value of its own for, or that its laws
-    do not read, and the settings of the other engines.
+    Left out are values of bearings that each joint has a value of its own for, or that
+    its laws do not read, and the settings of the other engines.
     """
     used = {
         (one.key, one.value)
@@ -81,13 +85,18 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         if one.key not in bearing.unread
     }
     common = {one.key for one in settings_in(scene.bearings)}
-    engines = (one for one in vars(scene.numerics).values() if one.word != scene.solver.word)
+    engines = (
+        one for one in vars(scene.numerics).values() if one.word != scene.solver.word
+    )
     unused = {one.key for engine in engines for one in settings_in(engine)}
-    unused |= {f"{j}.{key}" for j in scene.bearing_joints for key in scene.bearing(j).unread}
+    unused |= {
+        f"{j}.{key}" for j in scene.bearing_joints for key in scene.bearing(j).unread
+    }
     return [
         one
         for one in settings_of(scene)
-        if one.key not in unused and (one.key not in common or (one.key, one.value) in used)
+        if one.key not in unused
+        and (one.key not in common or (one.key, one.value) in used)
     ]
 
 
@@ -165,9 +174,9 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     Parameters
     ----------
     settings : mapping
-        Texts with units, as on the command line, or numbers, SI, by key, or by the symbol of a
-        key, such as ``c_f``. A named set or a part, such as ``geometry``, is applied first, so
-        that single values can change it.
+        Texts with units, as on the command line, or numbers, SI, by key, or by the
+        symbol of a key, such as ``c_f``. A named set or a part, such as ``geometry``,
+        is applied first, so that single values can change it.
     origin : str
         Origin of the values, for the list of settings.
 
@@ -180,7 +189,9 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     if len(named) < len(settings):
         keys = [_RADIAL.sub("clearance", name_of_key(key)) for key in settings]
         twice = next(key for key in keys if keys.count(key) > 1)
-        both = " and ".join(key for key, name in zip(settings, keys, strict=True) if name == twice)
+        both = " and ".join(
+            key for key, name in zip(settings, keys, strict=True) if name == twice
+        )
         raise InputError(f"{both} are the same setting; set one of them")
     if scene.life is not None and f"{named.get('wear_updates')}".strip() == "0":
         named.setdefault("life", NONE)  # without wear there is no life
@@ -206,7 +217,9 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     if in_file := [key for key in named if scene.origins.get(key) == IN_FILE]:
         # A value that the file has already is no change of it.
         before = _by_key(scene)
-        same = [k for k in in_file if k in before and before[k].value == allowed[k].value]
+        same = [
+            k for k in in_file if k in before and before[k].value == allowed[k].value
+        ]
         result = replace(result, origins={**origins, **dict.fromkeys(same, IN_FILE)})
     return result
 
@@ -224,20 +237,34 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
         return InputError(f"{key}: use {radial}, which is half the diametral clearance")
     part = allowed.get(first)
     if part is not None and part.value == NONE:
-        kinds = ", ".join(name for name in cast(Choice, part.meaning).words if name != NONE)
+        kinds = ", ".join(
+            name for name in cast(Choice, part.meaning).words if name != NONE
+        )
         return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
     if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
-        return InputError(f"{key}: joint {first} has no clearance; joints = {scene.joints}")
-    inner = [name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")]
+        return InputError(
+            f"{key}: joint {first} has no clearance; joints = {scene.joints}"
+        )
+    inner = [
+        name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")
+    ]
     if part is not None and inner:
         return unknown(f"key of {first}", last, inner)
-    if first not in scene.bearing_joints and part is None and last in vars(scene.bearings):
+    if (
+        first not in scene.bearing_joints
+        and part is None
+        and last in vars(scene.bearings)
+    ):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
-    names = [name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints]
+    names = [
+        name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints
+    ]
     if first in scene.bearing_joints:
         names = [f"{first}.{name}" for name in (*inner, DIAMETRAL)]
     hint = nearest(key, [*names, DIAMETRAL, *SYMBOLS])
-    return InputError(f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}")
+    return InputError(
+        f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}"
+    )
 
 
 def _changed(
@@ -252,7 +279,9 @@ def _changed(
         result = settings.get(key, value) if meaning is not None else value
         if isinstance(meaning, Choice) and result is not value and meaning.is_part:
             is_same = result == meaning.shown(value)
-            result = value if is_same else meaning.convert(f"{message_prefix}{key}", result)
+            result = (
+                value if is_same else meaning.convert(f"{message_prefix}{key}", result)
+            )
         if _has_settings(result) and name not in updates:
             result = _changed(result, settings, inner, message_prefix)
         if result is not value:
@@ -268,17 +297,25 @@ def _changed(
 def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     """Return the values of a list or a range, SI, in the order in which they are typed.
 
-    A list is as ``0.02,0.05,0.1``. A range has both ends and a number of values, in equal steps as
-    ``2pi:12pi:200 rad/s``, or in equal ratios as ``1e8N/m:1e10N/m:5:log``. InputError with the key.
+    A list is as ``0.02,0.05,0.1``. A range has both ends and a number of values, in
+    equal steps as ``2pi:12pi:200 rad/s``, or in equal ratios as
+    ``1e8N/m:1e10N/m:5:log``. InputError with the key.
     """
     if ":" not in text:
-        return [float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")]
+        return [
+            float(parse_quantity(key, part.strip(), meaning))
+            for part in text.split(",")
+        ]
     match = _RANGE.match(text)
     if match is None:
-        raise InputError(f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected")
+        raise InputError(
+            f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected"
+        )
     low, high, count, unit, log, unit_behind = match.groups("")
     if not 2 <= int(count) <= _MAX_VALUES:
-        raise InputError(f"{key} = {text}: a number of values from 2 to {_MAX_VALUES} is expected")
+        raise InputError(
+            f"{key} = {text}: a number of values from 2 to {_MAX_VALUES} is expected"
+        )
     first, final = (
         float(parse_quantity(key, f"{end} {unit or unit_behind}".strip(), meaning))
         for end in (low, high)
@@ -288,9 +325,13 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     if log and min(first, final) <= 0.0:
         raise InputError(f"{key} = {text}: equal ratios need ends above 0")
     space = np.geomspace if log else np.linspace
-    values = [float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(count))]
+    values = [
+        float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(count))
+    ]
     for value in values:
-        meaning.check(key, int(value) if meaning.whole and value.is_integer() else value)
+        meaning.check(
+            key, int(value) if meaning.whole and value.is_integer() else value
+        )
     return values
 
 
@@ -298,8 +339,12 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
     """Return keys under which two stored scenes differ, with both values, long ones cut."""
     has_function = is_stored_function(first) or is_stored_function(second)
     if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
-        inner = {n: key if key and n in ("name", "kind") else n for n in {**first, **second}}
-        pairs = ((first.get(name), second.get(name), label) for name, label in inner.items())
+        inner = {
+            n: key if key and n in ("name", "kind") else n for n in {**first, **second}
+        }
+        pairs = (
+            (first.get(name), second.get(name), label) for name, label in inner.items()
+        )
         return [difference for pair in pairs for difference in differences(*pair)]
 
     def short(value: Any) -> Any:
@@ -315,7 +360,9 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
 def on_surfaces(scene: Scene, surfaces: Any, source: str) -> Scene:
     """Return a scene with initial surfaces, and a word on their source for messages."""
     try:
-        return replace(scene, surfaces=surfaces, origins={**scene.origins, "surfaces": source})
+        return replace(
+            scene, surfaces=surfaces, origins={**scene.origins, "surfaces": source}
+        )
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
 
@@ -336,7 +383,10 @@ class Change:
 
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against another one that do not follow from others."""
-    was, settings = {one.key: one.value for one in settings_of(base)}, settings_of(scene)
+    was, settings = (
+        {one.key: one.value for one in settings_of(base)},
+        settings_of(scene),
+    )
     for one in settings:
         if not isinstance(one.meaning, Choice) or not one.meaning.is_part:
             continue
@@ -354,7 +404,9 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     changes = []
     for one in settings:
         if one.value != was.get(one.key, one.value):
-            values = [NONE if value is None else value for value in (one.value, was[one.key])]
+            values = [
+                NONE if value is None else value for value in (one.value, was[one.key])
+            ]
             quantity = one.meaning if isinstance(one.meaning, Quantity) else Quantity()
             (value, before), unit = quantity.texts(*values)
             changes.append(Change(one.key, value, before, unit, one.meaning.text))
@@ -375,4 +427,6 @@ def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]
         yield Change("mechanism", new, old, "", text)
     if scene.surfaces and data["surfaces"] != was["surfaces"]:
         source = scene.origins.get("surfaces", "a script")
-        yield Change("surfaces", f"from {source}", "round", "", "initial surfaces of every run")
+        yield Change(
+            "surfaces", f"from {source}", "round", "", "initial surfaces of every run"
+        )

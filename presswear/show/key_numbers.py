@@ -6,7 +6,14 @@ from typing import Any
 
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
-from presswear.results.life import QUICK, WITHOUT_CURVES, LifeResult, digits_of, span_of, words_of
+from presswear.results.life import (
+    QUICK,
+    WITHOUT_CURVES,
+    LifeResult,
+    digits_of,
+    span_of,
+    words_of,
+)
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
 from presswear.results.oil_film import STEADY, oil_films
 from presswear.results.result import Result
@@ -27,14 +34,19 @@ _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 # Linkages to which a run is compared
 RUBBING, IDEAL = "rigid joints with friction", "rigid joints without friction"
-_LOADS = {  # title, unit and words of the loads of bearings, by the settings that limit them
+# title, unit and words of the loads of bearings, by the settings that limit them
+_LOADS = {
     "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
     "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
 }
 
 
 def measured(
-    name: str, estimate: Estimate | None, unit: str, meaning: str, strokes: int | None = None
+    name: str,
+    estimate: Estimate | None,
+    unit: str,
+    meaning: str,
+    strokes: int | None = None,
 ) -> KeyNumber:
     """Return a key number of an estimate in SI; a doubtful one has a note.
 
@@ -49,7 +61,9 @@ def measured(
     factor, shown = numbers.unit_scale(unit, abs(mean))
     if low is None or high is None:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
-        return KeyNumber(name, value, UNKNOWN, meaning, note=note or "scatters too much")
+        return KeyNumber(
+            name, value, UNKNOWN, meaning, note=note or "scatters too much"
+        )
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
     interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
@@ -58,7 +72,9 @@ def measured(
 
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Return the key numbers of a life, and of the last stage that did not fail, if any."""
-    stages = [stage for stage in result.stages if stage.statistics.output and not stage.failed]
+    stages = [
+        stage for stage in result.stages if stage.statistics.output and not stage.failed
+    ]
     life = [] if result.life is None else [_life(result.scene, result.life)]
     if not stages:
         return life
@@ -99,7 +115,9 @@ def _life(scene: Scene, life: LifeResult) -> KeyNumber:
         return KeyNumber(name, value, "", f"No limit is exceeded in {hours} hours.")
     value = f"{numbers.large(life.strokes, digits=digits_of(life.total_error))} strokes"
     interval = span_of(life.strokes, life.total_error)
-    meaning = f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
+    meaning = (
+        f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
+    )
     if life.ended == QUICK:
         meaning += " By two wear rates, with no error of steps."
     if interval:
@@ -110,15 +128,19 @@ def _life(scene: Scene, life: LifeResult) -> KeyNumber:
 def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estimate]]:
     """Return pin pressure, Pa, and pressure times sliding speed, W/m^2, of each joint.
 
-    Each is under the name of the setting that limits it. The pressure is the peak force of a stroke
-    over the projected area 2 R b. The sliding distance is known where it is that of the wear.
+    Each is under the name of the setting that limits it. The pressure is the peak force
+    of a stroke over the projected area 2 R b. The sliding distance is known where it is
+    that of the wear.
     """
     loads: dict[str, dict[str, Estimate]] = {key: {} for key in _LOADS}
     for name, joint in stage.statistics.joints.items():
         bearing = scene.bearing(name)
         per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
         loads["pressure_limit"][name] = _largest_force(stage, name).scaled(per_area)
-        if scene.conventions.slip == "sliding" and bearing.materials.wear_coefficient > 0.0:
+        if (
+            scene.conventions.slip == "sliding"
+            and bearing.materials.wear_coefficient > 0.0
+        ):
             rate = per_area / scene.mechanism.period
             loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
     return {key: values for key, values in loads.items() if values}
@@ -135,7 +157,9 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     where = "" if last is first else " of the last stage"
     text = f"At joint {at}: greatest force in a stroke, on average. Largest of all strokes{where}: "
-    text += f"{largest}. Impacts are included; a real frame bends and makes them smaller."
+    text += (
+        f"{largest}. Impacts are included; a real frame bends and makes them smaller."
+    )
     if not scene.has_untrusted_loads:
         ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
         text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
@@ -155,11 +179,17 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     result = [peak]
     for key, loads in _bearing_loads(scene, last).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
-        ratios = {name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one}
+        ratios = {
+            name: loads[name].scaled(1.0 / one) for name, one in limits.items() if one
+        }
         at = _greatest(ratios or loads)
         bearing, (title, unit, words) = scene.bearing(at), _LOADS[key]
         size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
-        limit = numbers.quantity_text(limits[at], unit) if limits[at] else f"not given ({key})"
+        limit = (
+            numbers.quantity_text(limits[at], unit)
+            if limits[at]
+            else f"not given ({key})"
+        )
         if key == "pressure_limit" and settling and settling.is_mixture:
             words += ", of the motion with the largest force,"
         text = f"{words} at joint {at} ({size}). Limit: {limit}."
@@ -171,7 +201,10 @@ def _largest_force(stage: StageResult, joint: str) -> Estimate:
     """Return the mean peak force at a joint; of replicates with different motions the largest."""
     settling = stage.statistics.settling
     if settling and settling.is_mixture:
-        return max((one.peak_force[joint] for one in settling.motions), key=lambda one: one.mean)
+        return max(
+            (one.peak_force[joint] for one in settling.motions),
+            key=lambda one: one.mean,
+        )
     return stage.statistics.joints[joint].peak_force_per_cycle
 
 
@@ -216,13 +249,16 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             surfaces = "worn" if stage.is_worn else "new"
             text = f"Deepest place, on the {side} of joint {name}, as a mean over {represented} "
             bearing = scene.bearing(name)
-            coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace("^3", "³")
+            coefficient = written(bearing.materials.wear_coefficient, "1/Pa").replace(
+                "^3", "³"
+            )
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
             text += f" It is for {scene.bin_remark}." if scene.bin_remark else ""
             rest = [
                 f"{joint} {numbers.quantity_text(max(depths), 'm')}"
                 for joint in stage.statistics.joints
-                if joint != name and (depths := [wear[key].mean for key in wear if key[0] == joint])
+                if joint != name
+                and (depths := [wear[key].mean for key in wear if key[0] == joint])
             ]
             text += f" Other joints: {', '.join(rest)}." if rest else ""
             if films := oil_films(scene):
@@ -233,7 +269,9 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 text += " The wear is that of dry contact: an upper bound where oil carries. Full "
                 text += f"oil film for at least {shares}. {STEADY}."
             strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
-            return [measured("Wear per million strokes", wear[place], "m", text, strokes)]
+            return [
+                measured("Wear per million strokes", wear[place], "m", text, strokes)
+            ]
     return []
 
 
@@ -257,9 +295,14 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text += "negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
-    result.append(measured("Bottom dead centre error", bdc.error, "m", text, bdc.strokes))
+    result.append(
+        measured("Bottom dead centre error", bdc.error, "m", text, bdc.strokes)
+    )
     text = "Standard deviation of bottom dead centre from stroke to stroke."
-    return [*result, measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes)]
+    return [
+        *result,
+        measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes),
+    ]
 
 
 def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
@@ -268,7 +311,8 @@ def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
         return ""
     turn = 360.0 / scene.mechanism.period
     angles, times = (
-        " and ".join(f"{factor * time:.2f}" for time in bdc.equal_bottoms) for factor in (turn, 1e3)
+        " and ".join(f"{factor * time:.2f}" for time in bdc.equal_bottoms)
+        for factor in (turn, 1e3)
     )
     phase = scene.mechanism.linkage().phase
     return f"at {angles} degrees of {phase} since the start ({times} ms)"
@@ -285,16 +329,25 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):
-        closed = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()}
+        closed = {
+            body: Estimate(abs(getattr(duty, name).peak))
+            for body, duty in duties.items()
+        }
         peaks = {body: getattr(drive, f"peak_{name}") for body, drive in drives.items()}
-        peaks = {body: peak for body, peak in peaks.items() if peak is not None} or closed
+        peaks = {
+            body: peak for body, peak in peaks.items() if peak is not None
+        } or closed
         body = _greatest(peaks)
         if name == "torque":
             typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
         else:
-            typical = _mean_power(scene, [duty.power.mean for duty in duties.values()], peaks[body])
+            typical = _mean_power(
+                scene, [duty.power.mean for duty in duties.values()], peaks[body]
+            )
         text, title = f"Largest in a stroke at {body}; {typical}", f"Peak drive {name}"
-        compared = tuple((words, _peak_text(one, name, unit)) for words, one in rigid.items())
+        compared = tuple(
+            (words, _peak_text(one, name, unit)) for words, one in rigid.items()
+        )
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
             text += "clearance and friction."
@@ -304,13 +357,17 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         before = getattr(new[body], f"peak_{name}") if body in new else None
         if before is not None:
             text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
-        result.append(measured(title, peaks[body], unit, text)._replace(compared=compared))
+        result.append(
+            measured(title, peaks[body], unit, text)._replace(compared=compared)
+        )
     return result
 
 
 def _peak_text(duties: Mapping[str, press.DriveDuty], name: str, unit: str) -> str:
     """Return the greatest peak of the drives as a text, with its drive if there are several."""
-    peaks = {body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()}
+    peaks = {
+        body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()
+    }
     body = _greatest(peaks)
     text = numbers.quantity_text(peaks[body].mean, unit)
     return f"{text} at {body}" if len(peaks) > 1 else text
@@ -329,7 +386,9 @@ def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:
     return text
 
 
-def _improvement(scene: Scene, stage: StageResult, life: LifeResult | None) -> list[KeyNumber]:
+def _improvement(
+    scene: Scene, stage: StageResult, life: LifeResult | None
+) -> list[KeyNumber]:
     """Return the joint to improve first: it ends the life, wears most, or is loaded most."""
     joints = stage.statistics.joints
     if len(joints) < 2:
@@ -359,7 +418,9 @@ def _rivals(values: Mapping[str, Estimate]) -> list[str]:
     """Return the name of the greatest value, and of those that are hardly smaller."""
     greatest = values[_greatest(values)]
     lowest = min(greatest.low or math.inf, _CLOSE * greatest.mean)
-    return [name for name, one in values.items() if max(one.mean, one.high or 0.0) >= lowest]
+    return [
+        name for name, one in values.items() if max(one.mean, one.high or 0.0) >= lowest
+    ]
 
 
 def warnings(result: Result) -> list[str]:
@@ -371,16 +432,22 @@ def warnings(result: Result) -> list[str]:
         settling = stage.statistics.settling
         # The status of the run names stages of which some replicates have settled.
         if settling and needs_warning(settling) and settling.verdict != "mixed":
-            lines.append(f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE_ADVICE}.")
+            lines.append(
+                f"{stage.name.capitalize()}: {sentence_of(settling)}. {SETTLE_ADVICE}."
+            )
             if (settling.starts[0] or 0) > STARTUP_CYCLES:
-                lines[-1] += " Figures over time show the first run before it came to rest."
+                lines[-1] += (
+                    " Figures over time show the first run before it came to rest."
+                )
     for stage in stages:
         made = stage.statistics.energy_made_fraction
         if made > _MADE:
             part = numbers.readable(100.0 * made, 2)
             laws = [scene.bearing(name).normal_law for name in scene.clearance_joints]
             is_radial = scene.conventions.contact == "radial"
-            can_change = is_radial and not any(isinstance(law, UserFunction) for law in laws)
+            can_change = is_radial and not any(
+                isinstance(law, UserFunction) for law in laws
+            )
             lines.append(
                 f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
                 "joints dissipate. Forces and wear may be wrong by as much."
@@ -404,16 +471,22 @@ def warnings(result: Result) -> list[str]:
         by_limit = _bearing_loads(scene, stage)
         is_limited = any(scene.bearing(name).pv_limit for name in stage.joints)
         if is_limited and "pv_limit" not in by_limit:
-            lines.append("pv_limit is not compared: it needs slip = sliding, as in refined.")
+            lines.append(
+                "pv_limit is not compared: it needs slip = sliding, as in refined."
+            )
         for key, loads in by_limit.items():
             unit = _LOADS[key][1]
             for name, load in loads.items():
                 limit = getattr(scene.bearing(name), key)
                 if limit is None and key == "pressure_limit":
-                    lines += unusual("pin pressure", load.mean, f"the pin pressure of joint {name}")
+                    lines += unusual(
+                        "pin pressure", load.mean, f"the pin pressure of joint {name}"
+                    )
                 elif limit and (highest := load.high or load.mean) > limit:
                     is_certain = load.mean > limit
-                    value = numbers.quantity_text(load.mean if is_certain else highest, unit)
+                    value = numbers.quantity_text(
+                        load.mean if is_certain else highest, unit
+                    )
                     fault = "exceeds" if is_certain else "is possible and exceeds"
                     text = f"{fault} {key} = {numbers.quantity_text(limit, unit)}"
                     lines.append(f"Joint {name}: {value} {text}.")

@@ -1,7 +1,8 @@
 """Report pages: tables as lists of rows, figures, and one renderer for every kind of report.
 
-A report defines its tables as lists of ``Row``, computes one record per column (a data class or a
-mapping), and hands the tables to a template in ``templates/``.  All sentences are in the template.
+A report defines its tables as lists of ``Row``, computes one record per column (a data
+class or a mapping), and hands the tables to a template in ``templates/``.  All
+sentences are in the template.
 """
 
 import base64
@@ -22,7 +23,9 @@ from presswear.show.figures.style import TEMPLATES
 from presswear.tools.numbers import readable, unit_factor, unit_scale, whole
 
 NOTHING = "–"
-_INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
+_INTERVAL = re.compile(
+    r" \(\S+ to \S+?( %)?\)"
+)  # a space is never part of a figure's data
 
 Line = tuple[str, ...]
 
@@ -32,8 +35,12 @@ class Row:
     """Quantity in a table."""
 
     label: str
-    path: str  # attributes, keys and indices from the record to the value: ``bdc.error``
-    unit: str = ""  # display unit into which the SI value is converted; see ``DISPLAY_UNITS``
+    path: (
+        str  # attributes, keys and indices from the record to the value: ``bdc.error``
+    )
+    unit: str = (
+        ""  # display unit into which the SI value is converted; see ``DISPLAY_UNITS``
+    )
     meaning: str = ""  # explanation below the label
     digits: int = 3
 
@@ -83,9 +90,13 @@ class Table:
     """Table of texts."""
 
     head: Line  # titles of the columns
-    groups: tuple[tuple[str, tuple[Line, ...]], ...]  # headings with the rows below them
+    groups: tuple[
+        tuple[str, tuple[Line, ...]], ...
+    ]  # headings with the rows below them
     numeric: bool = True  # all columns but the first are numbers
-    meanings: Mapping[str, str] = field(default_factory=dict)  # shown below labels, by label
+    meanings: Mapping[str, str] = field(
+        default_factory=dict
+    )  # shown below labels, by label
 
 
 def column_table(
@@ -97,15 +108,17 @@ def column_table(
 ) -> Table | None:
     """Return a table with a column per record and a line per row; None if no line has a value.
 
-    ``corner`` is the title of the column of labels; ``groups`` are rows by heading. Rows without
-    a value in any record are left out.
+    ``corner`` is the title of the column of labels; ``groups`` are rows by heading.
+    Rows without a value in any record are left out.
     """
     filled, meanings = dict[str, list[Line]](), dict[str, str]()
     for heading, rows in groups.items():
         for row in rows:
             values = [value_at(record, row.path) for record in records]
             numbers = (one.mean if isinstance(one, Estimate) else one for one in values)
-            largest = max((abs(one) for one in numbers if isinstance(one, float)), default=0.0)
+            largest = max(
+                (abs(one) for one in numbers if isinstance(one, float)), default=0.0
+            )
             # A row of an SI unit is in the unit in which its largest value reads well.
             shown = replace(row, unit=unit_scale(row.unit, largest or 1.0)[1])
             cells = [shown.text(record) for record in records]
@@ -116,7 +129,9 @@ def column_table(
     return Table((corner, *names), lines, numeric, meanings) if filled else None
 
 
-def plain_table(head: Iterable[str], lines: Iterable[Line], numeric: bool = True) -> Table:
+def plain_table(
+    head: Iterable[str], lines: Iterable[Line], numeric: bool = True
+) -> Table:
     """Return a table of one group of lines."""
     return Table(tuple(head), (("", tuple(lines)),), numeric)
 
@@ -146,14 +161,19 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
     """Draw figures, write them into a folder and return them for a page."""
 
     def illustration(drawing: Drawing, image: Image) -> Illustration:
-        data = base64.b64encode(write(image, folder / drawing.file).read_bytes()).decode()
+        data = base64.b64encode(
+            write(image, folder / drawing.file).read_bytes()
+        ).decode()
         return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
-    gc.disable()  # it would take a sixth of the time: figures are full of reference cycles
+    # it would take a sixth of the time: figures are full of reference cycles
+    gc.disable()
     try:
         # An image is compressed and written while the next one is drawn.
         with ThreadPoolExecutor(1) as writer:
-            written = [writer.submit(illustration, each, rendered(each)) for each in drawings]
+            written = [
+                writer.submit(illustration, each, rendered(each)) for each in drawings
+            ]
         return [future.result() for future in written]
     finally:
         gc.enable()
@@ -195,8 +215,8 @@ def render_page(
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
 
-    The answer and the sections, which fold, are below the first screen; another template has parts
-    of its own.
+    The answer and the sections, which fold, are below the first screen; another
+    template has parts of its own.
     """
     environment = Environment(
         loader=PackageLoader("presswear.show"),
@@ -218,4 +238,8 @@ def render_page(
 def _without_breaks(value: Any) -> Any:
     """Replace the spaces in intervals so that these are not broken; markup stays as it is."""
     is_text = type(value) is str
-    return _INTERVAL.sub(lambda match: match[0].replace(" ", "\xa0"), value) if is_text else value
+    return (
+        _INTERVAL.sub(lambda match: match[0].replace(" ", "\xa0"), value)
+        if is_text
+        else value
+    )

@@ -1,7 +1,8 @@
 """Report of a result folder: one HTML file that can be opened anywhere.
 
-Its sentences are in ``templates/report.html``, the rows of its tables in ``templates/tables.toml``.
-A table has a column per stage, or a line per record; a record holds the values of one of them.
+Its sentences are in ``templates/report.html``, the rows of its tables in
+``templates/tables.toml``. A table has a column per stage, or a line per record; a
+record holds the values of one of them.
 """
 
 import math
@@ -16,7 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from presswear.analysis.contact_modes import MODES, Timeline, combine, resonance, timeline_of
+from presswear.analysis.contact_modes import (
+    MODES,
+    Timeline,
+    combine,
+    resonance,
+    timeline_of,
+)
 from presswear.analysis.periods import period_of
 from presswear.analysis.spectra import spectra_of
 from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
@@ -42,7 +49,13 @@ from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import base_of, changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
-from presswear.scene.settings import DEFAULT, SET, Setting, settings_of, used_settings_of
+from presswear.scene.settings import (
+    DEFAULT,
+    SET,
+    Setting,
+    settings_of,
+    used_settings_of,
+)
 from presswear.show import page
 from presswear.show.figures import drawings, first_drawings
 from presswear.show.figures.life import limit_text, services_done
@@ -62,10 +75,14 @@ from presswear.tools.quantities import Quantity
 
 Record = dict[str, Any]
 
-_TABLES = TEMPLATES.from_string((files(__package__) / "templates/tables.toml").read_text("utf-8"))
+_TABLES = TEMPLATES.from_string(
+    (files(__package__) / "templates/tables.toml").read_text("utf-8")
+)
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _TOGETHER = 8  # most frequent modes of all joints together that are listed
-_MIN_LINES = 8  # spectral lines per order; with fewer, noise too has most power at whole orders
+_MIN_LINES = (
+    8  # spectral lines per order; with fewer, noise too has most power at whole orders
+)
 
 
 def prepare(scene: Scene) -> None:
@@ -84,15 +101,18 @@ def write_report(
 ) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
-    ``notify`` is called with the number of figures before they are drawn. Without all figures
-    there are those of ``first_drawings``, and the page states the command that draws the others.
+    ``notify`` is called with the number of figures before they are drawn. Without all
+    figures there are those of ``first_drawings``, and the page states the command that
+    draws the others.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     notify(len(sheets))
     figures = page.illustrated(sheets, inside(result.path, "figures"))
-    command = "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
+    command = (
+        "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
+    )
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures, command).encode())
     return file
@@ -126,7 +146,10 @@ def render_report(
             **setting_tables(result),
             **mechanism_tables(result),
             "changes": _line_table("changes", result, changes) if changes else None,
-            **{name: _if_stored(table, result, missing) for name, table in _OPTIONAL.items()},
+            **{
+                name: _if_stored(table, result, missing)
+                for name, table in _OPTIONAL.items()
+            },
             "provenance": provenance_table(result),
         },
         "life": result.life and _life(result, result.life),
@@ -142,7 +165,9 @@ def render_report(
             style=result.status if result.status in FINISHED else "unfinished",
             key_numbers=key_numbers(result),
             warnings=[*warnings(result), *missing],
-            picture=next((figure for figure in figures if figure.file == "mechanism.png"), None),
+            picture=next(
+                (figure for figure in figures if figure.file == "mechanism.png"), None
+            ),
         ),
         template="report.html",
         figures=figures,
@@ -166,8 +191,8 @@ def _status(result: Result) -> str:
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
     """Return the joints that share a normal law, their bearing, its title and its restitution.
 
-    The restitution is the one that the law delivers, not the one that it is set to; None for a
-    law whose restitution is unknown.
+    The restitution is the one that the law delivers, not the one that it is set to;
+    None for a law whose restitution is unknown.
     """
     groups: dict[Any, tuple[list[str], Bearing, str, float | None]] = {}
     for joint in scene.clearance_joints:
@@ -187,7 +212,11 @@ def _tables(result: Result, **names: Any) -> Record:
     scene = result.scene
     linkage = scene.mechanism.linkage()
     # Maps that are fixed in space have one angle for both surfaces.
-    sides = {side: side for side in SIDES} if maps_turn(result) else {"both": "bearing + pin"}
+    sides = (
+        {side: side for side in SIDES}
+        if maps_turn(result)
+        else {"both": "bearing + pin"}
+    )
     content = {
         "scene": scene,
         "linkage": linkage,
@@ -208,18 +237,29 @@ _parsed = lru_cache(maxsize=8)(tomllib.loads)
 
 
 def _result_table(
-    name: str, result: Result, records: Sequence[Record], numeric: bool = True, **names: Any
+    name: str,
+    result: Result,
+    records: Sequence[Record],
+    numeric: bool = True,
+    **names: Any,
 ) -> Table | None:
     """Return a table of ``tables.toml`` with a column per record."""
     content = _tables(result, **names)
-    rows = {heading: [Row(*row) for row in lines] for heading, lines in content[name].items()}
+    rows = {
+        heading: [Row(*row) for row in lines]
+        for heading, lines in content[name].items()
+    }
     columns = [record["name"] for record in records]
     corner = content["corners"].get(name, "")
     return page.column_table(corner, columns, records, rows, numeric)
 
 
 def _line_table(
-    name: str, result: Result, records: Iterable[Any], numeric: bool = False, **names: str
+    name: str,
+    result: Result,
+    records: Iterable[Any],
+    numeric: bool = False,
+    **names: str,
 ) -> Table:
     """Return a table of ``tables.toml`` with a line per record."""
     columns = [Row(*row) for row in _tables(result, **names)["columns"][name]]
@@ -230,12 +270,14 @@ def _line_table(
 def stage_tables(result: Result) -> dict[str, Table | None]:
     """Return the tables with a column or a line per stage, by name; None for one without values.
 
-    Numbers of failed stages are left out. Stored laws of the result are not executed unless they
-    are trusted.
+    Numbers of failed stages are left out. Stored laws of the result are not executed
+    unless they are trusted.
     """
     scene, records = result.scene, list[Record]()
     endings = _tables(result)["endings"]
-    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+    for name, stage in zip(
+        stage_names(result, result.stages), result.stages, strict=True
+    ):
         bdc = stage.statistics.bdc if scene.clearance_joints else None
         ending = endings.get(stage.status, stage.status)
         records.append(
@@ -243,15 +285,28 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                 "name": name,
                 "stage": stage,
                 "bdc": bdc,
-                "dwell": None if bdc is None or bdc.delay or bdc.equal_bottoms else bdc.ideal_dwell,
-                "bottoms": None if bdc is None else equal_bottoms_text(scene, bdc) or None,
-                "rise": press.rise(stage, result.stages[0]) if bdc and records else None,
-                "rest": None if stage.failed else _heights_at_rest(scene, stage.surfaces),
+                "dwell": None
+                if bdc is None or bdc.delay or bdc.equal_bottoms
+                else bdc.ideal_dwell,
+                "bottoms": None
+                if bdc is None
+                else equal_bottoms_text(scene, bdc) or None,
+                "rise": press.rise(stage, result.stages[0])
+                if bdc and records
+                else None,
+                "rest": None
+                if stage.failed
+                else _heights_at_rest(scene, stage.surfaces),
                 "angles": {
-                    joint: {side: _direction(peak.angle) for side, peak in one.wear_peaks.items()}
+                    joint: {
+                        side: _direction(peak.angle)
+                        for side, peak in one.wear_peaks.items()
+                    }
                     for joint, one in stage.statistics.joints.items()
                 },
-                "worn": {joint: _deepest(stage, joint) for joint in scene.clearance_joints},
+                "worn": {
+                    joint: _deepest(stage, joint) for joint in scene.clearance_joints
+                },
                 "tonnage": press.tonnage_of(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
                 "ending": f"failed: {stage.message}" if stage.failed else ending,
@@ -266,7 +321,9 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
 
 
 def _factor_range(steps: Sequence[WearStep]) -> str:
-    ends = [numbers.readable(pick(step.factor for step in steps)) for pick in (min, max)]
+    ends = [
+        numbers.readable(pick(step.factor for step in steps)) for pick in (min, max)
+    ]
     return " to ".join(dict.fromkeys(ends))
 
 
@@ -274,13 +331,20 @@ def _heights_at_rest(
     scene: Scene, surfaces: Mapping[str, tuple[Surface, Surface]] | None = None
 ) -> Record | None:
     """Return total clearance and rise under a static force at bottom dead centre, m."""
-    if not scene.clearance_joints or not all(law.is_trusted for law in scene.user_laws.values()):
+    if not scene.clearance_joints or not all(
+        law.is_trusted for law in scene.user_laws.values()
+    ):
         return None
     linkage = scene.linkage(surfaces)
     pull = statics.pull_of(linkage)
     try:
-        up, down, rest = map(float, statics.heights_at_bottom(linkage, (pull, -pull, 0.0)))
-    except (InputError, RunFailed):  # the output stands still, or no equilibrium is found
+        up, down, rest = map(
+            float, statics.heights_at_bottom(linkage, (pull, -pull, 0.0))
+        )
+    except (
+        InputError,
+        RunFailed,
+    ):  # the output stands still, or no equilibrium is found
         return None
     return {"clearance": up - down, "rise": up - rest}
 
@@ -297,7 +361,9 @@ def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | N
 
 def _direction(angle: Estimate) -> str:
     """Return an angle, degrees within one turn, to two digits of half the width of its interval."""
-    mean, low, high = (math.degrees(end or 0.0) for end in (angle.mean, angle.low, angle.high))
+    mean, low, high = (
+        math.degrees(end or 0.0) for end in (angle.mean, angle.low, angle.high)
+    )
     if angle.low is None:
         return f"{mean:.1f} (too few cycles)"
     digits = max(1 - math.floor(math.log10(0.5 * (high - low))), 0)
@@ -308,13 +374,16 @@ def _direction(angle: Estimate) -> str:
 def drive_table(result: Result) -> Table | None:
     """Return torque, power and energy of each drive beside rigid joints.
 
-    None if torques were not stored, or if ideal torques would execute untrusted stored laws.
+    None if torques were not stored, or if ideal torques would execute untrusted stored
+    laws.
     """
     scene = result.scene
     records: list[Record] = []
     if scene.has_untrusted_loads:
         return None
-    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+    for name, stage in zip(
+        stage_names(result, result.stages), result.stages, strict=True
+    ):
         if drives := press.drives_of(scene, stage):
             duty = {body: drive.duty for body, drive in drives.items()}
             records.append({"name": name, "duty": duty, "energy": stage.statistics})
@@ -323,7 +392,9 @@ def drive_table(result: Result) -> Table | None:
     rigid = {RUBBING: press.rubbing_drives(scene), IDEAL: press.ideal_drives(scene)}
     for name, duties in rigid.items():
         if duties:
-            energy = {"drive_work_per_cycle": sum(drive.work for drive in duties.values())}
+            energy = {
+                "drive_work_per_cycle": sum(drive.work for drive in duties.values())
+            }
             records.append({"name": name, "duty": duties, "energy": energy})
     return _result_table("drives", result, records)
 
@@ -343,7 +414,9 @@ def growth_table(result: Result) -> Table | None:
             "change": max(step.clearance_change for step in steps),
             "wall": sum(step.wall_s for step in steps),
             "last": steps[-1],
-            "force": {joint: max(step.peak_force[joint] for step in steps) for joint in joints},
+            "force": {
+                joint: max(step.peak_force[joint] for step in steps) for joint in joints
+            },
         }
         for stage in result.stages
         if (steps := stage.wear_steps)
@@ -392,7 +465,9 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     def changes(line: Timeline) -> dict[str, float]:
         counts = line.transitions
         pairs = np.argwhere(counts)
-        return {f"{MODES[a]} to {MODES[b]}": float(counts[a, b]) / cycles for a, b in pairs}
+        return {
+            f"{MODES[a]} to {MODES[b]}": float(counts[a, b]) / cycles for a, b in pairs
+        }
 
     return {
         "cycles": cycles,
@@ -402,7 +477,9 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
         "changes": {joint: changes(line) for joint, line in lines.items()},
         "period": str(period_of(scene, stage)),
         "harmonics": {
-            name: ", ".join(numbers.readable(spectrum.amplitude(order)) for order in _HARMONICS)
+            name: ", ".join(
+                numbers.readable(spectrum.amplitude(order)) for order in _HARMONICS
+            )
             for name, spectrum in spectra.items()
         },
         "whole": {
@@ -421,17 +498,26 @@ def setting_tables(result: Result) -> dict[str, Table]:
     records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
     for setting in used_settings_of(scene):
         meaning, value = setting.meaning, setting.value
-        record: Record = {"setting": setting, "value": "none" if value is None else str(value)}
+        record: Record = {
+            "setting": setting,
+            "value": "none" if value is None else str(value),
+        }
         if isinstance(meaning, Quantity) and isinstance(value, int | float):
             record["value"] = _engineers(meaning, value)
         record["origin"] = _origin(scene, setting, before, is_named)
         records["parameters"].append(record)
         if record["origin"].startswith(SET):
             records["chosen"].append(record)
-    return {name: _line_table(name, result, lines) for name, lines in records.items() if lines}
+    return {
+        name: _line_table(name, result, lines)
+        for name, lines in records.items()
+        if lines
+    }
 
 
-def _origin(scene: Scene, setting: Setting, before: Mapping[str, Any], is_named: bool) -> str:
+def _origin(
+    scene: Scene, setting: Setting, before: Mapping[str, Any], is_named: bool
+) -> str:
     """Return the origin of a value; ``before`` are the values of the named scene, or defaults."""
     origin = scene.origins.get(setting.key, DEFAULT)
     if origin != DEFAULT:
@@ -454,7 +540,8 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     scene = result.scene
     linkage, speed = scene.base_linkage, Quantity("rad/s")
     drives = {
-        drive.body: _engineers(speed, drive.mean_speed) + ", not constant" * drive.repeats
+        drive.body: _engineers(speed, drive.mean_speed)
+        + ", not constant" * drive.repeats
         for drive in linkage.drives
     }
     guided = {guide.body for guide in linkage.guides}
@@ -463,7 +550,9 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
         {
             "name": body.name,
             "mass": _engineers(MASS, body.mass),
-            "inertia": None if body.name in guided else _engineers(INERTIA, body.inertia),
+            "inertia": None
+            if body.name in guided
+            else _engineers(INERTIA, body.inertia),
             "start": position,
             "speed": drives.get(body.name),
         }
@@ -483,7 +572,10 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
 
 
 def _place(point: Attachment) -> str:
-    x, y = (numbers.short_number(round(1e3 * value, 6) + 0.0) for value in (point.x, point.y))
+    x, y = (
+        numbers.short_number(round(1e3 * value, 6) + 0.0)
+        for value in (point.x, point.y)
+    )
     return f"{point.body}: {x}, {y}"
 
 
@@ -498,14 +590,18 @@ def _if_stored(
         return table(result)
     except NotStored as error:
         version = result.provenance["packages"]["presswear"]
-        missing.append(f"A table is left out. {error}; presswear {version} wrote the result.")
+        missing.append(
+            f"A table is left out. {error}; presswear {version} wrote the result."
+        )
         return None
 
 
 def provenance_table(result: Result) -> Table | None:
     """Return versions, machine and time of a result."""
     packages = result.provenance["packages"].items()
-    listed = "; ".join(f"{name} {text.replace(', ', ', module ')}" for name, text in packages)
+    listed = "; ".join(
+        f"{name} {text.replace(', ', ', module ')}" for name, text in packages
+    )
     record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
     return _result_table("provenance", result, [record], numeric=False)
 
@@ -530,7 +626,9 @@ def _life(result: Result, life: LifeResult) -> Record:
         )
         for phase in life.phases
     ]
-    end = numbers.large(float(life.curves["strokes"][-1]) if life.curves else life.strokes)
+    end = numbers.large(
+        float(life.curves["strokes"][-1]) if life.curves else life.strokes
+    )
     return {
         "result": life,
         "first": first,
@@ -559,10 +657,17 @@ def _pin_that_ends(result: Result, life: LifeResult) -> str:
     joint, _, name = first.key.partition(".") if first else ("", "", "")
     serviced = {service.joint for service in services_done(result)}
     is_whole = len(stages) == result.scene.wear_updates + 1 and not stages[-1].failed
-    if life.ended != "limit" or name != "depth" or joint not in serviced or not is_whole:
+    if (
+        life.ended != "limit"
+        or name != "depth"
+        or joint not in serviced
+        or not is_whole
+    ):
         return ""
     end = stages[-1].joints[joint]  # on the surfaces at the end of the life
-    bearing, pin = (numbers.quantity_text(float(end.depth(side).max()), "m") for side in SIDES)
+    bearing, pin = (
+        numbers.quantity_text(float(end.depth(side).max()), "m") for side in SIDES
+    )
     if end.depth("pin").max() <= end.depth("bearing").max():
         return ""
     return (
@@ -576,7 +681,11 @@ def _limit_line(scene: Scene, limit: LimitResult) -> Line:
     half = None if limit.last_half_width is None else factor * limit.last_half_width
     # A level curve has no drift and no meaningful half width.
     is_level = limit.last == 0.0 and not half
-    last = "no trend" if is_level else f"{numbers.with_interval(factor * limit.last, half)} {unit}"
+    last = (
+        "no trend"
+        if is_level
+        else f"{numbers.with_interval(factor * limit.last, half)} {unit}"
+    )
     name = f"{words_of(limit.key)} over {limit_text(limit)}"
     if limit.strokes is None:
         return name, "not exceeded", NOTHING, NOTHING, last

@@ -1,6 +1,7 @@
 """Improvement of a mechanism: what changes of joints do to life, force and bottom dead centre.
 
-Each joint is changed in one way at a time, and every change is run like the mechanism as it is.
+Each joint is changed in one way at a time, and every change is run like the mechanism
+as it is.
 """
 
 import math
@@ -25,7 +26,10 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import large, quantity_text
 
-CLEARANCE, SIZE = 0.5, 1.25  # factors on the clearance, and on radius and width of a bearing
+CLEARANCE, SIZE = (
+    0.5,
+    1.25,
+)  # factors on the clearance, and on radius and width of a bearing
 LIFE, FORCE, BOTTOM = "life", "peak force", "error of bottom dead centre"
 PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
@@ -66,7 +70,9 @@ class Improvement:
         for key, items in self.effects.items():
             best = next((item for item in items if item.is_better), None)
             if best is None:
-                lines.append(f"{key}: no change of a single joint is certain to improve it")
+                lines.append(
+                    f"{key}: no change of a single joint is certain to improve it"
+                )
             else:
                 lines.append(f"{key}: best is {best} times the present value")
         tried = [item.change for items in self.effects.values() for item in items]
@@ -82,16 +88,27 @@ class Improvement:
             sheet, grid = style.panels(len(self.effects), 1, height)
             for (axes,), (key, items) in zip(grid, self.effects.items(), strict=True):
                 shown = items[:SHOWN]
-                colours = [style.LINES[2][0] if one.is_better else style.MUTED for one in shown]
-                axes.barh(range(len(shown)), [one.factor.mean for one in shown], color=colours)
+                colours = [
+                    style.LINES[2][0] if one.is_better else style.MUTED for one in shown
+                ]
+                axes.barh(
+                    range(len(shown)), [one.factor.mean for one in shown], color=colours
+                )
                 for place, one in enumerate(shown):
                     if one.factor.low is not None and one.factor.high is not None:
-                        axes.plot([one.factor.low, one.factor.high], [place] * 2, color="black")
+                        axes.plot(
+                            [one.factor.low, one.factor.high],
+                            [place] * 2,
+                            color="black",
+                        )
                 axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
                 axes.set_yticks(range(len(shown)), [one.change for one in shown])
                 axes.invert_yaxis()
                 axes.set_xlabel(self.heading(key))
-            kinds = (style.LINES[2][0], "certain improvement"), (style.MUTED, "not certain")
+            kinds = (
+                (style.LINES[2][0], "certain improvement"),
+                (style.MUTED, "not certain"),
+            )
             handles = [Patch(color=colour, label=words) for colour, words in kinds]
             sheet.legend(handles=handles, loc="outside upper center", ncols=2)
             return style.finished("improve", sheet)[0]
@@ -100,7 +117,9 @@ class Improvement:
 def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
     """Return the settings that are tried, by change; `InputError` if no joint has clearance."""
     if not scene.clearance_joints:
-        raise InputError(f"{scene.name}: no joint has clearance, so none can be improved")
+        raise InputError(
+            f"{scene.name}: no joint has clearance, so none can be improved"
+        )
     changes: dict[str, dict[str, Any]] = {}
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
@@ -131,9 +150,9 @@ def improve(
     """Run a mechanism as it is and with each change, and return the effects of the changes.
 
     One wear update is run, of as many strokes for each change, and no service life; see
-    `run_scenes` for the other parameters.
-    `InputError` if no joint has clearance, or a change does not fit the mechanism; `RunFailed` if
-    the mechanism as it is cannot be run.
+    `run_scenes` for the other parameters. `InputError` if no joint has clearance, or a
+    change does not fit the mechanism; `RunFailed` if the mechanism as it is cannot be
+    run.
     """
     scene = replace(scene, life=None, wear_updates=1)
     changes = changes_of(scene)
@@ -151,8 +170,12 @@ def improve(
     # All are compared after the same strokes, however much their joints wear.
     strokes = plain.stages[0].cycles_per_update
     same = replace(scene, cycles_per_update=strokes)
-    results = run_all({change: changed(same, values) for change, values in changes.items()})
-    failures = {name: one.message for name, one in results.items() if one.status == "failed"}
+    results = run_all(
+        {change: changed(same, values) for change, values in changes.items()}
+    )
+    failures = {
+        name: one.message for name, one in results.items() if one.status == "failed"
+    }
     before = _quantities(plain)
     effects: dict[str, list[Effect]] = {key: [] for key in before}
     for change, result in results.items():
@@ -165,20 +188,27 @@ def improve(
         items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
     units = {key: unit for key, unit in ((FORCE, "N"), (BOTTOM, "m")) if key in before}
     after = f" after {large(strokes)} strokes"
-    present = {key: quantity_text(before[key].mean, unit) + after for key, unit in units.items()}
+    present = {
+        key: quantity_text(before[key].mean, unit) + after
+        for key, unit in units.items()
+    }
     return Improvement(effects, failures, present)
 
 
 def _quantities(result: Result) -> dict[str, Estimate]:
     """Return peak force and error of bottom dead centre on the surfaces after the wear update.
 
-    And for the life, which is inversely proportional to it, the depth that a stroke wears.
+    And for the life, which is inversely proportional to it, the depth that a stroke
+    wears.
     """
     first, last = result.stages[0], result.stages[-1].statistics
     peaks = [joint.wear_peaks.items() for joint in first.statistics.joints.values()]
     per_stroke = 1.0 / first.cycles_per_update
     depths = [
-        peak.depth.scaled(per_stroke) for joint in peaks for side, peak in joint if side != "both"
+        peak.depth.scaled(per_stroke)
+        for joint in peaks
+        for side, peak in joint
+        if side != "both"
     ]
     forces = [joint.peak_force_per_cycle for joint in last.joints.values()]
     greatest = {
@@ -186,7 +216,11 @@ def _quantities(result: Result) -> dict[str, Estimate]:
         FORCE: max(forces, key=attrgetter("mean"), default=None),
         BOTTOM: last.bdc.error if last.bdc else None,
     }
-    return {key: value for key, value in greatest.items() if value is not None and value.mean}
+    return {
+        key: value
+        for key, value in greatest.items()
+        if value is not None and value.mean
+    }
 
 
 def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
@@ -200,4 +234,6 @@ def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
         halves.append(0.5 * abs(math.log(one.high / one.low)))
     factor = math.exp(math.hypot(*halves))
     low, high = ratio / factor, ratio * factor
-    return Effect(change, Estimate(ratio, low, high), low > 1.0 if key == LIFE else high < 1.0)
+    return Effect(
+        change, Estimate(ratio, low, high), low > 1.0 if key == LIFE else high < 1.0
+    )

@@ -18,10 +18,14 @@ from presswear.tools.quantities import Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
 MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
-TAIL = 2.0**-40  # distance of a probability from 0 and 1: a quantile there may be infinite
+TAIL = (
+    2.0**-40
+)  # distance of a probability from 0 and 1: a quantile there may be infinite
 MORRIS_LEVELS = 4  # values that a parameter takes in a Morris design
 MORRIS_JUMP = 0.5  # change of a parameter in a Morris design, in probability
-OAT_REACH = 0.45  # largest distance from the median in a one-at-a-time design, in probability
+OAT_REACH = (
+    0.45  # largest distance from the median in a one-at-a-time design, in probability
+)
 Value = str | float | int
 
 
@@ -89,7 +93,9 @@ def parse_group(scene: Scene, text: str) -> Group:
     for part in text.split(TOGETHER):
         key, _, listed = (word.strip() for word in part.partition("="))
         if not listed:
-            raise InputError(f"vary {text}: expected KEY=VALUES, such as friction=0.02,0.05")
+            raise InputError(
+                f"vary {text}: expected KEY=VALUES, such as friction=0.02,0.05"
+            )
         setting = setting_of(scene, key)
         choices: tuple[str, ...] = ()
         if isinstance(setting.meaning, Quantity):
@@ -105,15 +111,17 @@ def parse_group(scene: Scene, text: str) -> Group:
         rows.append(values)
     if len({len(values) for values in rows}) > 1:
         counts = " and ".join(str(len(values)) for values in rows)
-        raise InputError(f"vary {text}: expected as many values of each key, got {counts}")
+        raise InputError(
+            f"vary {text}: expected as many values of each key, got {counts}"
+        )
     return Group(tuple(columns), np.array(rows, dtype=float).T)
 
 
 def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
     """Return Python values of parameters as ``--vary`` texts.
 
-    A value is a text as on the command line, or a list of numbers in SI units or of words; for
-    several keys joined by ``&`` a list of rows.
+    A value is a text as on the command line, or a list of numbers in SI units or of
+    words; for several keys joined by ``&`` a list of rows.
     """
     texts = []
     for key, values in vary.items():
@@ -121,14 +129,21 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
             texts.append(f"{key}={values}")
             continue
         keys = [word.strip() for word in key.split(TOGETHER)]
-        rows, width = np.array(values, dtype=object), (len(keys),) if len(keys) > 1 else ()
+        rows, width = (
+            np.array(values, dtype=object),
+            (len(keys),) if len(keys) > 1 else (),
+        )
         if rows.ndim == 0 or rows.size == 0 or rows.shape[1:] != width:
-            listed = f"a list of rows of {len(keys)} values" if width else "a list of values"
+            listed = (
+                f"a list of rows of {len(keys)} values" if width else "a list of values"
+            )
             raise InputError(f"{key} = {shown(values)}: expected a text or {listed}")
         parts = []
         for name, column in zip(keys, rows.reshape(len(rows), -1).T, strict=True):
             setting = setting_of(scene, name)
-            parts.append(f"{name}={','.join(_value_text(setting, value) for value in column)}")
+            parts.append(
+                f"{name}={','.join(_value_text(setting, value) for value in column)}"
+            )
         texts.append(f" {TOGETHER} ".join(parts))
     return tuple(texts)
 
@@ -138,7 +153,9 @@ def _value_text(setting: Setting, value: object) -> str:
         return value
     number = plain_number(value)
     if type(number) not in (int, float) or not math.isfinite(number):
-        raise InputError(f"{setting.key} = {shown(value)}: expected a finite number or a text")
+        raise InputError(
+            f"{setting.key} = {shown(value)}: expected a finite number or a text"
+        )
     return f"{number!r} {setting.meaning.unit}".strip()
 
 
@@ -154,7 +171,9 @@ class Distribution:
     def ppf(self, probability: Array) -> Array:
         """Return quantiles in SI units at probabilities from 0 to 1, any shape."""
         inside = np.clip(probability, TAIL, 1.0 - TAIL)
-        return np.asarray(self.frozen.ppf(self.low + (self.high - self.low) * inside), np.float64)
+        return np.asarray(
+            self.frozen.ppf(self.low + (self.high - self.low) * inside), np.float64
+        )
 
 
 ARGUMENTS = {
@@ -168,10 +187,11 @@ ARGUMENTS = {
 def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     """Read the distribution of a parameter.
 
-    ``0.2mm:1mm`` is uniform. A lognormal distribution has a median and a coefficient of variation,
-    ``50%``, or a factor of one standard deviation of the logarithm, ``x1.6``. A line of
-    ``table(FILE.csv)`` has a value with its unit, and optionally a weight after a comma.
-    `InputError` if the text is not a distribution, or more than `MAX_CUT` of it is out of range.
+    ``0.2mm:1mm`` is uniform. A lognormal distribution has a median and a coefficient of
+    variation, ``50%``, or a factor of one standard deviation of the logarithm,
+    ``x1.6``. A line of ``table(FILE.csv)`` has a value with its unit, and optionally a
+    weight after a comma. `InputError` if the text is not a distribution, or more than
+    `MAX_CUT` of it is out of range.
     """
     kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
     if not bracket and ":" in text:
@@ -179,10 +199,16 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     if kind not in ARGUMENTS and bracket:
         raise unknown(f"distribution of {key}", kind, ARGUMENTS)
     if not bracket or not rest.endswith(")"):
-        kinds = ", ".join(f"{name}({arguments})" for name, arguments in ARGUMENTS.items())
-        raise InputError(f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}")
+        kinds = ", ".join(
+            f"{name}({arguments})" for name, arguments in ARGUMENTS.items()
+        )
+        raise InputError(
+            f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}"
+        )
     if meaning.whole and kind != "table":
-        raise InputError(f"{key} = {text!r}: a whole number can only have table(FILE.csv)")
+        raise InputError(
+            f"{key} = {text!r}: a whole number can only have table(FILE.csv)"
+        )
     words = [word.strip() for word in rest[:-1].split(",")]
     if len(words) != len(ARGUMENTS[kind].split(",")):
         raise InputError(f"{key} = {text!r}: expected {kind}({ARGUMENTS[kind]})")
@@ -191,7 +217,9 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     frozen = _frozen(kind, key, meaning, *words)
     low, high = float(frozen.cdf(meaning.low)), float(frozen.cdf(meaning.high))
     if low + 1.0 - high > MAX_CUT:
-        part = f"{100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed range"
+        part = (
+            f"{100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed range"
+        )
         allowed = f"{meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
         raise InputError(f"{key} = {text!r}: {part} {allowed}")
     return Distribution(text.strip(), frozen, low, high)
@@ -207,18 +235,25 @@ def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> A
     if kind == "uniform":
         last = parse_quantity(key, spread, meaning)
         if not first < last:
-            raise InputError(f"{key} = {text}, {spread}: the first end must be below the second")
+            raise InputError(
+                f"{key} = {text}, {spread}: the first end must be below the second"
+            )
         return stats.uniform(first, last - first)
     if kind == "normal":
-        return stats.norm(first, above(0.0, f"standard deviation of {key}", spread, meaning.unit))
+        return stats.norm(
+            first, above(0.0, f"standard deviation of {key}", spread, meaning.unit)
+        )
     if first <= 0.0:
         raise InputError(f"{key} = {text}: the median must be positive")
     if spread.endswith("%"):
         part = above(0.0, f"coefficient of variation of {key}, %,", spread[:-1]) / 100.0
-        # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter 14.
+        # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter
+        # 14.
         return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
     if spread.startswith("x"):
-        return stats.lognorm(math.log(above(1.0, f"factor of {key}", spread[1:])), scale=first)
+        return stats.lognorm(
+            math.log(above(1.0, f"factor of {key}", spread[1:])), scale=first
+        )
     allowed = "a factor such as x1.6 or a coefficient of variation such as 50%"
     raise InputError(f"spread of {key} = {spread!r}: expected {allowed}")
 
@@ -229,7 +264,9 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
 
     rows = []
     for number, line in enumerate(read_text(file).splitlines(), start=1):
-        value, _, share = (part.strip() for part in line.partition("#")[0].partition(","))
+        value, _, share = (
+            part.strip() for part in line.partition("#")[0].partition(",")
+        )
         if not value:
             continue
         try:
@@ -249,20 +286,25 @@ DESIGNS = ("sobol", "latin", "saltelli", "morris", "oat")
 def design(kind: str, size: int, dimension: int, seed: int) -> Array:
     """Return the points of a design in the unit cube, shape (rows, dimension).
 
-    ``sobol`` (scrambled Sobol' points) and ``latin`` (Latin hypercube) have `size` rows.
-    ``saltelli``: points A, A with one column of B each, and B, ``size (d + 2)`` rows (Saltelli et
-    al., Computer Physics Communications 181, 2010, 259). ``morris``: trajectories on which each
-    parameter changes once, ``size (d + 1)`` rows (Morris, Technometrics 33, 1991, 161). ``oat``:
-    the middle, then each parameter alone in `size` steps to each side. The size is a power of two
-    for ``sobol`` and ``saltelli``.
+    ``sobol`` (scrambled Sobol' points) and ``latin`` (Latin hypercube) have `size`
+    rows. ``saltelli``: points A, A with one column of B each, and B, ``size (d + 2)``
+    rows (Saltelli et al., Computer Physics Communications 181, 2010, 259). ``morris``:
+    trajectories on which each parameter changes once, ``size (d + 1)`` rows (Morris,
+    Technometrics 33, 1991, 161). ``oat``: the middle, then each parameter alone in
+    `size` steps to each side. The size is a power of two for ``sobol`` and
+    ``saltelli``.
     """
     if kind not in DESIGNS:
         raise unknown("design", kind, DESIGNS)
     if size < 1 or dimension < 1:
-        raise InputError(f"{kind}:{size}: expected a size and a number of parameters of at least 1")
+        raise InputError(
+            f"{kind}:{size}: expected a size and a number of parameters of at least 1"
+        )
     if kind in ("sobol", "saltelli") and size & (size - 1):
         lower = 1 << (size.bit_length() - 1)
-        raise InputError(f"{kind}:{size}: must be a power of two, {lower} or {2 * lower}")
+        raise InputError(
+            f"{kind}:{size}: must be a power of two, {lower} or {2 * lower}"
+        )
     random = np.random.default_rng(seed)
     if kind == "morris":
         paths = np.empty((size, dimension + 1, dimension))
@@ -270,19 +312,25 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
             start = random.integers(MORRIS_LEVELS, size=dimension)
             path[:] = (start + 0.5) / MORRIS_LEVELS
             for step, k in enumerate(random.permutation(dimension), start=1):
-                path[step:, k] += MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
+                path[step:, k] += (
+                    MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
+                )
         return paths.reshape(-1, dimension)
     if kind == "oat":
         steps = OAT_REACH * np.arange(1, size + 1) / size
         around = np.concatenate([-steps[::-1], steps])[:, None]
-        return np.vstack([np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around)])
+        return np.vstack(
+            [np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around)]
+        )
     from scipy.stats import qmc  # slow to import
 
     if kind == "latin":
         return np.asarray(qmc.LatinHypercube(dimension, seed=random).random(size))
     width = dimension if kind == "sobol" else 2 * dimension
     if width > qmc.Sobol.MAXDIM:
-        raise InputError(f"{kind}:{size}: {dimension} parameters are too many for Sobol' points")
+        raise InputError(
+            f"{kind}:{size}: {dimension} parameters are too many for Sobol' points"
+        )
     points = np.asarray(qmc.Sobol(width, seed=random).random(size))
     if kind == "sobol":
         return points

@@ -50,26 +50,33 @@ NOT_RUN = "not run yet"
 class Plan:
     """Scene at many points.
 
-    Every value of a parameter is combined with every value of the others and with every point of
-    the sample. The last parameter varies fastest; replicates of a point are neighbouring rows.
+    Every value of a parameter is combined with every value of the others and with every
+    point of the sample. The last parameter varies fastest; replicates of a point are
+    neighbouring rows.
     """
 
     scene: Scene  # whose settings vary
     vary: tuple[str, ...] = ()  # KEY=VALUES
     sample: str = ""  # design, KIND:SIZE
     ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
-    replicates: int = 1  # runs at each point, with the seed of the scene and the next ones
+    replicates: int = (
+        1  # runs at each point, with the seed of the scene and the next ones
+    )
     seed: int = 0  # of the design
 
     def __post_init__(self) -> None:
         """Check the plan; `InputError` names a value that is unknown, missing or out of range."""
         check_fields(self)  # lists become tuples
         if not 1 <= self.replicates <= MAX_REPLICATES:
-            raise InputError(f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}")
+            raise InputError(
+                f"replicates = {self.replicates}: must be 1 to {MAX_REPLICATES}"
+            )
         if bool(self.sample) != bool(self.ranges):
             raise InputError("a sample and ranges must be used together")
         if not self.groups:
-            raise InputError("nothing varies: vary a key (KEY=VALUES), or use a sample and ranges")
+            raise InputError(
+                "nothing varies: vary a key (KEY=VALUES), or use a sample and ranges"
+            )
         counts = Counter(column.key for column in self.columns)
         if counts.most_common(1)[0][1] > 1:
             raise InputError(f"{counts.most_common(1)[0][0]} varies twice")
@@ -77,7 +84,9 @@ class Plan:
             raise InputError("vary seed and replicates cannot be combined")
         rows = self.replicates * math.prod(len(group.values) for group in self.groups)
         if rows > MAX_ROWS:
-            raise InputError(f"the plan has {rows} rows; at most {MAX_ROWS} are allowed")
+            raise InputError(
+                f"the plan has {rows} rows; at most {MAX_ROWS} are allowed"
+            )
         _ = self.example
 
     @cached_property
@@ -87,7 +96,9 @@ class Plan:
             return self._varied
         kind, _, size = self.sample.partition(":")
         if not (size.isascii() and size.isdigit() and len(size) < 9):
-            raise InputError(f"sample = {self.sample}: expected KIND:SIZE, such as sobol:512")
+            raise InputError(
+                f"sample = {self.sample}: expected KIND:SIZE, such as sobol:512"
+            )
         columns, distributions = zip(*self._sampled, strict=True)
         unit = design(kind, int(size), len(columns), self.seed)
         values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
@@ -110,7 +121,9 @@ class Plan:
                 raise InputError(f"range {text}: expected KEY=DISTRIBUTION")
             setting = setting_of(scene, key)
             if not isinstance(setting.meaning, Quantity):
-                raise InputError(f"range {text}: {key} is not a number; vary words instead")
+                raise InputError(
+                    f"range {text}: {key} is not a number; vary words instead"
+                )
             distribution = parse_distribution(words, key, setting.meaning)
             sampled.append((column_of(setting), distribution))
         return sampled
@@ -149,8 +162,14 @@ class Plan:
         """Return the scene of a row; `InputError` if its settings do not fit together."""
         scene = _with_requested_wear(changed(self.scene, self.settings(row)))
         if scene.purpose == "auto" and scene.wear_updates == 0:
-            scene = replace(scene, purpose="forces")  # rows are compared by peaks and means
-        if scene.wear_updates > 0 and scene.life is None and scene.cycles_per_update is None:
+            scene = replace(
+                scene, purpose="forces"
+            )  # rows are compared by peaks and means
+        if (
+            scene.wear_updates > 0
+            and scene.life is None
+            and scene.cycles_per_update is None
+        ):
             advice = "set it, as in cycles_per_update=1e6, so that all rows wear by equal strokes"
             raise InputError(f"cycles_per_update = none: {advice}, or wear_updates=0")
         scene.check()
@@ -159,21 +178,32 @@ class Plan:
     @property
     def remark(self) -> str:
         """Reason why the rows have no wear updates although the scene has some; else nothing."""
-        if self.scene.wear_updates == self.example.wear_updates or self.example.wear_updates > 0:
+        if (
+            self.scene.wear_updates == self.example.wear_updates
+            or self.example.wear_updates > 0
+        ):
             return ""
         return "no wear updates: set cycles_per_update, so that all rows wear by equal strokes"
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
         base, values = self._base
-        pairs = self.settings(row).items()  # a row may set a value that the scene has already
-        return json.dumps([base, {k: v for k, v in pairs if (k, v) not in values}], sort_keys=True)
+        pairs = self.settings(
+            row
+        ).items()  # a row may set a value that the scene has already
+        return json.dumps(
+            [base, {k: v for k, v in pairs if (k, v) not in values}], sort_keys=True
+        )
 
     @cached_property
     def _base(self) -> tuple[str, list[tuple[str, Any]]]:
         """Digest of all that decides the numbers of the scene, and the values of its settings."""
         ignored = ("name", "title", "origins")
-        data = {key: value for key, value in self.scene.as_dict().items() if key not in ignored}
+        data = {
+            key: value
+            for key, value in self.scene.as_dict().items()
+            if key not in ignored
+        }
         values = [(item.key, item.value) for item in settings_of(self.scene)]
         return digest(json.dumps(data, sort_keys=True).encode()), values
 
@@ -237,7 +267,9 @@ def read_sweep(file: Path) -> tuple[Scene, SweepFile]:
     if not options.scene:
         return scene_from(file), options
     if data.keys() - {SWEEP}:
-        raise InputError(f"{file}: {SWEEP}.scene names a scene, but the file describes one")
+        raise InputError(
+            f"{file}: {SWEEP}.scene names a scene, but the file describes one"
+        )
     if options.scene.endswith(SUFFIX):
         return scene_from(file.parent / options.scene), options
     return scene_named(options.scene), options
@@ -251,11 +283,16 @@ class Table:
     responses: tuple[Column, ...]
     points: Array  # shape (rows, parameters)
     values: Array  # shape (rows, responses); NaN where a run has none
-    half_widths: Array  # shape (rows, responses), of the 95 % intervals; NaN where a run has none
-    censored: NDArray[np.bool_]  # shape (rows, responses), whether a value is a lower bound
+    # shape (rows, responses), of the 95 % intervals; NaN where a run has none
+    half_widths: Array
+    censored: NDArray[
+        np.bool_
+    ]  # shape (rows, responses), whether a value is a lower bound
     errors: tuple[str, ...]  # reason why a row has no values; empty where it has
     replicates: int = 1  # neighbouring rows that are replicates of one point
-    freedom: tuple[float, ...] = ()  # degrees of freedom of the half widths; none: infinite
+    freedom: tuple[
+        float, ...
+    ] = ()  # degrees of freedom of the half widths; none: infinite
 
     def index(self, key: str) -> int:
         """Return the column of a response; `InputError` if there is none of this name."""
@@ -278,7 +315,9 @@ class Table:
         columns: dict[str, list[Any]] = {}
         for column, values in zip(self.parameters, self.points.T, strict=True):
             columns[column.key] = [column.setting(value) for value in values.tolist()]
-        columns["replicate"] = [row % self.replicates for row in range(len(self.errors))]
+        columns["replicate"] = [
+            row % self.replicates for row in range(len(self.errors))
+        ]
         for k, column in enumerate(self.responses):
             columns[column.key] = self.values[:, k].tolist()
             columns[f"{column.key}_half_width"] = self.half_widths[:, k].tolist()
@@ -294,7 +333,9 @@ class Table:
         columns = []
         for column, values in zip(self.parameters, self.points.T, strict=True):
             shown = Display(column, values)
-            columns.append([shown.label, *(shown.number(value, 4) for value in values[:count])])
+            columns.append(
+                [shown.label, *(shown.number(value, 4) for value in values[:count])]
+            )
         for k, column in enumerate(self.responses):
             shown, texts = Display(column, self.values[:, k]), []
             for row in range(min(count, len(self.errors))):
@@ -307,14 +348,21 @@ class Table:
     def csv(self) -> str:
         """Return the table as CSV; a comment in the second line holds the units."""
         columns, text = self.columns(), io.StringIO()
-        units = {column.key: column.unit for column in (*self.parameters, *self.responses)}
-        names = [f"{name} {units.get(name.removesuffix('_half_width'), '')}" for name in columns]
+        units = {
+            column.key: column.unit for column in (*self.parameters, *self.responses)
+        }
+        names = [
+            f"{name} {units.get(name.removesuffix('_half_width'), '')}"
+            for name in columns
+        ]
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
         text.write(f"# units: {','.join(map(str.rstrip, names))}\n")
         for row in zip(*columns.values(), strict=True):
             cells = (int(cell) if isinstance(cell, bool) else cell for cell in row)
-            writer.writerow(["" if cell != cell else cell for cell in cells])  # NaN differs
+            writer.writerow(
+                ["" if cell != cell else cell for cell in cells]
+            )  # NaN differs
         return text.getvalue()
 
     def to_pandas(self) -> "pandas.DataFrame":

@@ -43,7 +43,9 @@ FIRST_ROWS = 20
 OPEN_SECTIONS = 2  # responses whose sections are open at first
 MAX_NUMBERS = 10  # responses on the first screen
 MAX_ERRORS = 12
-MAX_SAMPLES = 12  # combinations of varied values at which a sample is analysed separately
+MAX_SAMPLES = (
+    12  # combinations of varied values at which a sample is analysed separately
+)
 PERCENTILES = (5, 50, 95)
 COLOURS = "cividis"  # distinguishable with colour blindness and in grey print
 MAX_TICKS = 6  # values of a parameter that are all written on its axis
@@ -68,7 +70,9 @@ class Analysis:
 def failed_text(table: Table) -> str:
     """Return how many runs failed, whose values every statistic lacks; empty for none."""
     failed = sum(error not in ("", NOT_RUN) for error in table.errors)
-    return f"{whole(failed)} of {whole(len(table.errors))} runs failed" if failed else ""
+    return (
+        f"{whole(failed)} of {whole(len(table.errors))} runs failed" if failed else ""
+    )
 
 
 def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
@@ -96,14 +100,20 @@ def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> A
             spread = spread_of_rows(table, key, limit)
     if points.censored.any():
         count = whole(int(points.censored.sum()))
-        notes.append(f"The values of {count} points are lower bounds; indices use the bounds.")
+        notes.append(
+            f"The values of {count} points are lower bounds; indices use the bounds."
+        )
     if (chaos := chaotic_share(points)) is not None:
         text = f"Scatter of chaotic motion is {_percent(chaos)} of the variance of single runs of"
         notes.append(f"{text} {key}; the rest comes from the parameters.")
-    return Analysis(points, result, surrogate, spread, limit, tuple(notes), failed_text(table))
+    return Analysis(
+        points, result, surrogate, spread, limit, tuple(notes), failed_text(table)
+    )
 
 
-def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]) -> Path:
+def write_report(
+    table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]
+) -> Path:
     """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
     sections: list[Section] = []
     answers, numbers = [], []
@@ -114,13 +124,17 @@ def write_report(table: Table, plan: Plan, folder: Path, limits: Mapping[str, Li
                 continue
             analysis = analyze(part, column.key, plan, limits.get(column.key))
             label = f"{column.key} at {name}" if name else column.key
-            answers += [f"At {name}: {line}" if name else line for line in findings(analysis)]
+            answers += [
+                f"At {name}: {line}" if name else line for line in findings(analysis)
+            ]
             if analysis.points.means[analysis.points.has_value].any():
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
                 drawn = page.illustrated(drawings(analysis), into)
             texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
-            sections.append(Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS))
+            sections.append(
+                Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS)
+            )
     figures = [figure for section in sections for figure in section.figures]
     write_bytes(folder / ROWS_FILE, table.csv().encode())
     count, failed = whole(len(table.errors)), sum(map(bool, table.errors))
@@ -167,7 +181,9 @@ def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     shown = Display(points.response, points.means)
     low, high = (shown.number(pick(points.means)) for pick in (np.nanmin, np.nanmax))
     meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
-    meaning += f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
+    meaning += (
+        f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
+    )
     meaning += f" {analysis.failed}." if analysis.failed else ""
     if result is not None and not points.is_constant:
         meaning += f" It depends most on {points.parameters[result.order[0]].key}."
@@ -203,7 +219,9 @@ def drawings(analysis: Analysis) -> list[Drawing]:
     order = range(len(points.parameters)) if result is None else result.order
     numbers = [k for k in order if not points.parameters[k].choices]
     first, *rest = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0] or [0]
-    return drawn + (heat_map(points, (first, rest[0]), analysis.surrogate) if rest else [])
+    return drawn + (
+        heat_map(points, (first, rest[0]), analysis.surrogate) if rest else []
+    )
 
 
 def _percent(share: tuple[float, float, float]) -> str:
@@ -224,7 +242,9 @@ def findings(analysis: Analysis) -> list[str]:
     name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
     if spread is not None and spread.violation is not None:
         share = _percent(spread.violation)
-        text = f"The probability that {name} is violated is {share}, {spread.source}{end}"
+        text = (
+            f"The probability that {name} is violated is {share}, {spread.source}{end}"
+        )
     else:
         rows = points.has_value
         fewest, most = limit.count(points.means[rows], points.censored[rows])
@@ -240,38 +260,61 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     shown = Display(points.response, points.means)
     if 1 < len(points.means) <= FIRST_ROWS:
         columns = list(map(Display, points.parameters, points.points.T))
-        rows = zip(points.points, points.means, points.half_widths, points.counts, strict=True)
+        rows = zip(
+            points.points, points.means, points.half_widths, points.counts, strict=True
+        )
         lines = []
         for place, mean, half, count in rows:
-            texts = (one.number(value, 4) for one, value in zip(columns, place, strict=True))
+            texts = (
+                one.number(value, 4) for one, value in zip(columns, place, strict=True)
+            )
             lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
         head = (*(one.label for one in columns), shown.label, "runs")
-        tables.append((f"Means with 95 % intervals{end}", page.plain_table(head, lines)))
+        tables.append(
+            (f"Means with 95 % intervals{end}", page.plain_table(head, lines))
+        )
     if (result := analysis.sensitivity) is not None:
         factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
         lines = []
         for k in result.order:
             cells = [points.parameters[k].key]
-            for value, half in zip(result.values[:, k], result.half_widths[:, k], strict=True):
-                interval = "" if math.isnan(half) else f" ± {readable(factor * half, 2)}"
+            for value, half in zip(
+                result.values[:, k], result.half_widths[:, k], strict=True
+            ):
+                interval = (
+                    "" if math.isnan(half) else f" ± {readable(factor * half, 2)}"
+                )
                 cells.append(f"{readable(factor * value)}{interval}")
             lines.append(tuple(cells))
-        head = ("parameter", *(f"{name} ({unit})" if unit else name for name in result.names))
-        tables.append((f"{result.title} ({result.method}){end}", page.plain_table(head, lines)))
+        head = (
+            "parameter",
+            *(f"{name} ({unit})" if unit else name for name in result.names),
+        )
+        tables.append(
+            (f"{result.title} ({result.method}){end}", page.plain_table(head, lines))
+        )
     if (spread := analysis.spread) is not None:
         cells = [f"single runs ({shown.unit or '1'})"]
         for k in (percent - 1 for percent in PERCENTILES):
-            value, low, high = map(shown.number, (spread.values[k], spread.low[k], spread.high[k]))
+            value, low, high = map(
+                shown.number, (spread.values[k], spread.low[k], spread.high[k])
+            )
             cells.append(f"{value} ({low} to {high})")
         head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
         tables.append(
-            (f"Distribution, {spread.source}{end}", page.plain_table(head, [tuple(cells)]))
+            (
+                f"Distribution, {spread.source}{end}",
+                page.plain_table(head, [tuple(cells)]),
+            )
         )
     return tables
 
 
 def _ranges(
-    columns: tuple[Column, ...], values: np.ndarray, plan: Plan, table: Table | None = None
+    columns: tuple[Column, ...],
+    values: np.ndarray,
+    plan: Plan,
+    table: Table | None = None,
 ) -> page.Table:
     """Return the ranges of parameters, or of the responses of a table."""
     lines = []
@@ -289,10 +332,12 @@ def _ranges(
     return page.plain_table(head, lines, numeric=False)
 
 
-# --- Figures, with titles and captions in ``captions.toml`` ---------------------------------------
+# --- Figures, with titles and captions in ``captions.toml`` -------------------------
 
 
-def _axis(axes: style.Axes, side: str, column: Column, values: Array, width: float) -> Display:
+def _axis(
+    axes: style.Axes, side: str, column: Column, values: Array, width: float
+) -> Display:
     """Set label, ticks and scale of the x or y axis of a parameter."""
     shown, axis = Display(column, values), axes.xaxis if side == "x" else axes.yaxis
     axis.set_label_text(style.wrapped(shown.label.replace("_", " "), width))
@@ -313,13 +358,18 @@ def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     shown = Display(points.response, result.values)
     factor = 1.0 if result.is_share else shown.factor
     sheet, ((axes,),) = style.panels(1, 1, 1.1 + 0.42 * len(rows))
-    pens = [Pen(name, line[0], width=7.0) for name, line in zip(result.names, LINES, strict=False)]
+    pens = [
+        Pen(name, line[0], width=7.0)
+        for name, line in zip(result.names, LINES, strict=False)
+    ]
     for k, pen in enumerate(pens):
         y = rows + (k - 0.5 * (len(pens) - 1)) * BAR
         lengths = factor * np.nan_to_num(result.values[k, order])
         halves = factor * np.nan_to_num(result.half_widths[k, order])
         axes.barh(y, lengths, 0.9 * BAR, color=pen.colour)
-        axes.errorbar(lengths, y, xerr=halves, fmt="none", ecolor=style.REFERENCE, elinewidth=0.9)
+        axes.errorbar(
+            lengths, y, xerr=halves, fmt="none", ecolor=style.REFERENCE, elinewidth=0.9
+        )
     names = [points.parameters[k].key.replace("_", " ") for k in order]
     axes.set_yticks(rows, [style.wrapped(name, NAME_WIDTH) for name in names])
     axes.set_ylim(len(rows) - 0.4, -0.6)
@@ -327,7 +377,9 @@ def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     axes.axvline(0.0, color=style.REFERENCE, linewidth=0.8)
     axes.set_xlabel(shown.label)
     if result.is_share:
-        axes.set(xlim=(0.0, 1.0), xlabel=f"share of the variance of {points.response.key}")
+        axes.set(
+            xlim=(0.0, 1.0), xlabel=f"share of the variance of {points.response.key}"
+        )
     if not math.isnan(result.noise):
         axes.axvline(factor * result.noise, color=style.MUTED, linestyle="dotted")
     return finished("sensitivity", sheet, pens, key=points.response.key, result=result)
@@ -349,7 +401,9 @@ def curves(points: Points) -> list[Drawing]:
     if points.parameters[along].choices or len(groups) > len(LINES):
         return []
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
-    x_axis = _axis(axes, "x", points.parameters[along], points.points[:, along], style.WIDTH)
+    x_axis = _axis(
+        axes, "x", points.parameters[along], points.points[:, along], style.WIDTH
+    )
     y_axis, pens = Display(points.response, points.means), []
     half_widths = points.half_widths
     for value, line in zip(groups, LINES, strict=False):
@@ -359,17 +413,26 @@ def curves(points: Points) -> list[Drawing]:
             label = f"{group.column.key} = {group.text(value)}"
             rows = rows & (points.points[:, rest[0]] == value)
         order = np.flatnonzero(rows)[np.argsort(points.points[rows, along])]
-        x, y = x_axis.factor * points.points[order, along], y_axis.factor * points.means[order]
+        x, y = (
+            x_axis.factor * points.points[order, along],
+            y_axis.factor * points.means[order],
+        )
         half = y_axis.factor * half_widths[order]
         pens.append(Pen(label, *line))
-        axes.fill_between(x, y - half, y + half, color=line[0], alpha=0.2, linewidth=0.0)
+        axes.fill_between(
+            x, y - half, y + half, color=line[0], alpha=0.2, linewidth=0.0
+        )
         pens[-1].draw(axes, x, y, marker="o", markersize=3.5)
     axes.set_ylabel(style.wrapped(f"{y_axis.label}, {points.response.text}", 3.2))
     key, name = points.response.key, points.parameters[along].key
-    return finished("lines", sheet, pens if rest else (), key=key, points=points, along=name)
+    return finished(
+        "lines", sheet, pens if rest else (), key=key, points=points, along=name
+    )
 
 
-def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None) -> list[Drawing]:
+def heat_map(
+    points: Points, pair: tuple[int, int], surrogate: Surrogate | None
+) -> list[Drawing]:
     """Draw the points over two parameters, with the surrogate at the median of the others."""
     sheet, ((axes,),) = style.panels(1, 1, 4.2, is_measured=True)
     across, up = (points.points[:, k] for k in pair)
@@ -380,7 +443,9 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
     norm = Normalize(float(np.nanmin(means)), float(np.nanmax(means)))
     if surrogate is not None:
         x, y = (
-            (np.geomspace if is_logarithmic(one) else np.linspace)(one.min(), one.max(), CELLS)
+            (np.geomspace if is_logarithmic(one) else np.linspace)(
+                one.min(), one.max(), CELLS
+            )
             for one in (across, up)
         )
         grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
@@ -394,11 +459,15 @@ def heat_map(points: Points, pair: tuple[int, int], surrogate: Surrogate | None)
         rows = rows & points.has_value
         look = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
         axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **look)
-    axes.scatter(x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x")
+    axes.scatter(
+        x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x"
+    )
     axes.grid(visible=False)
     sheet.colorbar(ScalarMappable(norm, COLOURS), ax=axes, label=shown.label)
     names = [points.parameters[k].key for k in pair]
-    return finished("map", sheet, key=points.response.key, names=names, surrogate=surrogate)
+    return finished(
+        "map", sheet, key=points.response.key, names=names, surrogate=surrogate
+    )
 
 
 def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Drawing]:
@@ -408,10 +477,22 @@ def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Dr
     pens = [Pen("cumulative probability, 95 % band", *LINES[0])]
     pens[0].draw(axes, shown.factor * spread.values, percent)
     ends = zip((spread.low, spread.high), axes.get_xlim(), strict=True)
-    low, high = (np.where(np.isnan(end), edge, shown.factor * end) for end, edge in ends)
-    axes.fill_betweenx(percent, low, high, color=pens[0].colour, alpha=0.25, linewidth=0.0)
+    low, high = (
+        np.where(np.isnan(end), edge, shown.factor * end) for end, edge in ends
+    )
+    axes.fill_betweenx(
+        percent, low, high, color=pens[0].colour, alpha=0.25, linewidth=0.0
+    )
     if limit is not None:
-        pens.append(Pen(f"limit {shown.text(limit.value)}", style.REFERENCE, LINES[3][1]))
+        pens.append(
+            Pen(f"limit {shown.text(limit.value)}", style.REFERENCE, LINES[3][1])
+        )
         axes.axvline(shown.factor * limit.value, **pens[-1].look)
-    axes.set(ylim=(0.0, 100.0), xlabel=shown.label, ylabel="probability of a smaller value (%)")
-    return finished("distribution", sheet, pens, key=points.response.key, source=spread.source)
+    axes.set(
+        ylim=(0.0, 100.0),
+        xlabel=shown.label,
+        ylabel="probability of a smaller value (%)",
+    )
+    return finished(
+        "distribution", sheet, pens, key=points.response.key, source=spread.source
+    )

@@ -1,7 +1,8 @@
 """Responses: numbers of a result that a sweep stores, by name.
 
-``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the unworn stage. To
-add a response, add its unit and text to `_TEXTS` and its function to `_FUNCTIONS`.
+``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the
+unworn stage. To add a response, add its unit and text to `_TEXTS` and its function to
+`_FUNCTIONS`.
 """
 
 import inspect
@@ -43,8 +44,9 @@ User = Callable[[Result], float]
 class Definition(NamedTuple):
     """Definition of a response.
 
-    The function gets a result, a stage and a joint. The stage is None for a response of the whole
-    result, the joint for one of a stage. It returns None where the result has no such number.
+    The function gets a result, a stage and a joint. The stage is None for a response of
+    the whole result, the joint for one of a stage. It returns None where the result has
+    no such number.
     """
 
     unit: str
@@ -60,7 +62,9 @@ def _response(estimate: Estimate | None) -> Response | None:
 
 def _earlier(result: Result, stage: StageResult, joint: str) -> list[JointStatistics]:
     """Return the statistics of a joint in the stages before a stage."""
-    joints = [one.joints[joint].stored for one in result.stages if one.index < stage.index]
+    joints = [
+        one.joints[joint].stored for one in result.stages if one.index < stage.index
+    ]
     return [statistics for statistics in joints if statistics is not None]
 
 
@@ -76,7 +80,9 @@ def _depth(result: Result, stage: StageResult, joint: JointResult) -> Response:
 def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
     """Return the worn volume; the errors of wear updates are independent."""
     clearances = {one.name: one for one in result.scene.linkage().clearances}
-    value = worn_volume(clearances[joint.name], np.array([joint.depth(side) for side in SIDES]))
+    value = worn_volume(
+        clearances[joint.name], np.array([joint.depth(side) for side in SIDES])
+    )
     halves = [one.wear_volume.half_width for one in _earlier(result, stage, joint.name)]
     if not halves or None in halves:
         return Response(value)
@@ -85,7 +91,9 @@ def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
 
 def _rate(result: Result, stage: StageResult, joint: JointResult) -> Response | None:
     per_stroke = 1.0 / stage.cycles_per_update
-    return _response(joint.stored.wear_volume.scaled(per_stroke) if joint.stored else None)
+    return _response(
+        joint.stored.wear_volume.scaled(per_stroke) if joint.stored else None
+    )
 
 
 def _drift(result: Result, stage: StageResult, joint: None) -> Response | None:
@@ -111,7 +119,9 @@ def _life(result: Result, stage: None, joint: None) -> Response | None:
 def _at(path: str) -> Callable[..., Response | None]:
     """Return the function that reads an estimate at a path of attributes of a joint or a stage."""
 
-    def read(result: Result, stage: StageResult, joint: JointResult | None) -> Response | None:
+    def read(
+        result: Result, stage: StageResult, joint: JointResult | None
+    ) -> Response | None:
         value: Any = joint or stage
         for name in path.split("."):
             value = value and getattr(value, name)
@@ -122,11 +132,20 @@ def _at(path: str) -> Callable[..., Response | None]:
 
 _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     # With its sign, in contrast to the limits of a life.
-    "bdc_error": ("m", "error of the height of bottom dead centre, mean; negative is deeper"),
-    "bdc_drift": ("m", "change of the mean height of bottom dead centre; negative is deeper"),
+    "bdc_error": (
+        "m",
+        "error of the height of bottom dead centre, mean; negative is deeper",
+    ),
+    "bdc_drift": (
+        "m",
+        "change of the mean height of bottom dead centre; negative is deeper",
+    ),
     "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
     "contacts": ("", "contacts in a cycle"),
-    "drive_work": ("J", "work of all drives in a cycle, less the change of stored energy"),
+    "drive_work": (
+        "J",
+        "work of all drives in a cycle, less the change of stored energy",
+    ),
     "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }
@@ -144,7 +163,9 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "settled": ("stage", _settled),
     "life": ("result", _life),
 }
-RESPONSES = {name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()}
+RESPONSES = {
+    name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()
+}
 
 
 @dataclass(frozen=True)
@@ -152,7 +173,9 @@ class Requested:
     """Responses that a sweep reports."""
 
     columns: tuple[Column, ...]
-    optional: tuple[str, ...] = ()  # names of responses that are computed only if requested
+    optional: tuple[
+        str, ...
+    ] = ()  # names of responses that are computed only if requested
     functions: tuple[Any, ...] = ()  # responses that are user functions
     extra: str = ""  # digest of the responses that a row stores besides the usual ones
 
@@ -162,7 +185,9 @@ def available(scene: Scene) -> dict[str, Definition]:
     responses: dict[str, Definition] = {}
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
-            responses |= {f"{joint}.{name}": definition for joint in scene.clearance_joints}
+            responses |= {
+                f"{joint}.{name}": definition for joint in scene.clearance_joints
+            }
         elif name != "life" or scene.life is not None:
             responses[name] = definition
     return responses
@@ -171,8 +196,8 @@ def available(scene: Scene) -> dict[str, Definition]:
 def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     """Return the requested responses; without a request, all usual ones of the last stage.
 
-    A response is a name, or a function of a result that returns a number. `InputError` if a name,
-    a joint or a stage is unknown, or a response is repeated.
+    A response is a name, or a function of a result that returns a number. `InputError`
+    if a name, a joint or a stage is unknown, or a response is repeated.
     """
     usual = available(scene)
     columns, optional, functions = [], [], []
@@ -186,8 +211,12 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         if name not in usual:
             raise unknown("response", name, usual)
         definition = usual[name]
-        if at and (definition.scope == "result" or not (stage.isascii() and stage.isdigit())):
-            raise InputError(f"response {item}: expected NAME or NAME@STAGE, with a stage from 0")
+        if at and (
+            definition.scope == "result" or not (stage.isascii() and stage.isdigit())
+        ):
+            raise InputError(
+                f"response {item}: expected NAME or NAME@STAGE, with a stage from 0"
+            )
         if at and int(stage) > scene.wear_updates:
             allowed = f"0 to wear_updates = {scene.wear_updates}"
             raise InputError(f"response {item}: the stage must be {allowed}")
@@ -205,7 +234,8 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
 def freedom_of(scene: Scene, key: str) -> float:
     """Return the degrees of freedom of the interval of a response; infinite: not fixed by a scene.
 
-    The samples are replicates on worn surfaces and in a wear update in steps, else settled cycles.
+    The samples are replicates on worn surfaces and in a wear update in steps, else
+    settled cycles.
     """
     name, at, stage = key.partition("@")
     quantity = name.rpartition(".")[2]
@@ -245,7 +275,9 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
                     key = f"{joint.name}.{name}" if joint else name
                     values[f"{key}@{stage.index}"] = function(result, stage, joint)
     last = f"@{result.stages[-1].index}"
-    values |= {key.removesuffix(last): values[key] for key in values if key.endswith(last)}
+    values |= {
+        key.removesuffix(last): values[key] for key in values if key.endswith(last)
+    }
     return {key: value for key, value in values.items() if value is not None}
 
 

@@ -1,8 +1,8 @@
 """Runner of a sweep: each row is one file, and any executor computes the rows.
 
-A row is the file ``rows/DIGEST.json``. It is created exclusively and empty when the row starts, and
-replaced by the complete file when the row ends. A killed sweep leaves empty files for the rows that
-were running; the next run of the same rows removes them.
+A row is the file ``rows/DIGEST.json``. It is created exclusively and empty when the row
+starts, and replaced by the complete file when the row ends. A killed sweep leaves empty
+files for the rows that were running; the next run of the same rows removes them.
 """
 
 import importlib
@@ -13,7 +13,13 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -25,10 +31,21 @@ from presswear.recording.observer import Observer
 from presswear.results.folder import program_digest
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
-from presswear.sweeps.responses import Requested, Response, User, responses_of, user_responses
+from presswear.sweeps.responses import (
+    Requested,
+    Response,
+    User,
+    responses_of,
+    user_responses,
+)
 from presswear.tools.errors import InputError, RunFailed, not_installed
 from presswear.tools.files import holder, read_checked, write_bytes
-from presswear.tools.processes import cores, end_with_parent, is_stopped, starting_processes
+from presswear.tools.processes import (
+    cores,
+    end_with_parent,
+    is_stopped,
+    starting_processes,
+)
 
 ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
 POLL = 0.2  # time between two reports of the progress, s
@@ -58,12 +75,15 @@ class Progress(NamedTuple):
     seconds: float  # median wall time of the completed rows; 0 before the first
 
 
-def run_row(scene: Scene, requested: Requested, folder: Path | None, program: str) -> Outcome:
+def run_row(
+    scene: Scene, requested: Requested, folder: Path | None, program: str
+) -> Outcome:
     """Run the scene of a row in this process and return its responses without user functions.
 
-    The complete result goes into `folder`, if there is one. An error of the machine is raised, an
-    error of the scene is the outcome. A process with another program than the one that submitted
-    the row raises `InputError`, because its numbers would differ.
+    The complete result goes into `folder`, if there is one. An error of the machine is
+    raised, an error of the scene is the outcome. A process with another program than
+    the one that submitted the row raises `InputError`, because its numbers would
+    differ.
     """
     return run_scene(scene, requested, folder, program)[0]
 
@@ -73,7 +93,9 @@ def run_scene(
 ) -> tuple[Outcome, Result | None]:
     """Run the scene of a row in this process; see `run_row`. The result is None if it failed."""
     if program_digest() != program:
-        raise InputError("a worker has another program: install equal versions of all packages")
+        raise InputError(
+            "a worker has another program: install equal versions of all packages"
+        )
     from presswear.campaign.campaign import run  # slow to import
 
     while folder is not None and holder(folder):
@@ -86,7 +108,8 @@ def run_scene(
         values = {} if message else responses_of(result, requested)
     except (OSError, MemoryError):
         raise
-    # A user law may raise anything. Its error belongs to this row and must not end the sweep.
+    # A user law may raise anything. Its error belongs to this row and must not end the
+    # sweep.
     except Exception as error:
         if is_stopped():  # any error may follow a signal
             raise KeyboardInterrupt from None
@@ -102,13 +125,15 @@ def with_functions(
 ) -> Outcome:
     """Return an outcome with the responses that are user functions, computed in this process.
 
-    A worker may not be able to import a function of a notebook. The error of a function is that of
-    its row.
+    A worker may not be able to import a function of a notebook. The error of a function
+    is that of its row.
     """
     if outcome.error or not functions:
         return outcome
     try:
-        return replace(outcome, values=outcome.values | user_responses(read(), functions))
+        return replace(
+            outcome, values=outcome.values | user_responses(read(), functions)
+        )
     except (OSError, MemoryError):
         raise
     except Exception as error:
@@ -116,7 +141,9 @@ def with_functions(
 
 
 def _message(error: Exception) -> str:
-    kind = "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
+    kind = (
+        "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
+    )
     return f"{kind}{error}"
 
 
@@ -125,7 +152,9 @@ def read_row(folder: Path, name: str) -> Outcome | None:
     import msgspec
 
     try:
-        return msgspec.json.decode(read_checked(folder / ROWS / f"{name}.json"), type=Outcome)
+        return msgspec.json.decode(
+            read_checked(folder / ROWS / f"{name}.json"), type=Outcome
+        )
     except (InputError, msgspec.DecodeError):
         return None
 
@@ -141,9 +170,9 @@ def run_rows(
 ) -> None:
     """Run the rows that a sweep folder does not hold; `RunFailed` if the executor fails.
 
-    `scenes` makes the scene of each row, by name. The executor computes so many rows at a time as
-    it has slots. `on_progress` is called several times a second; an exception from it ends the
-    sweep.
+    `scenes` makes the scene of each row, by name. The executor computes so many rows at
+    a time as it has slots. `on_progress` is called several times a second; an exception
+    from it ends the sweep.
     """
     import msgspec
 
@@ -155,19 +184,26 @@ def run_rows(
     running: dict[Future[Outcome], str] = {}
     for name, file in files.items():
         outcome = read_row(folder, name)
-        if outcome and (outcome.error or not keep_results or (folder / RUNS / name).exists()):
+        if outcome and (
+            outcome.error or not keep_results or (folder / RUNS / name).exists()
+        ):
             done.append(outcome)
         else:
             file.unlink(missing_ok=True)
 
     def report() -> None:
         seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
-        failed, median = sum(bool(each.error) for each in done), statistics.median(seconds or [0.0])
+        failed, median = (
+            sum(bool(each.error) for each in done),
+            statistics.median(seconds or [0.0]),
+        )
         on_progress(Progress(len(scenes), len(done), failed, slots, median))
 
     def store(name: str, outcome: Outcome) -> None:
         path = folder / RUNS / name
-        outcome = with_functions(outcome, requested.functions, partial(load, path, trust=True))
+        outcome = with_functions(
+            outcome, requested.functions, partial(load, path, trust=True)
+        )
         if needs_result and not keep_results:
             shutil.rmtree(path, ignore_errors=True)
         write_bytes(files[name], msgspec.json.encode(outcome))
@@ -185,11 +221,14 @@ def run_rows(
             try:
                 file.open("x").close()
             except FileExistsError:
-                continue  # the row is stored, or another part of the sweep has an equal row
+                # the row is stored, or another part of the sweep has an equal row
+                continue
             claims.add(name)
             path = folder / RUNS / name if keep_results or needs_result else None
             try:
-                running[executor.submit(run_row, scenes[name](), sent, path, program)] = name
+                running[
+                    executor.submit(run_row, scenes[name](), sent, path, program)
+                ] = name
             except InputError as error:  # settings do not fit together
                 store(name, Outcome(error=str(error)))
             while len(running) >= QUEUED * slots - 1:
@@ -201,7 +240,9 @@ def run_rows(
         for future in running:
             future.cancel()
         for name in claims:
-            if read_row(folder, name) is None:  # a signal may come just after a row is written
+            if (
+                read_row(folder, name) is None
+            ):  # a signal may come just after a row is written
                 files[name].unlink(missing_ok=True)
 
 
@@ -210,8 +251,8 @@ def _outcome(future: Future[Outcome]) -> Outcome:
         return future.result()
     except (InputError, RunFailed):
         raise
-    # Executors of any package are accepted, and they have no common error for a broken worker, a
-    # lost connection or an argument that cannot be sent.
+    # Executors of any package are accepted, and they have no common error for a broken
+    # worker, a lost connection or an argument that cannot be sent.
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".rstrip(": ")
         remedy = 'a script that starts processes needs if __name__ == "__main__":'
@@ -221,7 +262,9 @@ def _outcome(future: Future[Outcome]) -> Outcome:
 class SerialExecutor(Executor):
     """Executor that computes each row in this process as it is submitted."""
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
+    def submit(  # noqa: D102
+        self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+    ) -> Future[Any]:
         future: Future[Any] = Future()
         future.set_result(fn(*args, **kwargs))
         return future
@@ -233,8 +276,8 @@ def open_executor(
 ) -> Iterator[tuple[Executor, int]]:
     """Open the executor of the option ``--on``, see `sweep`, and yield it with its slots.
 
-    `notify` is called with a line for the user, such as the address of the Dask dashboard.
-    `InputError` if the executor does not exist or does not answer.
+    `notify` is called with a line for the user, such as the address of the Dask
+    dashboard. `InputError` if the executor does not exist or does not answer.
     """
     count = jobs or cores()
     if on == "dask" or on.startswith("dask://"):
@@ -263,11 +306,15 @@ class ProcessExecutor(ProcessPoolExecutor):
         self._before = set(active_children())
         super().__init__(count, context, end_with_parent)
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: D102
+    def submit(  # noqa: D102
+        self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+    ) -> Future[Any]:
         with starting_processes():
             return super().submit(fn, *args, **kwargs)
 
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+    def __exit__(
+        self, kind: object, error: BaseException | None, trace: object
+    ) -> None:
         if error is not None:
             for process in set(active_children()) - self._before:
                 process.terminate()
@@ -291,7 +338,9 @@ def _user_executor(on: str) -> Executor:
 
 
 @contextmanager
-def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Executor, int]]:
+def _dask_executor(
+    on: str, count: int, notify: Notify
+) -> Iterator[tuple[Executor, int]]:
     try:
         import dask
         from distributed import Client
@@ -302,19 +351,28 @@ def _dask_executor(on: str, count: int, notify: Notify) -> Iterator[tuple[Execut
         local = {"n_workers": count, "threads_per_worker": 1, "host": LOCAL}
         local |= {"dashboard_address": f"{LOCAL}:0", "silence_logs": logging.CRITICAL}
     elif not address.rpartition(":")[2].isdigit():
-        raise InputError(f"on = {on}: expected dask://HOST:PORT, such as dask://head:8786")
+        raise InputError(
+            f"on = {on}: expected dask://HOST:PORT, such as dask://head:8786"
+        )
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
         try:
-            client = Client(f"tcp://{address}" if address else None, timeout=CONNECT, **local)
+            client = Client(
+                f"tcp://{address}" if address else None, timeout=CONNECT, **local
+            )
         except (OSError, TimeoutError, ValueError) as error:
-            fault = f"no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
+            fault = (
+                f"no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
+            )
             raise InputError(f"on = {on}: {fault}") from None
         try:
             if local:
                 notify(f"Dask dashboard at {client.dashboard_link}")
-            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
+            yield (
+                client.get_executor(pure=False),
+                max(sum(client.nthreads().values()), 1),
+            )
         finally:
             with suppress(Exception):  # the scheduler may be gone
                 client.close(timeout=CLOSE)

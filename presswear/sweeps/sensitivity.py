@@ -1,8 +1,8 @@
 """Sensitivity of a response to the parameters, its chaotic variance, distribution and surrogate.
 
-Replicates of a chaotic motion differ, which adds a variance that no parameter explains. It lowers
-first-order indices and raises total indices. Where replicates or the intervals of the runs tell how
-large it is, it is subtracted.
+Replicates of a chaotic motion differ, which adds a variance that no parameter explains.
+It lowers first-order indices and raises total indices. Where replicates or the
+intervals of the runs tell how large it is, it is subtracted.
 """
 
 import math
@@ -21,7 +21,9 @@ from presswear.sweeps.responses import Limit
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed
 
-MIN_BLOCKS = 8  # Saltelli blocks or Morris trajectories below which nothing is estimated
+MIN_BLOCKS = (
+    8  # Saltelli blocks or Morris trajectories below which nothing is estimated
+)
 MIN_SHARE = 0.1  # of the parameters in the variance; indices of less are errors alone
 MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
 RESAMPLES = 200  # bootstrap resamples of SALib
@@ -38,11 +40,18 @@ class Points:
     response: Column
     points: Array  # shape (n, d)
     means: Array  # shape (n,); NaN where no replicate has a value
-    variances: Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
+    variances: (
+        Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
+    )
     counts: Array  # shape (n,), replicates with a value
-    censored: NDArray[np.bool_]  # shape (n,), whether the value of a replicate is a lower bound
-    freedom: float  # degrees of freedom of the variances; infinite if from intervals of the runs
-    interval_freedom: float = math.inf  # of the interval of a run, which the variances are from
+    censored: NDArray[
+        np.bool_
+    ]  # shape (n,), whether the value of a replicate is a lower bound
+    # degrees of freedom of the variances; infinite if from intervals of the runs
+    freedom: float
+    interval_freedom: float = (
+        math.inf
+    )  # of the interval of a run, which the variances are from
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
@@ -75,11 +84,13 @@ class Points:
 def points_of(table: Table, key: str) -> Points:
     """Return the means of a response over the replicates of each point.
 
-    Replicates share one pooled variance. Without replicates the intervals of the runs are used.
+    Replicates share one pooled variance. Without replicates the intervals of the runs
+    are used.
     """
     k, shape = table.index(key), (-1, table.replicates)
     values, halves, censored = (
-        array[:, k].reshape(shape) for array in (table.values, table.half_widths, table.censored)
+        array[:, k].reshape(shape)
+        for array in (table.values, table.half_widths, table.censored)
     )
     counts = np.isfinite(values).sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
@@ -90,14 +101,19 @@ def points_of(table: Table, key: str) -> Points:
     if freedom > 0.0:
         variances += np.nansum((values - means[:, None]) ** 2) / freedom
     elif counts.any() and np.isfinite(halves).all():
-        freedom, interval_freedom = math.inf, table.freedom[k] if table.freedom else math.inf
+        freedom, interval_freedom = (
+            math.inf,
+            table.freedom[k] if table.freedom else math.inf,
+        )
         squared = (halves / quantile(interval_freedom)) ** 2
         variances = squared.sum(axis=1) / np.maximum(counts, 1.0)
     points = table.points[:: table.replicates]
     bounds = np.logical_or.reduce(censored & np.isfinite(values), axis=1)
     response = table.responses[k]
     columns = table.parameters, response
-    return Points(*columns, points, means, variances, counts, bounds, freedom, interval_freedom)
+    return Points(
+        *columns, points, means, variances, counts, bounds, freedom, interval_freedom
+    )
 
 
 @dataclass(frozen=True)
@@ -109,23 +125,29 @@ class Sensitivity:
     names: tuple[str, ...]  # of the measures, such as first-order and total index
     values: Array  # shape (measures, d)
     half_widths: Array  # shape (measures, d), of the 95 % intervals; NaN if unknown
-    is_share: bool = False  # shares of the variance; otherwise in the unit of the response
-    noise: float = math.nan  # value that chaos alone would give; NaN if unknown or subtracted
+    is_share: bool = (
+        False  # shares of the variance; otherwise in the unit of the response
+    )
+    noise: float = (
+        math.nan
+    )  # value that chaos alone would give; NaN if unknown or subtracted
 
     @property
     def order(self) -> list[int]:
         """Indices of the parameters, the most important first."""
-        strength = np.nan_to_num(self.values[-1] if self.is_share else np.abs(self.values).max(0))
+        strength = np.nan_to_num(
+            self.values[-1] if self.is_share else np.abs(self.values).max(0)
+        )
         return [int(k) for k in np.argsort(-strength, kind="stable")]
 
 
 def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     """Return the sensitivity of a design; None if it has none or too few points.
 
-    ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`). ``sobol`` and
-    ``latin``: first-order indices (`SALib.analyze.rbd_fast`). ``morris``: elementary effects of a
-    jump by half of the range (`SALib.analyze.morris`). ``oat``: changes from the middle point.
-    `InputError` if SALib is not installed.
+    ``saltelli``: first-order and total Sobol' indices (`SALib.analyze.sobol`).
+    ``sobol`` and ``latin``: first-order indices (`SALib.analyze.rbd_fast`). ``morris``:
+    elementary effects of a jump by half of the range (`SALib.analyze.morris`). ``oat``:
+    changes from the middle point. `InputError` if SALib is not installed.
     """
     if points.is_constant or not kind:
         return None
@@ -144,13 +166,18 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     if len(blocks) < (MIN_POINTS if size == 1 else MIN_BLOCKS):
         return None
     names = [column.key for column in points.parameters]
-    problem = {"num_vars": dimension, "names": names, "bounds": [[0.0, 1.0]] * dimension}
+    problem = {
+        "num_vars": dimension,
+        "names": names,
+        "bounds": [[0.0, 1.0]] * dimension,
+    }
     options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": 1}
     values, noise = points.means[rows], float(points.noise[rows].mean())
     if kind == "morris":
         options["num_levels"] = MORRIS_LEVELS
         effects = morris.analyze(problem, points.points[rows], values, **options)
-        # SALib divides by the jump between its own levels, which lie at the ends of the range.
+        # SALib divides by the jump between its own levels, which lie at the ends of the
+        # range.
         jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
         halves = [effects["mu_star_conf"], np.full(dimension, np.nan)]
         return Sensitivity(
@@ -163,10 +190,15 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
         )
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
-        method, keys = "Saltelli et al. 2010; total indices after Jansen 1999", ["S1", "ST"]
+        method, keys = (
+            "Saltelli et al. 2010; total indices after Jansen 1999",
+            ["S1", "ST"],
+        )
         values = points.means[blocks[:, [0, -1]]]
     else:
-        indices = rbd_fast.analyze(problem, points.points[rows], values, M=RBD_HARMONICS, **options)
+        indices = rbd_fast.analyze(
+            problem, points.points[rows], values, M=RBD_HARMONICS, **options
+        )
         method, keys = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012", ["S1"]
     variance = float(values.var())
     if variance - noise < MIN_SHARE * variance:
@@ -177,7 +209,9 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     widths = scale * np.array([indices[f"{key}_conf"] for key in keys], float)
     shares[1:] -= noise / (variance - noise)
     measures = ("first-order index", "total index")[: len(keys)]
-    return Sensitivity("Sobol' indices", method, measures, shares, widths, is_share=True)
+    return Sensitivity(
+        "Sobol' indices", method, measures, shares, widths, is_share=True
+    )
 
 
 def _changes(points: Points) -> Sensitivity | None:
@@ -194,15 +228,17 @@ def _changes(points: Points) -> Sensitivity | None:
                 variances[side, k] = points.noise[row] + points.noise[0]
     halves = points.quantile * np.sqrt(variances)
     names = ("change at the lowest value", "change at the highest value")
-    return Sensitivity("One parameter at a time", "change from the middle", names, values, halves)
+    return Sensitivity(
+        "One parameter at a time", "change from the middle", names, values, halves
+    )
 
 
 def chaotic_share(points: Points) -> tuple[float, float, float] | None:
     """Return the share of the variance of single runs that is chaos, with its 95 % interval.
 
-    One-way analysis of variance with random effects (Searle, Casella and McCulloch, Variance
-    Components, chapter 3). The interval follows from the ratio F and is exact for normal points and
-    runs. None without replicates.
+    One-way analysis of variance with random effects (Searle, Casella and McCulloch,
+    Variance Components, chapter 3). The interval follows from the ratio F and is exact
+    for normal points and runs. None without replicates.
     """
     from scipy import stats  # slow to import
 
@@ -213,8 +249,12 @@ def chaotic_share(points: Points) -> tuple[float, float, float] | None:
     counts, means = points.counts[rows], points.means[rows]
     total = counts.sum()
     size = (total - (counts**2).sum() / total) / (count - 1.0)
-    between = (counts * (means - (counts * means).sum() / total) ** 2).sum() / (count - 1.0)
-    ratios = between / within / np.append(1.0, stats.f(count - 1, points.freedom).ppf(ENDS))
+    between = (counts * (means - (counts * means).sum() / total) ** 2).sum() / (
+        count - 1.0
+    )
+    ratios = (
+        between / within / np.append(1.0, stats.f(count - 1, points.freedom).ppf(ENDS))
+    )
     value, low, high = size / (size + np.maximum(ratios - 1.0, 0.0))
     return float(value), float(min(low, high)), float(max(low, high))
 
@@ -227,15 +267,18 @@ class Spread:
     values: Array  # shape (99,); NaN if unknown
     low: Array
     high: Array
-    violation: tuple[float, float, float] | None  # probability of a violation with its interval
+    violation: (
+        tuple[float, float, float] | None
+    )  # probability of a violation with its interval
 
 
 def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread | None:
     """Return the distribution of a response over the first replicates of a sample.
 
-    Intervals of quantiles are those of order statistics (David and Nagaraja, Order Statistics,
-    section 7.1), the interval of a probability is that of Clopper and Pearson (1934). A censored
-    value may be any larger one: intervals contain all possibilities. None without values.
+    Intervals of quantiles are those of order statistics (David and Nagaraja, Order
+    Statistics, section 7.1), the interval of a probability is that of Clopper and
+    Pearson (1934). A censored value may be any larger one: intervals contain all
+    possibilities. None without values.
     """
     from scipy import stats
 
@@ -247,7 +290,9 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     if count == 0:
         return None
     least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
-    first, last = (stats.binom.ppf(end, count, PROBABILITIES).astype(int) for end in ENDS)
+    first, last = (
+        stats.binom.ppf(end, count, PROBABILITIES).astype(int) for end in ENDS
+    )
     place = np.ceil(count * PROBABILITIES).astype(int) - 1
     low = np.where(first > 0, least[first - 1], np.nan)
     high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
@@ -264,15 +309,19 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     return Spread("by the runs alone", middle, low, high, violation)
 
 
-# --- Surrogate ----------------------------------------------------------------------------------
+# --- Surrogate ----------------------------------------------------------------------
 
-MIN_EXPLAINED = 0.5  # share of the variance, less chaos, that cross-validation must explain
+MIN_EXPLAINED = (
+    0.5  # share of the variance, less chaos, that cross-validation must explain
+)
 MIN_EXPLAINED_TOTAL = 0.1  # share of the total variance: less may be chance
 MIN_POINTS_EACH = 5  # points for each parameter
 MAX_POINTS = 1000  # the time to fit grows with the third power
 FOLDS = 10  # of the cross-validation
 SPREAD_POINTS = 512  # points of the distributions at which the surrogate is evaluated
-SPREAD_DRAWS = 300  # draws of the process: an end of an interval scatters by 10 % of its width
+SPREAD_DRAWS = (
+    300  # draws of the process: an end of an interval scatters by 10 % of its width
+)
 MAX_OUTSIDE = 0.05  # probability of a distribution that may lie outside the points
 
 
@@ -289,13 +338,18 @@ class Surrogate:
         mean = self.process.predict(_scaled(self.points, points))
         return np.exp(mean) if self.is_logarithmic else mean
 
-    def spread(self, distributions: Sequence[Distribution], limit: Limit | None = None) -> Spread:
+    def spread(
+        self, distributions: Sequence[Distribution], limit: Limit | None = None
+    ) -> Spread:
         """Return the distribution of single runs when the parameters have distributions.
 
-        The intervals contain the error of the process. Parameters are in the order of the columns.
+        The intervals contain the error of the process. Parameters are in the order of
+        the columns.
         """
         unit = design("sobol", SPREAD_POINTS, len(distributions), seed=1)
-        points = np.column_stack([item.ppf(unit[:, k]) for k, item in enumerate(distributions)])
+        points = np.column_stack(
+            [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
+        )
         scaled = _scaled(self.points, points)
         draws = self.process.sample_y(scaled, SPREAD_DRAWS, random_state=1)
         draws = draws + self._single_runs(draws.shape)
@@ -317,15 +371,21 @@ class Surrogate:
         shift = 0.0
         if self.is_logarithmic:
             variance /= float(np.mean(points.means**2))
-            shift = -0.5 * variance  # the logarithm of a mean is above the mean logarithm
+            shift = (
+                -0.5 * variance
+            )  # the logarithm of a mean is above the mean logarithm
         generator = np.random.default_rng(1)
         # The variance of single runs is an estimate, too: each draw has its own.
-        scale = np.sqrt(variance * points.freedom / generator.chisquare(points.freedom, shape[1]))
+        scale = np.sqrt(
+            variance * points.freedom / generator.chisquare(points.freedom, shape[1])
+        )
         return np.asarray(shift + scale * generator.standard_normal(shape))
 
     def outside(self, distributions: Sequence[Distribution]) -> str:
         """Return which parameter has too many values outside the points; empty if none."""
-        columns = zip(self.points.parameters, distributions, self.points.points.T, strict=True)
+        columns = zip(
+            self.points.parameters, distributions, self.points.points.T, strict=True
+        )
         for column, distribution, values in columns:
             drawn = distribution.ppf((np.arange(1000) + 0.5) / 1000)
             share = float(np.mean((drawn < values.min()) | (drawn > values.max())))
@@ -349,7 +409,9 @@ def _scaled(points: Points, values: Array) -> Array:
     for k, column in enumerate(points.parameters):
         present, wanted = points.points[:, k], values[:, k]
         if column.choices:
-            columns += [(wanted == index).astype(float) for index in range(len(column.choices))]
+            columns += [
+                (wanted == index).astype(float) for index in range(len(column.choices))
+            ]
             continue
         if is_logarithmic(present):
             present, wanted = np.log(present), np.log(wanted)
@@ -360,16 +422,20 @@ def _scaled(points: Points, values: Array) -> Array:
 def fit(points: Points) -> Surrogate:
     """Fit the surrogate of a response, or of its logarithm if that is less skewed.
 
-    `InputError` if scikit-learn is not installed, values are censored, points are too few or too
-    many, or cross-validation explains too little of the variance.
+    `InputError` if scikit-learn is not installed, values are censored, points are too
+    few or too many, or cross-validation explains too little of the variance.
     """
     name, rows = points.response.key, points.has_value
     dimension, count = len(points.parameters), int(rows.sum())
     if points.censored.any():
         raise InputError(f"no surrogate of {name}: some of its values are lower bounds")
     if not MIN_POINTS_EACH * dimension <= count <= MAX_POINTS:
-        allowed = f"{MIN_POINTS_EACH * dimension} to {MAX_POINTS} for {dimension} parameters"
-        raise InputError(f"no surrogate of {name}: {count} points have a value; it needs {allowed}")
+        allowed = (
+            f"{MIN_POINTS_EACH * dimension} to {MAX_POINTS} for {dimension} parameters"
+        )
+        raise InputError(
+            f"no surrogate of {name}: {count} points have a value; it needs {allowed}"
+        )
     if points.is_constant:
         raise InputError(f"no surrogate of {name}: it has the same value at all points")
     try:
@@ -391,14 +457,20 @@ def fit(points: Points) -> Surrogate:
         # A length at its bound belongs to a parameter without effect.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit(inputs, values)
-        fixed = GaussianProcessRegressor(process.kernel_, optimizer=None, normalize_y=True)
+        fixed = GaussianProcessRegressor(
+            process.kernel_, optimizer=None, normalize_y=True
+        )
         folds = KFold(min(FOLDS, count), shuffle=True, random_state=1)
         predicted = cross_val_predict(fixed, inputs, values, cv=folds)
-    explained = float(r2_score(points.means, np.exp(predicted) if logarithmic else predicted))
+    explained = float(
+        r2_score(points.means, np.exp(predicted) if logarithmic else predicted)
+    )
     noise = float(points.noise.mean() / points.means.var(ddof=1))
     needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
     if explained < needed:
         part = f"{100.0 * max(explained, 0.0):.0f} % of the variance"
-        fault = f"in cross-validation it explains {part}; it needs {100.0 * needed:.0f} %"
+        fault = (
+            f"in cross-validation it explains {part}; it needs {100.0 * needed:.0f} %"
+        )
         raise InputError(f"no surrogate of {name}: {fault}")
     return Surrogate(points, process, logarithmic)

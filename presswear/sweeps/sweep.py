@@ -29,16 +29,32 @@ from presswear.sweeps.responses import (
     request,
 )
 from presswear.tools.errors import InputError, RunFailed, not_installed
-from presswear.tools.files import check_ending, digest, inside, is_free, only_writer, write_bytes
+from presswear.tools.files import (
+    check_ending,
+    digest,
+    inside,
+    is_free,
+    only_writer,
+    write_bytes,
+)
 from presswear.tools.processes import check_jobs
 from presswear.tools.quantities import Choice
-from presswear.tools.serialize import check_type, checked_arguments, read_json, typed, write_json
+from presswear.tools.serialize import (
+    check_type,
+    checked_arguments,
+    read_json,
+    typed,
+    write_json,
+)
 
 FILE, PARTS = "sweep.json", "parts"
 SCHEMA = 2
 Keep = Literal["responses", "results"]
 SHOWN_ROWS = 20
-EXUDYN_KEYS = ("computationIndex", "functionData")  # added to the parameters by Exudyn's studies
+EXUDYN_KEYS = (
+    "computationIndex",
+    "functionData",
+)  # added to the parameters by Exudyn's studies
 
 
 @dataclass(frozen=True)
@@ -50,7 +66,9 @@ class Sweep:
     path: Path
     keep: Keep = "responses"
     limits: tuple[str, ...] = ()
-    program: str = field(default_factory=program_digest)  # digest of what computed the rows
+    program: str = field(
+        default_factory=program_digest
+    )  # digest of what computed the rows
 
     def __post_init__(self) -> None:
         """Check the options; `InputError` names the one that does not fit."""
@@ -87,7 +105,9 @@ class Sweep:
         points = np.repeat(plan.points, plan.replicates, axis=0)
         columns = plan.columns, requested.columns
         arrays = points, numbers[0], numbers[1], numbers[2] == 1.0
-        freedom = tuple(freedom_of(plan.scene, column.key) for column in requested.columns)
+        freedom = tuple(
+            freedom_of(plan.scene, column.key) for column in requested.columns
+        )
         return Table(*columns, *arrays, tuple(errors), plan.replicates, freedom)
 
     def write(self, file: Path) -> None:
@@ -110,7 +130,9 @@ class Sweep:
         waiting = self.table.errors.count(NOT_RUN)
         text = f"{len(self.table.errors)} rows in {self.path}"
         text += f", {waiting} not run yet" if waiting else ""
-        return text + (f"; {len(errors)} failed, the first: {errors[0]}" if errors else "")
+        return text + (
+            f"; {len(errors)} failed, the first: {errors[0]}" if errors else ""
+        )
 
     def __str__(self) -> str:
         lines = self.table.texts(SHOWN_ROWS)
@@ -122,11 +144,16 @@ class Sweep:
 def load_sweep(folder: Path) -> Sweep:
     """Return the sweep of a folder; `InputError` if it holds none."""
     file = folder / FILE
-    data = read_json(file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA)
+    data = read_json(
+        file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA
+    )
     try:
         plan = Plan.from_plain(data["plan"])
         requested = typed(data["requested"], Requested, f"{file}")
-        limits, program = typed(data["limits"], tuple[str, ...], f"{file}"), str(data["program"])
+        limits, program = (
+            typed(data["limits"], tuple[str, ...], f"{file}"),
+            str(data["program"]),
+        )
         return Sweep(plan, requested, folder, data["keep"], limits, program)
     except (KeyError, TypeError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
@@ -135,8 +162,8 @@ def load_sweep(folder: Path) -> Sweep:
 def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
     """Raise `InputError` if a sweep may not write into its folder.
 
-    The folder may hold a sweep with `resume`, or with `is_part` this sweep, started by another
-    part of it.
+    The folder may hold a sweep with `resume`, or with `is_part` this sweep, started by
+    another part of it.
     """
     is_starting = is_part and {item.name for item in sweep.path.glob("*")} <= {PARTS}
     if is_starting or is_free(sweep.path):
@@ -145,7 +172,9 @@ def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
         remedy = "name a new folder, or resume its sweep (--resume)"
         raise InputError(f"folder {sweep.path}: it exists and is not empty; {remedy}")
     if load_sweep(sweep.path).plan != sweep.plan and not resume:
-        raise InputError(f"folder {sweep.path}: it holds another sweep; --resume extends it")
+        raise InputError(
+            f"folder {sweep.path}: it holds another sweep; --resume extends it"
+        )
 
 
 def export_table(table: Table, path: Path) -> None:
@@ -154,7 +183,11 @@ def export_table(table: Table, path: Path) -> None:
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
     try:
-        data = table.csv().encode() if kind == ".csv" else table.to_pandas().to_parquet(index=False)
+        data = (
+            table.csv().encode()
+            if kind == ".csv"
+            else table.to_pandas().to_parquet(index=False)
+        )
     except ImportError:
         raise not_installed(f"{path}: Parquet", "pyarrow", "sweep") from None
     write_bytes(path, data)
@@ -165,7 +198,9 @@ def parse_shard(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
     part, count = map(int, match.groups()) if match else (0, 0)
     if not 1 <= part <= count:
-        raise InputError(f"shard = {text}: expected K/N with K from 1 to N, such as 3/10")
+        raise InputError(
+            f"shard = {text}: expected K/N with K from 1 to N, such as 3/10"
+        )
     return part, count
 
 
@@ -184,7 +219,9 @@ def run_sweep(
     sweep.plan.scene.check_trusted()
     requested, keeps = sweep.requested, sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
-        raise InputError(f"{sweep.path} has user functions as responses: resume it in their script")
+        raise InputError(
+            f"{sweep.path} has user functions as responses: resume it in their script"
+        )
     for name in (runner.ROWS, runner.RUNS):
         inside(sweep.path, name)
     sweep = replace(sweep, program=program_digest())
@@ -199,12 +236,14 @@ def run_sweep(
         with only_writer(folder, resume=True):
             sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
-            runner.run_rows(sweep.path, scenes, requested, executor, slots, keeps, on_progress)
+            runner.run_rows(
+                sweep.path, scenes, requested, executor, slots, keeps, on_progress
+            )
     return sweep
 
 
 @checked_arguments
-def sweep(
+def sweep(  # noqa: PLR0913 - the options of the command
     scene: Scene,
     vary: Mapping[str, Any] | None = None,
     folder: str | Path = "",
@@ -227,12 +266,12 @@ def sweep(
     scene : Scene
         Scene whose settings vary.
     vary : mapping
-        Values by key: a text such as ``"0.2mm:1.0mm:9"``, or a list of numbers in SI units or of
-        words. Every value is combined with every value of the other keys.
+        Values by key: a text such as ``"0.2mm:1.0mm:9"``, or a list of numbers in SI
+        units or of words. Every value is combined with every value of the other keys.
     folder : path
     responses : sequence of str or callable
-        Names such as ``"A.force_max"``, or functions of a `Result` that return a number; none: all
-        usual ones.
+        Names such as ``"A.force_max"``, or functions of a `Result` that return a
+        number; none: all usual ones.
     sample : str
         Design of the parameters in `ranges`, such as ``"sobol:512"``.
     ranges : mapping of str to str
@@ -244,7 +283,8 @@ def sweep(
     keep : {"responses", "results"}
         Whether the complete result of each run is stored.
     on : str
-        Executor: processes of this machine, ``dask``, ``dask://HOST:PORT`` or ``MODULE:FACTORY``.
+        Executor: processes of this machine, ``dask``, ``dask://HOST:PORT`` or
+        ``MODULE:FACTORY``.
     jobs : int or None
         Runs at a time on this machine; None: number of cores.
     shard : str
@@ -274,18 +314,22 @@ def sweep(
 
 @checked_arguments
 def function_of(
-    scene: Scene, responses: str | User | Sequence[str | User], failed: float | None = None
+    scene: Scene,
+    responses: str | User | Sequence[str | User],
+    failed: float | None = None,
 ) -> Callable[[Mapping[str, Any]], float | list[float]]:
     """Return a function from a dictionary of settings to responses of a run; it can be pickled.
 
-    Exudyn's `ParameterVariation`, `GeneticOptimization` and `ComputeSensitivities` accept it.
+    Exudyn's `ParameterVariation`, `GeneticOptimization` and `ComputeSensitivities`
+    accept it.
 
     Parameters
     ----------
     responses : str, callable, or sequence of these
         As in `sweep`; a single one gives a number, a sequence gives a list.
     failed : float or None
-        Value of a run that fails, such as 1e9 for an optimizer; None: `RunFailed` is raised.
+        Value of a run that fails, such as 1e9 for an optimizer; None: `RunFailed` is
+        raised.
     """
     is_scalar = isinstance(responses, str) or callable(responses)
     items: Any = [responses] if is_scalar else responses
@@ -309,6 +353,8 @@ def _evaluate(
     if outcome.error and failed is None:
         raise RunFailed(outcome.error)
     default = Response(failed if outcome.error else None)
-    numbers = [outcome.values.get(column.key, default).value for column in requested.columns]
+    numbers = [
+        outcome.values.get(column.key, default).value for column in requested.columns
+    ]
     values = [math.nan if number is None else number for number in numbers]
     return values[0] if is_scalar else values

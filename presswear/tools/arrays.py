@@ -16,8 +16,8 @@ from presswear.tools.files import digest, read_checked, write_bytes
 Array = NDArray[np.float64]
 _MOST_BYTES = 2**26  # of compressed arrays whose size is not known better
 
-# Arrays of numbers or of records by name, from which a computation resumes. They may be views, so
-# that they cost little: copy or write them before their owner changes.
+# Arrays of numbers or of records by name, from which a computation resumes. They may be
+# views, so that they cost little: copy or write them before their owner changes.
 State = Mapping[str, NDArray[Any]]
 
 
@@ -29,10 +29,14 @@ def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
 def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
     """Return the part of a larger state that ``named`` put there; empty where there is none."""
     start = f"{prefix}/"
-    return {name[len(start) :]: one for name, one in state.items() if name.startswith(start)}
+    return {
+        name[len(start) :]: one for name, one in state.items() if name.startswith(start)
+    }
 
 
-def write_arrays(path: Path, arrays: State, pack: Callable[..., None] = np.savez_compressed) -> str:
+def write_arrays(
+    path: Path, arrays: State, pack: Callable[..., None] = np.savez_compressed
+) -> str:
     """Write arrays whole or not at all, by ``np.savez`` or alike; return the digest of the file."""
     packed = io.BytesIO()
     pack(packed, **arrays)
@@ -51,12 +55,14 @@ class Arrays(dict[str, NDArray[Any]]):
         raise NotStored(f"{self.source}: the array {name} is missing")
 
 
-def read_arrays(file: Path, expected: str | None = None, most: int | None = None) -> Arrays:
+def read_arrays(
+    file: Path, expected: str | None = None, most: int | None = None
+) -> Arrays:
     """Read arrays of numbers or of records, without executing anything.
 
-    InputError for a file that is missing, damaged, holds anything else or more than ``most`` bytes,
-    or whose digest is not the expected one. Without ``most`` they may have 64 MiB or, if they are
-    not compressed, any size.
+    InputError for a file that is missing, damaged, holds anything else or more than
+    ``most`` bytes, or whose digest is not the expected one. Without ``most`` they may
+    have 64 MiB or, if they are not compressed, any size.
     """
     data = read_checked(file, expected, most or sys.maxsize)
     try:
@@ -64,12 +70,15 @@ def read_arrays(file: Path, expected: str | None = None, most: int | None = None
             _check_members(archive, most or max(len(data), _MOST_BYTES))
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
             arrays = Arrays({name: stored[name] for name in stored.files}, f"{file}")
-    # A damaged file shows as a dozen kinds of errors, none of them promised: of zipfile, zlib,
-    # struct, tokenize, ast and numpy, which evaluates a header as a literal.
+    # A damaged file shows as a dozen kinds of errors, none of them promised: of
+    # zipfile, zlib, struct, tokenize, ast and numpy, which evaluates a header as a
+    # literal.
     except Exception as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     for name, array in arrays.items():
-        if not isinstance(array, np.ndarray):  # numpy returns the bytes of any other file
+        if not isinstance(
+            array, np.ndarray
+        ):  # numpy returns the bytes of any other file
             raise InputError(f"{file}: {name} is no array")
     return arrays
 
@@ -78,18 +87,27 @@ def _check_members(archive: zipfile.ZipFile, most: int) -> None:
     """Raise ValueError if the files in an archive have more bytes, or may have."""
     members = archive.infolist()
     # The other methods decompress without a limit.
-    if any(one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for one in members):
+    if any(
+        one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        for one in members
+    ):
         raise ValueError("it is not compressed by deflate")
     size = sum(one.file_size for one in members)
     if size > most:
-        raise ValueError(f"its arrays have {size / 1e6:.3g} MB, expected are {most / 1e6:.3g} MB")
+        raise ValueError(
+            f"its arrays have {size / 1e6:.3g} MB, expected are {most / 1e6:.3g} MB"
+        )
 
 
-def read_numbers(file: Path, expected: str | None = None, most: int | None = None) -> Arrays:
+def read_numbers(
+    file: Path, expected: str | None = None, most: int | None = None
+) -> Arrays:
     """Read arrays as ``read_arrays`` does; raise InputError where one is not of real numbers."""
     arrays = read_arrays(file, expected, most)
     for name, values in arrays.items():
         if values.dtype.kind not in "fiu":
-            raise InputError(f"{file}: {name} contains no real numbers but {values.dtype}")
+            raise InputError(
+                f"{file}: {name} contains no real numbers but {values.dtype}"
+            )
         arrays[name] = values.astype(np.float64, copy=False)
     return arrays

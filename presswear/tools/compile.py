@@ -1,12 +1,12 @@
 """Just-in-time compilation by numba, and a cache of machine code for all environments of a user.
 
 A damaged file in the cache of numba ends every program that reads it, and an edit in
-``friction_and_normal.py`` leaves the compiled callers in ``contact.py`` unchanged. This package
-therefore stores each kernel in a file whose name is a digest of all that the machine code depends
-on (``kernel_digest``), and whose content is checked before use.
+``friction_and_normal.py`` leaves the compiled callers in ``contact.py`` unchanged. This
+package therefore stores each kernel in a file whose name is a digest of all that the
+machine code depends on (``kernel_digest``), and whose content is checked before use.
 
-User laws and kernels that few scenes need are called by the address of their machine code, so that
-their callers are not compiled again for them.
+User laws and kernels that few scenes need are called by the address of their machine
+code, so that their callers are not compiled again for them.
 """
 
 import ctypes
@@ -35,7 +35,9 @@ from presswear.tools.kernel_compiler import COMPILER, CalleeCompiler, KernelComp
 from presswear.tools.kernel_digest import function_digest
 
 F = TypeVar("F", bound=Callable[..., Any])
-Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
+Records = (
+    Any  # structured array; kernels read ``records[k].name``, a type checker cannot
+)
 
 
 def floats(*names: str) -> list[tuple[str, type]]:
@@ -45,10 +47,15 @@ def floats(*names: str) -> list[tuple[str, type]]:
 
 _LOG = logging.getLogger(__name__)
 _PACKAGE = Path(__file__).parents[1]
-# A callee is compiled once. It inherits an option that is missing here from its first caller: the
-# last digits then depend on which callers were loaded from the cache. "contract" means a product
-# and a sum with one rounding, which takes 9 % less time.
-_OPTIONS = {"error_model": "numpy", "_nrt": False, "fastmath": {"contract"}, "forceinline": False}
+# A callee is compiled once. It inherits an option that is missing here from its first
+# caller: the last digits then depend on which callers were loaded from the cache.
+# "contract" means a product and a sum with one rounding, which takes 9 % less time.
+_OPTIONS = {
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"contract"},
+    "forceinline": False,
+}
 
 
 class _Listener(event.Listener):
@@ -68,7 +75,8 @@ class _Listener(event.Listener):
             self._end()
 
 
-# Garbage collection would find little while numba compiles: nearly all its objects stay alive.
+# Garbage collection would find little while numba compiles: nearly all its objects stay
+# alive.
 event.register("numba:compile", _Listener(gc.disable, gc.enable))
 
 
@@ -81,17 +89,22 @@ def on_compiling(report: Callable[[], object]) -> AbstractContextManager[Any]:
 class Kernel:
     """Compiled function; its machine code is made or loaded at the first call.
 
-    A function that was written at run time has the ``file`` in which its names are defined.
+    A function that was written at run time has the ``file`` in which its names are
+    defined.
     """
 
     is_inside_callers = True  # the machine code of its callers contains its own
 
-    def __init__(self, function: Callable[..., Any], file: str = "", **options: Any) -> None:
+    def __init__(
+        self, function: Callable[..., Any], file: str = "", **options: Any
+    ) -> None:
         update_wrapper(self, function)
         self.py_func, self.options = function, {**_OPTIONS, **options}
         self._name = f"{function.__module__}.{function.__qualname__}"
         source = file or function.__code__.co_filename
-        self._is_stored = source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
+        self._is_stored = (
+            source.startswith(f"{_PACKAGE}{os.sep}") and not function.__closure__
+        )
 
     def dispatcher(self, **wrappers: bool) -> Any:
         """Return the function compiled by numba and stored, with all that it calls."""
@@ -111,7 +124,9 @@ class Kernel:
     def _numba_type_(self) -> Any:
         options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         compiler = numba.njit(**options, pipeline_class=CalleeCompiler)
-        self._from_kernels = callee = compiler(self.py_func)  # its type does not keep it
+        self._from_kernels = callee = compiler(
+            self.py_func
+        )  # its type does not keep it
         template = callee.get_call_template
 
         def template_for_numbers(arguments: Any, named: Any) -> Any:
@@ -133,9 +148,9 @@ def _decorator(**options: Any) -> Callable[[F], F]:
     return cast(Callable[[F], F], partial(Kernel, **options))
 
 
-# Kernels do not allocate, and the compiler refuses one that does: the reference counting of numba
-# would take half of their time. A kernel of every evaluation is inlined, because to pass its arrays
-# takes as long as its work.
+# Kernels do not allocate, and the compiler refuses one that does: the reference
+# counting of numba would take half of their time. A kernel of every evaluation is
+# inlined, because to pass its arrays takes as long as its work.
 compiled = _decorator()
 inlined = _decorator(forceinline=True)
 
@@ -146,7 +161,8 @@ _FAILED = 2**64 - 1  # in place of the address of a kernel that cannot be compil
 class _LazyKernel(Kernel):
     """Kernel that is called by its address and compiled at the first call.
 
-    Callers load the address from a variable; where it is zero they call a function that compiles.
+    Callers load the address from a variable; where it is zero they call a function that
+    compiles.
     """
 
     is_inside_callers = False
@@ -169,8 +185,8 @@ class _LazyKernel(Kernel):
     def _compile(self) -> int | None:
         """Compile or load the kernel and return its address, or _FAILED.
 
-        An interrupt that came before may end it at its first line, with nothing; kernels then call
-        it again.
+        An interrupt that came before may end it at its first line, with nothing;
+        kernels then call it again.
         """
         try:
             with short_errors:
@@ -185,7 +201,9 @@ class _LazyKernel(Kernel):
             return _FAILED  # a callback cannot raise
         return self._address.value
 
-    def generate_call(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    def generate_call(
+        self, context: Any, builder: Any, signature: Any, arguments: Any
+    ) -> Any:
         convention, result = context.call_conv, signature.return_type
         pointer = convention.get_function_type(result, signature.args).as_pointer()
         compile_first = cgutils.get_or_insert_function(
@@ -197,7 +215,9 @@ class _LazyKernel(Kernel):
             variable = ir.GlobalVariable(builder.module, pointer, name)
         stored, before = builder.load(variable), builder.block
         missing, ready = builder.append_basic_block(), builder.append_basic_block()
-        builder.cbranch(cgutils.is_null(builder, stored), missing, ready).set_weights([1, 99])
+        builder.cbranch(cgutils.is_null(builder, stored), missing, ready).set_weights(
+            [1, 99]
+        )
         builder.position_at_end(missing)
         made = builder.call(compile_first, ())
         failed = builder.inttoptr(ir.IntType(64)(_FAILED), pointer)
@@ -221,15 +241,18 @@ class _LazyKernel(Kernel):
 def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     """Compile a kernel that few scenes need apart from its callers.
 
-    Result and parameters are described by a structured dtype for a record, the number of axes of an
-    array of numbers, 0 for a number, else an example value; a result of None is none.
+    Result and parameters are described by a structured dtype for a record, the number
+    of axes of an array of numbers, 0 for a number, else an example value; a result of
+    None is none.
     """
 
     def numba_type(example: Any) -> Any:
         if isinstance(example, np.dtype):
             return numba.from_dtype(example)
         if type(example) is int:  # a slice of a larger array need not be contiguous
-            return types.Array(types.float64, example, "A") if example else types.float64
+            return (
+                types.Array(types.float64, example, "A") if example else types.float64
+            )
         return numba.typeof(example)
 
     kinds = tuple(map(numba_type, parameters))
@@ -285,7 +308,9 @@ def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
         pointer = convention.get_function_type(types.none, kinds).as_pointer()
         function = builder.inttoptr(values[0], pointer)
         parts = cgutils.unpack_tuple(builder, values[1], len(kinds))
-        status, _result = convention.call_function(builder, function, types.none, kinds, parts)
+        status, _result = convention.call_function(
+            builder, function, types.none, kinds, parts
+        )
         with cgutils.if_unlikely(builder, status.is_error):
             convention.return_status_propagate(builder, status)
         return context.get_dummy_value()
@@ -293,7 +318,8 @@ def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
     return types.none(types.int64, arguments), generate
 
 
-# In a kernel: call a kernel without result by its entry, with a tuple of arguments of its types.
+# In a kernel: call a kernel without result by its entry, with a tuple of arguments of
+# its types.
 call_entry = cast(Callable[[int, tuple[Any, ...]], None], _call_entry)
 
 
@@ -305,7 +331,10 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
     if config.DISABLE_JIT:
         entry = id(kernel)
     else:
-        dispatcher, kinds = cast(Kernel, kernel).from_python, tuple(map(numba.typeof, arguments))
+        dispatcher, kinds = (
+            cast(Kernel, kernel).from_python,
+            tuple(map(numba.typeof, arguments)),
+        )
         with short_errors:
             dispatcher.compile(kinds)
         code = dispatcher.overloads[kinds]
@@ -316,7 +345,9 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
 
 
 _called: list[Any] = []  # machine code that is called by address must stay in memory
-_entries: dict[int, Callable[..., Any]] = {}  # kernels that plain Python calls by their entry
+_entries: dict[
+    int, Callable[..., Any]
+] = {}  # kernels that plain Python calls by their entry
 
 
 @cache
@@ -330,7 +361,9 @@ def address_of(kernel: Callable[..., float], count: int) -> int:
     dispatcher.compile(numbers)
     code = dispatcher.overloads[numbers]
     _called.append(code)
-    return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+    return int(
+        code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name)
+    )
 
 
 @compiled
@@ -353,7 +386,9 @@ def readable(arguments: Any) -> Any:
     """Return arguments whose records have attributes, as they have in kernels."""
     if isinstance(arguments, tuple):
         parts = map(readable, arguments)
-        return type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
+        return (
+            type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
+        )
     if isinstance(arguments, np.void) and not isinstance(arguments, np.record):
         return arguments.view((np.record, arguments.dtype))
     if isinstance(arguments, np.ndarray) and arguments.dtype.names:

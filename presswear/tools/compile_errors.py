@@ -12,7 +12,9 @@ from numba.core import event
 from presswear.tools.errors import RunFailed
 
 _NUMBA = f"{Path(numba.__file__).parent}"
-_TYPE = re.compile(r"Literal\[\w+\]\((.+?)\)|Function\(<(?:built-in function|class) '?(\w+)'?>\)")
+_TYPE = re.compile(
+    r"Literal\[\w+\]\((.+?)\)|Function\(<(?:built-in function|class) '?(\w+)'?>\)"
+)
 # Numba rejects an allocation with words about returned arrays.
 _ALLOCATES = "Only accept returning of array passed into the function as argument"
 _MAX_REASON = 300  # characters
@@ -31,7 +33,8 @@ class _Failures(event.Listener):
 
     def on_end(self, event: Any) -> None:
         self._depth -= 1
-        # The public property ``is_failed`` is True for a success, in numba 0.61 to 0.68.
+        # The public property ``is_failed`` is True for a success, in numba 0.61 to
+        # 0.68.
         has_failed = event._exc_details is not None
         if has_failed and self.function is None and event.data:
             function = event.data["dispatcher"].py_func
@@ -48,14 +51,18 @@ event.register("numba:compile", _failures)
 class ShortErrors:
     """Context that raises RunFailed with file, line, statement and reason of a failed compilation.
 
-    Kernels are called in it from Python, which a generator would delay more than the call takes.
+    Kernels are called in it from Python, which a generator would delay more than the
+    call takes.
     """
 
     def __enter__(self) -> None:
         _failures.function = None
 
-    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
-        # Numba has no common base for its errors: a wrong field of a record is a KeyError.
+    def __exit__(
+        self, kind: object, error: BaseException | None, traceback: object
+    ) -> None:
+        # Numba has no common base for its errors: a wrong field of a record is a
+        # KeyError.
         if isinstance(error, Exception) and _failures.function is not None:
             function, _failures.function = _failures.function, None
             text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
@@ -87,14 +94,17 @@ def statement_of(function: Callable[..., Any], text: str) -> tuple[int, str]:
         lines, first = inspect.getsourcelines(code)
     except OSError:  # of python -c
         return code.co_firstlineno, "(no source)"
-    places = re.findall(rf"(?:at |File \"){re.escape(code.co_filename)}\W+(?:line )?(\d+)", text)
+    places = re.findall(
+        rf"(?:at |File \"){re.escape(code.co_filename)}\W+(?:line )?(\d+)", text
+    )
     places += re.findall(r"File \".*\", line (\d+)", text)
     inside = [int(place) for place in places if 0 < int(place) - first < len(lines)]
     if inside:
         # Returns of different types are listed in any order.
         place = max(inside) if "Return of:" in text else inside[0]
         return place, lines[place - first].strip()
-    # Without a place: the line with the name, or with the construct, that numba complains about
+    # Without a place: the line with the name, or with the construct, that numba
+    # complains about
     for word in re.findall(r"'(\w+)", reason(text)):
         for number, line in enumerate(lines[1:], first + 1):
             if re.search(rf"\b{word}\b", line):
@@ -109,10 +119,14 @@ def reason(text: str) -> str:
     kept = [line.strip() for line in text.splitlines()]
     kept = [line for line in kept if line and not line.startswith("Failed in ")]
     first = kept[0] if kept else "numba gives no reason"
-    if first.startswith("No implementation of function") and (call := re.search(">>> (.+)", text)):
+    if first.startswith("No implementation of function") and (
+        call := re.search(">>> (.+)", text)
+    ):
         name, _, kinds = call[1].partition("(")
         first = f"{name} is not defined for the types ({kinds}"
-    if first.startswith("Cannot bind") and (cause := re.search(r'"TypeError: (.+)"', first)):
+    if first.startswith("Cannot bind") and (
+        cause := re.search(r'"TypeError: (.+)"', first)
+    ):
         first = cause[1].rstrip(".")
     first = first.removesuffix(". Raised from None")
     first = _TYPE.sub(lambda match: match[1] or match[2], first)

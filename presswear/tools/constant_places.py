@@ -1,7 +1,7 @@
 """Elements of arrays at constant places, as in written equations, in a few instructions.
 
-Numba writes 20 for each, which find the place from the end of the array and the strides of all
-axes, and which the compiler then takes out again.
+Numba writes 20 for each, which find the place from the end of the array and the strides
+of all axes, and which the compiler then takes out again.
 """
 
 from typing import Any

@@ -1,7 +1,7 @@
 """Errors that the command line reports in one line.
 
-The exit code is 2 for bad input and 1 for a failed run; anything else is a defect and shows its
-traceback.
+The exit code is 2 for bad input and 1 for a failed run; anything else is a defect and
+shows its traceback.
 """
 
 from collections.abc import Iterable
@@ -51,7 +51,9 @@ def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
     words = tuple(names)
     listed = f"; known are {', '.join(words)}" if words else "; there is none"
     if hint := nearest(f"{name}", words):
-        listed = hint + (f" Known are {', '.join(words)}." if 1 < len(words) <= FEW_NAMES else "")
+        listed = hint + (
+            f" Known are {', '.join(words)}." if 1 < len(words) <= FEW_NAMES else ""
+        )
     return InputError(f"unknown {kind} {shown(name)}{listed}")
 
 
@@ -64,7 +66,9 @@ def not_installed(what: str, package: str, extra: str) -> InputError:
 FEW_NAMES = 6  # that are listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
-NARROW = "\u202f"  # space between groups of three digits, which is not printable to Python
+NARROW = (
+    "\u202f"  # space between groups of three digits, which is not printable to Python
+)
 
 
 def shown(value: Any) -> str:
@@ -79,7 +83,8 @@ def shown(value: Any) -> str:
 def one_line(text: str) -> str:
     """Return a message as one line of printable characters, the rest as escapes."""
     kept = (
-        c if c.isprintable() or c == NARROW else ascii(c)[1:-1] for c in text[: MAX_MESSAGE + 1]
+        c if c.isprintable() or c == NARROW else ascii(c)[1:-1]
+        for c in text[: MAX_MESSAGE + 1]
     )
     shown = "".join(kept)
     return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."

@@ -1,8 +1,8 @@
 """Choice of Exudyn's compiled module: by default without range checks, with vector instructions.
 
-A step of the open tree spends seven eighths of its time in the module. Its input is checked before.
-The environment variable EXUDYN_MODULE=safe selects the module with range checks, whose numbers
-differ in their last digits.
+A step of the open tree spends seven eighths of its time in the module. Its input is
+checked before. The environment variable EXUDYN_MODULE=safe selects the module with
+range checks, whose numbers differ in their last digits.
 """
 
 import io

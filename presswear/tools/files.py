@@ -1,7 +1,7 @@
 """Files that are written whole or not at all, names of files and folders, and the folder lock.
 
-One process at a time writes into a folder. Its lock is the system's lock on an open file, so that a
-process that is killed leaves none behind; the file names its holder.
+One process at a time writes into a folder. Its lock is the system's lock on an open
+file, so that a process that is killed leaves none behind; the file names its holder.
 """
 
 import errno
@@ -23,12 +23,22 @@ from presswear.tools.errors import InputError, nearest
 
 PART = ".part"  # ending of a file that is being written
 LOCK = "lock"  # name of the file that is locked
-MOST_BYTES = 2**28  # of a file that is read into memory, unless its size is known better
+MOST_BYTES = (
+    2**28
+)  # of a file that is read into memory, unless its size is known better
 MAX_NAME = 255  # bytes of a name in common file systems
-_LEFT = {LOCK, "result.json.part"}  # files that a run leaves that is killed at its start
-BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)  # errors of ``lock``: another process has it
+_LEFT = {
+    LOCK,
+    "result.json.part",
+}  # files that a run leaves that is killed at its start
+BUSY = (
+    errno.EACCES,
+    errno.EAGAIN,
+    errno.EDEADLK,
+)  # errors of ``lock``: another process has it
 _TRIES = 5
-_PAUSE = 0.02  # between two tries, s: a process that asks for the holder has the lock for a moment
+# between two tries, s: a process that asks for the holder has the lock for a moment
+_PAUSE = 0.02
 
 
 def inside(folder: Path, *names: str) -> Path:
@@ -41,14 +51,16 @@ def inside(folder: Path, *names: str) -> Path:
 
 def _check_link(path: Path) -> None:
     if path.is_symlink():
-        raise InputError(f"{path}: this is a link; nothing is written through it, so remove it")
+        raise InputError(
+            f"{path}: this is a link; nothing is written through it, so remove it"
+        )
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Write a file so that it is there whole or not at all, even when power fails.
 
-    OSError with the file, whose previous content is unchanged. InputError where a link would lead
-    the bytes elsewhere; a link in place of the file is replaced.
+    OSError with the file, whose previous content is unchanged. InputError where a link
+    would lead the bytes elsewhere; a link in place of the file is replaced.
     """
     part = path.with_name(path.name + PART)
     _check_link(part)
@@ -78,27 +90,35 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def read_checked(path: Path, expected: str | None = None, most: int = MOST_BYTES) -> bytes:
+def read_checked(
+    path: Path, expected: str | None = None, most: int = MOST_BYTES
+) -> bytes:
     """Read a file; raise InputError where it is missing, too large, or not the expected one.
 
     A pipe or a device, which may have no end, is not read.
     """
     try:
         # A pipe would be waited for.
-        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
+        with open(
+            os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb"
+        ) as file:
             status = os.fstat(file.fileno())
             if not stat.S_ISREG(status.st_mode):
                 raise InputError(f"{path}: it is not a regular file")
             if status.st_size > most:
                 size = f"{status.st_size / 1e6:.3g} MB"
-                raise InputError(f"{path} has {size}: at most {most / 1e6:.3g} MB are expected")
+                raise InputError(
+                    f"{path} has {size}: at most {most / 1e6:.3g} MB are expected"
+                )
             data = file.read(status.st_size)
     except FileNotFoundError:
         raise InputError(f"{path} is missing") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
     if expected is not None and digest(data) != expected:
-        raise InputError(f"{path} is cut off or altered: its checksum is not the stored one")
+        raise InputError(
+            f"{path} is cut off or altered: its checksum is not the stored one"
+        )
     return data
 
 
@@ -150,7 +170,9 @@ def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> N
         return
     if path.exists():
         raise InputError(f"{path}: it is not a {kind}")
-    missing = next((one for one in (*reversed(path.parents), path) if not one.exists()), path)
+    missing = next(
+        (one for one in (*reversed(path.parents), path) if not one.exists()), path
+    )
     is_near = is_wanted if missing == path else Path.is_dir
     beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
     hint = nearest(missing.name, (item.name for item in beside if is_near(item)))
@@ -175,22 +197,26 @@ def is_free(path: Path) -> bool:
         # Permissions do not tell for every kind of file system: trying does.
         os.rmdir(tempfile.mkdtemp(dir=parent))
     except OSError as error:
-        raise InputError(f"folder {path}: no file can be written there: {error.strerror}") from None
+        raise InputError(
+            f"folder {path}: no file can be written there: {error.strerror}"
+        ) from None
     return True
 
 
 class FolderLock:
     """Exclusive right to write into a folder, until it is released or the process ends.
 
-    The folder is made where it is not there. InputError where no file can be written there, with
-    the holder of the lock, or where the lock is a link. ``warning`` is a text where this file
-    system has no locks.
+    The folder is made where it is not there. InputError where no file can be written
+    there, with the holder of the lock, or where the lock is a link. ``warning`` is a
+    text where this file system has no locks.
     """
 
     def __init__(self, path: Path) -> None:
         self.path, self.warning = path, ""
         _check_link(path / LOCK)
-        self._made = tuple(folder for folder in (path, *path.parents) if not folder.exists())
+        self._made = tuple(
+            folder for folder in (path, *path.parents) if not folder.exists()
+        )
         try:
             path.mkdir(parents=True, exist_ok=True)
             self._file = self._locked_file()
@@ -216,7 +242,9 @@ class FolderLock:
             file.close()
             time.sleep(_PAUSE)
         who = holder(self.path) or "another process"
-        raise InputError(f"folder {self.path}: {who} is writing to it; wait, or name another")
+        raise InputError(
+            f"folder {self.path}: {who} is writing to it; wait, or name another"
+        )
 
     def is_held(self) -> bool:
         """Return whether the folder is still there and still locked by this object."""
@@ -247,7 +275,9 @@ def lock(file: IO[str], waits: bool = False) -> int:
             import msvcrt
 
             file.seek(1 << 30)  # behind the text, which other processes may read
-            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK, 1)
+            msvcrt.locking(
+                file.fileno(), msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK, 1
+            )
         else:
             import fcntl
 
@@ -277,7 +307,9 @@ def holder(path: Path) -> str | None:
 def only_writer(path: Path, resume: bool = False) -> Iterator[None]:
     """Hold the lock of a folder; InputError where it is locked, or neither new nor resumed."""
     if not (resume or is_free(path)):
-        raise InputError(f"folder {path}: it exists and is not empty; name a new folder")
+        raise InputError(
+            f"folder {path}: it exists and is not empty; name a new folder"
+        )
     lock = FolderLock(path)
     try:
         yield

@@ -13,7 +13,9 @@ class _Intrinsic(extending._Intrinsic):
         return self.in_python(*arguments)
 
 
-def intrinsic_with(in_python: Callable[..., Any]) -> Callable[[Callable[..., Any]], Any]:
+def intrinsic_with(
+    in_python: Callable[..., Any],
+) -> Callable[[Callable[..., Any]], Any]:
     """Define code for kernels, beside a function that does the same in plain Python."""
 
     def define(code: Callable[..., Any]) -> Any:

@@ -1,7 +1,8 @@
 """Cache of machine code for all environments of a user.
 
-A file of the cache is executed, as the source code is. It is therefore read only where nobody but
-the user and root can have written it; otherwise kernels are compiled in memory.
+A file of the cache is executed, as the source code is. It is therefore read only where
+nobody but the user and root can have written it; otherwise kernels are compiled in
+memory.
 """
 
 import errno
@@ -25,11 +26,15 @@ from numba.np.numpy_support import numpy_version
 from presswear.tools.files import BUSY, digest, lock, write_bytes
 from presswear.tools.kernel_digest import fields_of
 
-PATIENCE = 20.0  # s for which a process that compiles may stand still; a function takes up to 15 s
+# s for which a process that compiles may stand still; a function takes up to 15 s
+PATIENCE = 20.0
 _PAUSE = 0.05  # s between two looks at it
 _MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
 _PACKAGE = Path(__file__).parents[1]
-_WHEEL_PROCESSOR = "x86-64-v3", ""  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
+_WHEEL_PROCESSOR = (
+    "x86-64-v3",
+    "",
+)  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
 _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 # Settings of numba, NUMBA_NAME in the environment, that change machine code
 _SETTINGS = "USING_SVML", "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE"
@@ -46,7 +51,8 @@ def _warn(message: str, in_worker: bool = False) -> None:
 def _is_safe(status: os.stat_result, folder: Path) -> bool:
     """Return whether only the user and root can have written a folder, or a file in it.
 
-    Kernels of a wheel are as safe as the package: who can write there can change its source code.
+    Kernels of a wheel are as safe as the package: who can write there can change its
+    source code.
     """
     if os.name != "posix":
         return True
@@ -96,8 +102,8 @@ def _read_entry(file: Path) -> bytes:
 class KernelCache:
     """Machine code of a function, one file for each signature.
 
-    The process that compiles a function locks a file beside it. Others wait for the code as long as
-    that process goes on.
+    The process that compiles a function locks a file beside it. Others wait for the
+    code as long as that process goes on.
 
     Parameters
     ----------
@@ -123,7 +129,8 @@ class KernelCache:
         if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
             folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
         return [
-            folder / digest(repr((self._key, signature, fields, triple, *processor)).encode())
+            folder
+            / digest(repr((self._key, signature, fields, triple, *processor)).encode())
             for folder, processor in folders.items()
         ]
 
@@ -140,9 +147,12 @@ class KernelCache:
 
     def _stored(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it cannot be used."""
-        with suppress(Exception):  # without a part of numba nothing is stored; see below
+        with suppress(
+            Exception
+        ):  # without a part of numba nothing is stored; see below
             for file in self.files(signature, context):
-                # An entry that fits no longer fails in any way: a named tuple may be gone.
+                # An entry that fits no longer fails in any way: a named tuple may be
+                # gone.
                 with suppress(Exception):
                     if not _is_usable(file.parent):
                         continue

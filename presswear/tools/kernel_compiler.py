@@ -1,9 +1,10 @@
 """Compilers for kernels, and for functions that only kernels call.
 
-Numba optimises each function in full, together with all that it calls, and again in each of its
-callers, and makes machine code of it. A callee needs the simple passes only, and no machine code:
-its callers contain it. Most of the time goes into passes for what no kernel has, and into types
-that numba finds again for each sum and product; both are left out here.
+Numba optimises each function in full, together with all that it calls, and again in
+each of its callers, and makes machine code of it. A callee needs the simple passes
+only, and no machine code: its callers contain it. Most of the time goes into passes for
+what no kernel has, and into types that numba finds again for each sum and product; both
+are left out here.
 """
 
 import operator
@@ -24,8 +25,13 @@ from numba.extending import lower_builtin
 
 from presswear.tools.files import digest
 
-_FILES = Path(__file__), *map(Path(__file__).with_name, ("packing.py", "constant_places.py"))
-COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))  # machine code depends on it
+_FILES = (
+    Path(__file__),
+    *map(Path(__file__).with_name, ("packing.py", "constant_places.py")),
+)
+COMPILER = digest(
+    b"".join(file.read_bytes() for file in _FILES)
+)  # machine code depends on it
 
 # Those of numba but for closures, ``with``, generators and formulas with arrays
 _PASSES = (
@@ -43,9 +49,10 @@ _PASSES = (
     typed.NativeLowering,
     typed.NoPythonBackend,
 )
-# Python stores the frames of calls in pieces of 16 kB. Nested compilations cross the end of a piece
-# 70 000 times, and each time the system gives and takes one, which is a seventh of the whole time.
-# A frame of so many words gets a piece of 2 MB, whose other half has room for all that follow.
+# Python stores the frames of calls in pieces of 16 kB. Nested compilations cross the
+# end of a piece 70 000 times, and each time the system gives and takes one, which is a
+# seventh of the whole time. A frame of so many words gets a piece of 2 MB, whose other
+# half has room for all that follow.
 _FRAME = 140_000
 
 _OPERATORS = {bool, *filter(callable, vars(operator).values())}
@@ -53,9 +60,11 @@ _NUMBERS = types.Number, types.Boolean, types.Literal
 _signatures: dict[Any, Any] = {}  # of operators between numbers
 
 
-# Numba looks for this function at each use of an array, and loads all its modules where there is
-# none.
-lower_builtin("__array__", types.Array)(lambda context, builder, signature, arrays: arrays[0])
+# Numba looks for this function at each use of an array, and loads all its modules where
+# there is none.
+lower_builtin("__array__", types.Array)(
+    lambda context, builder, signature, arrays: arrays[0]
+)
 
 
 @contextmanager
@@ -92,7 +101,9 @@ class KernelCompiler(Compiler):
         return [manager]
 
     def _compile_core(self) -> Any:
-        import_module("presswear.tools.constant_places")  # slow: only where something is compiled
+        import_module(
+            "presswear.tools.constant_places"
+        )  # slow: only where something is compiled
         with _types_found_once():
             return super()._compile_core()
 
@@ -102,7 +113,10 @@ class KernelCompiler(Compiler):
 class _CalleeLibrary(JITCodeLibrary):
     def _optimize_final_module(self) -> None:
         manager, builder = self._codegen._module_pass_manager(
-            cost="cheap", opt=self._codegen._opt_level, loop_vectorize=False, slp_vectorize=False
+            cost="cheap",
+            opt=self._codegen._opt_level,
+            loop_vectorize=False,
+            slp_vectorize=False,
         )
         manager.run(self._final_module, builder)
 
@@ -122,8 +136,8 @@ class CalleeCompiler(KernelCompiler):
 
     def _compile_core(self) -> Any:
         code = Compiler._compile_core(self)
-        # In place of the function for Python: any built-in function of its own, which numba finds
-        # the callee by
+        # In place of the function for Python: any built-in function of its own, which
+        # numba finds the callee by
         key = [code].append
         code.library._ensure_finalized()
         code.target_context.insert_user_function(key, code.fndesc, [code.library])

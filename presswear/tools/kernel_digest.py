@@ -1,8 +1,8 @@
 """Digest of all that the machine code of a function depends on.
 
-It holds the instructions and constants of the function and of every kernel, constant and class that
-they refer to, so that an edit compiles those kernels anew that it changes. Comments, docstrings and
-types of parameters are no part of it.
+It holds the instructions and constants of the function and of every kernel, constant
+and class that they refer to, so that an edit compiles those kernels anew that it
+changes. Comments, docstrings and types of parameters are no part of it.
 """
 
 import dis
@@ -22,7 +22,10 @@ from presswear.tools.files import digest
 @cache
 def function_digest(function: Callable[..., Any]) -> str:
     """Return a digest of a function and of all that it refers to."""
-    parts = [repr(function.__defaults__), *_code_parts(function.__code__, function.__doc__)]
+    parts = [
+        repr(function.__defaults__),
+        *_code_parts(function.__code__, function.__doc__),
+    ]
     for name in sorted(_names(function.__code__)):
         if name in function.__globals__:
             parts += [name, *_parts(function.__globals__[name])]
@@ -31,8 +34,14 @@ def function_digest(function: Callable[..., Any]) -> str:
 
 def _names(code: types.CodeType) -> set[str]:
     """Return the global names of a function and of the functions inside it."""
-    read = (step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL")
-    inner = [_names(part) for part in code.co_consts if isinstance(part, types.CodeType)]
+    read = (
+        step.argval
+        for step in dis.get_instructions(code)
+        if step.opname == "LOAD_GLOBAL"
+    )
+    inner = [
+        _names(part) for part in code.co_consts if isinstance(part, types.CodeType)
+    ]
     return set(read).union(*inner)
 
 

@@ -1,8 +1,9 @@
 """Arguments of kernels, stored once as machine code reads them.
 
-Numba unpacks every array of a call from Python. A kernel that is called a million times takes the
-address of its arguments instead, and reads from there what it needs. Named tuples that are stored
-are passed on between kernels by their addresses, too: as values they are hundreds of numbers.
+Numba unpacks every array of a call from Python. A kernel that is called a million times
+takes the address of its arguments instead, and reads from there what it needs. Named
+tuples that are stored are passed on between kernels by their addresses, too: as values
+they are hundreds of numbers.
 """
 
 import ctypes
@@ -41,7 +42,11 @@ class _Reference(types.Type):
 
     def __init__(self, kind: Any) -> None:
         self.kind = kind
-        word = kind.instance_class.__name__ if isinstance(kind, types.BaseNamedTuple) else "tuple"
+        word = (
+            kind.instance_class.__name__
+            if isinstance(kind, types.BaseNamedTuple)
+            else "tuple"
+        )
         short = digest(f"{kind} {[*fields_of(kind)]}".encode())[:16]
         super().__init__(name=f"{word}_{short}")
 
@@ -65,7 +70,9 @@ def _type_of(packed: PackedArguments, context: Any) -> Any:
 @unbox(_Reference)
 def _unbox_address(kind: Any, packed: Any, context: Any) -> Any:
     address = context.pyapi.long_as_longlong(packed)
-    return NativeValue(context.builder.inttoptr(address, context.context.get_value_type(kind)))
+    return NativeValue(
+        context.builder.inttoptr(address, context.context.get_value_type(kind))
+    )
 
 
 _NUMBERS = {types.float64: ctypes.c_double, types.int64: ctypes.c_int64}
@@ -81,7 +88,11 @@ def _layout(kind: Any) -> Any:
     if isinstance(kind, types.BaseTuple):
         parts = [_layout(part) for part in kind]
     elif isinstance(kind, types.Array):
-        pointer, count, counts = ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64 * kind.ndim
+        pointer, count, counts = (
+            ctypes.c_void_p,
+            ctypes.c_int64,
+            ctypes.c_int64 * kind.ndim,
+        )
         parts = [pointer, pointer, count, count, pointer, counts, counts]
     else:
         return _NUMBERS.get(kind, ctypes.c_void_p)  # of None and of an address
@@ -125,11 +136,17 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     reference = _references[key]
     memory = _stored(reference.kind, arguments)
     packed = PackedArguments(ctypes.addressof(memory))
-    packed.arguments, packed.kind, packed.memory = readable(arguments), reference, memory
+    packed.arguments, packed.kind, packed.memory = (
+        readable(arguments),
+        reference,
+        memory,
+    )
     return packed
 
 
-def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> "partial[T]":
+def bind(
+    kernel: Callable[[PackedArguments, float], T], *arguments: Any
+) -> "partial[T]":
     """Return a kernel of packed arguments and a number as a function of the number."""
     packed = pack_arguments(*arguments)
     return partial(specialised(kernel, packed, 0.0), packed)
@@ -141,14 +158,18 @@ def _read_kind(kind: Any) -> Any:
     return _Reference(kind) if isinstance(kind, types.BaseNamedTuple) else kind
 
 
-def _read(context: Any, builder: Any, reference: _Reference, address: Any, index: int) -> Any:
+def _read(
+    context: Any, builder: Any, reference: _Reference, address: Any, index: int
+) -> Any:
     """Generate code that reads a part of a stored tuple."""
     kind = reference.kind[index]
     offset = getattr(_layout(reference.kind), f"part_{index}").offset
     place = builder.gep(address, [ir.IntType(64)(offset)], inbounds=True)
     if isinstance(kind, types.BaseNamedTuple):
         return place
-    return builder.load(builder.bitcast(place, context.get_value_type(kind).as_pointer()))
+    return builder.load(
+        builder.bitcast(place, context.get_value_type(kind).as_pointer())
+    )
 
 
 @infer_getattr
@@ -157,12 +178,18 @@ class _Attributes(AttributeTemplate):
 
     def generic_resolve(self, reference: _Reference, name: str) -> Any:
         fields = getattr(reference.kind, "fields", ())
-        return _read_kind(reference.kind[fields.index(name)]) if name in fields else None
+        return (
+            _read_kind(reference.kind[fields.index(name)]) if name in fields else None
+        )
 
 
 @lower_getattr_generic(_Reference)
-def _read_attribute(context: Any, builder: Any, reference: Any, address: Any, name: str) -> Any:
-    return _read(context, builder, reference, address, reference.kind.fields.index(name))
+def _read_attribute(
+    context: Any, builder: Any, reference: Any, address: Any, name: str
+) -> Any:
+    return _read(
+        context, builder, reference, address, reference.kind.fields.index(name)
+    )
 
 
 @intrinsic_with(lambda packed: packed.arguments)

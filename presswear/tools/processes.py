@@ -1,8 +1,9 @@
 """Jobs in worker processes or in this process, and signals that stop a command.
 
-A job is a picklable function. It gets a function to report its progress, many times a second, which
-is also where it is stopped. Its result does not depend on where or when it runs. A worker may be
-killed at any moment: each has a pipe of its own, so that half a message ends no other worker.
+A job is a picklable function. It gets a function to report its progress, many times a
+second, which is also where it is stopped. Its result does not depend on where or when
+it runs. A worker may be killed at any moment: each has a pipe of its own, so that half
+a message ends no other worker.
 """
 
 import math
@@ -27,13 +28,14 @@ from presswear.tools.errors import InputError, RunFailed, shown
 
 POLL = 0.1  # s between two reports of a worker
 MAX_JOBS = 10_000  # worker processes at a time: no machine has as many cores
-GRACE = 3.0  # s until a worker whose job does not stop is ended, for example while it compiles
+# s until a worker whose job does not stop is ended, for example while it compiles
+GRACE = 3.0
 LOST = "a worker process was ended from outside, for example because memory ran out"
 _STOPS = math.inf  # progress of a job that stops; what it stores may take long
 _IDLE, _DROPPED = "idle", "dropped"  # in place of the key of a job
 
-# Called by a job with its progress (nan while it gets ready) and optionally a word, which stays in
-# this process, and rows; KeyboardInterrupt stops the job.
+# Called by a job with its progress (nan while it gets ready) and optionally a word,
+# which stays in this process, and rows; KeyboardInterrupt stops the job.
 Report = Callable[..., object]
 Job = Callable[[Report], Any]
 OnResult = Callable[[int, Any], Mapping[int, Job | None]]
@@ -70,7 +72,8 @@ class Workers:
     Parameters
     ----------
     count : int
-        Number of worker processes, which start with the first job; 1: this process does the jobs.
+        Number of worker processes, which start with the first job; 1: this process does
+        the jobs.
     imports : sequence of str
         Modules that jobs need.
     lasts : float
@@ -95,7 +98,9 @@ class Workers:
             worker.pipe.close()
         self._workers = []
 
-    def run(self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
+    def run(
+        self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress
+    ) -> None:
         """Run jobs, at most one in each worker, and those that follow after them.
 
         Raises
@@ -128,12 +133,20 @@ class Workers:
                         rows, worker.rows = worker.rows, None
                         on_progress(worker.key, worker.progress, "", rows)
         except BaseException as error:
-            is_interrupt, due = isinstance(error, KeyboardInterrupt), time.monotonic() + GRACE
+            is_interrupt, due = (
+                isinstance(error, KeyboardInterrupt),
+                time.monotonic() + GRACE,
+            )
             for worker in self._running:
                 worker.send(None)
-            while any(one.progress == _STOPS or time.monotonic() < due for one in self._running):
+            while any(
+                one.progress == _STOPS or time.monotonic() < due
+                for one in self._running
+            ):
                 for key, result in self._results():
-                    if (is_interrupt or is_stopped()) and not isinstance(result, BaseException):
+                    if (is_interrupt or is_stopped()) and not isinstance(
+                        result, BaseException
+                    ):
                         on_result(key, result)
             self.__exit__()
             raise
@@ -146,7 +159,10 @@ class Workers:
         """Read what workers send; yield keys and results, or errors, of jobs that are complete."""
         ready = wait_for([worker.pipe for worker in self._running], POLL)
         for worker in [worker for worker in self._running if worker.pipe in ready]:
-            key, worker.key = worker.key, _IDLE  # after half a message nothing more is read
+            key, worker.key = (
+                worker.key,
+                _IDLE,
+            )  # after half a message nothing more is read
             try:
                 is_complete, content = worker.pipe.recv()
             except (EOFError, OSError):
@@ -159,10 +175,14 @@ class Workers:
 
     def _started(self) -> "list[_Worker]":
         has_server = "forkserver" in multiprocessing.get_all_start_methods()
-        context: Any = multiprocessing.get_context("forkserver" if has_server else "spawn")
+        context: Any = multiprocessing.get_context(
+            "forkserver" if has_server else "spawn"
+        )
         package = import_module("presswear").__path__[0]
         # The server of forks would import another version from the working directory.
-        is_safe = not os.path.isdir("presswear") or os.path.samefile("presswear", package)
+        is_safe = not os.path.isdir("presswear") or os.path.samefile(
+            "presswear", package
+        )
         if has_server and is_safe:
             context.set_forkserver_preload(list(self._imports))
         with starting_processes():
@@ -188,12 +208,16 @@ class _Worker:
             self.pipe.send(job)
 
 
-def _run_here(waiting: dict[int, Job], on_result: OnResult, on_progress: OnProgress) -> None:
+def _run_here(
+    waiting: dict[int, Job], on_result: OnResult, on_progress: OnProgress
+) -> None:
     while waiting:
         key = next(iter(waiting))
         job = waiting.pop(key)
         try:
-            outcome = job(lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows))
+            outcome = job(
+                lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows)
+            )
         except Stopped as stopped:
             on_result(key, stopped.outcome)
             raise KeyboardInterrupt from None
@@ -261,7 +285,9 @@ def end_with_parent() -> None:
 
 
 # Windows has no SIGHUP.
-_SIGNALS = [getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)]
+_SIGNALS = [
+    getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)
+]
 _received: list[int] = []  # signals
 
 
@@ -284,14 +310,16 @@ def _handling(handler: Callable[[int, FrameType | None], object]) -> Iterator[No
 def starting_processes() -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
-    With the main module they would run a script a second time that lacks
-    ``if __name__ == "__main__":``. A signal is delivered at the end: a start that is interrupted
-    leaves a worker that fails with a traceback, and a process that is ended before it has read its
-    arguments leaves the parent waiting. The processes call ``end_with_parent`` first.
+    With the main module they would run a script a second time that lacks ``if __name__
+    == "__main__":``. A signal is delivered at the end: a start that is interrupted
+    leaves a worker that fails with a traceback, and a process that is ended before it
+    has read its arguments leaves the parent waiting. The processes call
+    ``end_with_parent`` first.
     """
     main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
     if mask:
-        # It starts with the first process and then admits SIGINT, which that would inherit.
+        # It starts with the first process and then admits SIGINT, which that would
+        # inherit.
         resource_tracker.ensure_running()
     blocked = mask(signal.SIG_BLOCK, _SIGNALS) if mask else None
     late: list[int] = []
@@ -316,13 +344,14 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def stoppable() -> Iterator[None]:
     """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt; ignored signals stay ignored.
 
-    The program may be in a place that drops KeyboardInterrupt, or makes another error of it. A
-    command therefore calls ``check_stopped`` with its progress, and any error after a signal counts
-    as an interrupt.
+    The program may be in a place that drops KeyboardInterrupt, or makes another error
+    of it. A command therefore calls ``check_stopped`` with its progress, and any error
+    after a signal counts as an interrupt.
     """
     _received.clear()
     hook = sys.unraisablehook
-    # An object that a signal left incomplete fails when it is deleted, until the program ends.
+    # An object that a signal left incomplete fails when it is deleted, until the
+    # program ends.
     sys.unraisablehook = lambda problem: None if is_stopped() else hook(problem)
     try:
         with _handling(_interrupt):

@@ -1,8 +1,8 @@
 """Quantities with unit, range and origin, choices, and numbers with units as people type them.
 
-Every value that a person may set is a data class field made by ``quantity``, ``count``, ``choice``,
-``free_text``, ``named_set`` or ``one_of``. Help, error messages, files and reports read its meaning
-from the field.
+Every value that a person may set is a data class field made by ``quantity``, ``count``,
+``choice``, ``free_text``, ``named_set`` or ``one_of``. Help, error messages, files and
+reports read its meaning from the field.
 """
 
 import math
@@ -21,13 +21,29 @@ NONE = "none"  # word for an optional part that is absent
 SYMBOLS = {  # of the paper and of the contact laws, by which settings are named, too
     **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
     **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
-    **{"K": "contact_stiffness", "n": "exponent", "c_e": "restitution", "D": "viscous_damping"},
-    **{"c_f": "friction", "c_s": "static_friction", "v_0": "lower_speed", "v_1": "upper_speed"},
-    **{"v_s": "stribeck_speed", "sigma_0": "bristle_stiffness", "sigma_1": "bristle_damping"},
+    **{
+        "K": "contact_stiffness",
+        "n": "exponent",
+        "c_e": "restitution",
+        "D": "viscous_damping",
+    },
+    **{
+        "c_f": "friction",
+        "c_s": "static_friction",
+        "v_0": "lower_speed",
+        "v_1": "upper_speed",
+    },
+    **{
+        "v_s": "stribeck_speed",
+        "sigma_0": "bristle_stiffness",
+        "sigma_1": "bristle_damping",
+    },
 }
 
 _DEGREE = math.pi / 180.0
-_PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min", "rev/min", "r/min"), math.pi / 30.0)
+_PER_MINUTE = dict.fromkeys(
+    ("rpm", "spm", "1/min", "/min", "rev/min", "r/min"), math.pi / 30.0
+)
 _PER_SECOND = dict.fromkeys(("rps", "rev/s", "r/s", "Hz"), 2.0 * math.pi)
 _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "": {"": 1.0, "%": 0.01, "percent": 0.01},
@@ -35,9 +51,27 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, **_PER_SECOND},
     "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
-    "kg m^2": {"kg m^2": 1.0, "kgm^2": 1.0, "kg cm^2": 1e-4, "kg mm^2": 1e-6, "g mm^2": 1e-9},
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
-    "W/m^2": {"W/m^2": 1.0, "Pa m/s": 1.0, **dict.fromkeys(("MPa m/s", "N/mm^2 m/s"), 1e6)},
+    "kg m^2": {
+        "kg m^2": 1.0,
+        "kgm^2": 1.0,
+        "kg cm^2": 1e-4,
+        "kg mm^2": 1e-6,
+        "g mm^2": 1e-9,
+    },
+    "Pa": {
+        "Pa": 1.0,
+        "kPa": 1e3,
+        "MPa": 1e6,
+        "GPa": 1e9,
+        "bar": 1e5,
+        "N/m^2": 1.0,
+        "N/mm^2": 1e6,
+    },
+    "W/m^2": {
+        "W/m^2": 1.0,
+        "Pa m/s": 1.0,
+        **dict.fromkeys(("MPa m/s", "N/mm^2 m/s"), 1e6),
+    },
     "1/Pa": {
         **dict.fromkeys(("1/Pa", "/Pa", "m^2/N"), 1.0),
         **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),
@@ -48,7 +82,14 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
-    "N/m": {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "MN/m": 1e6, "kN/mm": 1e6, "GN/m": 1e9},
+    "N/m": {
+        "N/m": 1.0,
+        "kN/m": 1e3,
+        "N/mm": 1e3,
+        "MN/m": 1e6,
+        "kN/mm": 1e6,
+        "GN/m": 1e9,
+    },
     "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),
     "N": {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
     "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
@@ -58,8 +99,17 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
 }
 _WRITTEN_IN = {  # units of engineers, the largest first
     **{"m": ("mm",), "rad": ("deg",), "rad/s": ("rpm",), "W/m^2": ("MPa m/s",)},
-    **{"Pa": ("GPa", "MPa"), "N": ("kN", "N"), "N m": ("kN m", "N m"), "kg": ("kg", "g")},
-    **{"kg m^2": ("kg m^2", "kg mm^2"), "1/Pa": ("mm^3/(N m)",), "m/s": ("m/s", "mm/s")},
+    **{
+        "Pa": ("GPa", "MPa"),
+        "N": ("kN", "N"),
+        "N m": ("kN m", "N m"),
+        "kg": ("kg", "g"),
+    },
+    **{
+        "kg m^2": ("kg m^2", "kg mm^2"),
+        "1/Pa": ("mm^3/(N m)",),
+        "m/s": ("m/s", "mm/s"),
+    },
     **{"s": ("s", "ms"), "N/m": ("kN/mm", "N/mm")},
 }
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
@@ -69,9 +119,14 @@ _SEPARATED = {  # forms of numbers that are refused, and what becomes of their s
         r"\d{1,3}([,'’]\d{3})+(\.\d*)?",
         str.maketrans("", "", ",'’"),
     ),
-    "use a decimal point": (r"(\d{1,3}(\.\d{3})+|\d*),\d+", str.maketrans(",", ".", ".")),
+    "use a decimal point": (
+        r"(\d{1,3}(\.\d{3})+|\d*),\d+",
+        str.maketrans(",", ".", "."),
+    ),
 }
-_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$"
+)
 
 
 def plain_number(value: Any) -> Any:
@@ -112,7 +167,10 @@ class Quantity:
         numbers = [abs(value) for value in values if isinstance(value, int | float)]
         shown = self.in_unit_of(max(numbers, default=0.0))
         size = shown.size
-        texts = (short_number(x / size) if isinstance(x, float | int) else f"{x}" for x in values)
+        texts = (
+            short_number(x / size) if isinstance(x, float | int) else f"{x}"
+            for x in values
+        )
         return [*texts], shown.unit.replace("^2", "²").replace("^3", "³")
 
     def in_unit_of(self, value: float) -> "Quantity":
@@ -147,9 +205,13 @@ class Quantity:
         is_above = self.low < value if self.open_low else self.low <= value
         if not (is_above and value <= self.high) or math.isinf(value):
             text = f"{value:g}"
-            if self.low <= float(text) <= self.high:  # outside by less than six digits show
+            if (
+                self.low <= float(text) <= self.high
+            ):  # outside by less than six digits show
                 text = f"{value!r}"
-            raise InputError(f"{name} = {self.with_unit(text)}: allowed is {self.range_text()}")
+            raise InputError(
+                f"{name} = {self.with_unit(text)}: allowed is {self.range_text()}"
+            )
 
     def convert(self, name: str, value: Any) -> Any:
         """Return a number, SI, or a text with a unit as a number in range; raise InputError."""
@@ -172,8 +234,9 @@ def _six_digits(value: float, rounding: str) -> str:
 def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     """Return a number, SI, from a text with its unit, and check its range.
 
-    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres. ``m or rad``
-    has the units of both. A unit that the table lacks is the only one of its dimension.
+    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres. ``m
+    or rad`` has the units of both. A unit that the table lacks is the only one of its
+    dimension.
 
     Raises
     ------
@@ -194,13 +257,17 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
         raise InputError(f"{label}: {'; or '.join(advice)}")
     match = _NUMBER.match(text)
     if match is None:
-        raise InputError(f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}")
+        raise InputError(
+            f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}"
+        )
     value, symbol = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
     symbol = re.sub(r"\s+", " ", symbol).strip()
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value, symbol = value * math.pi, symbol[2:].strip()
     if meaning.unit and not symbol:
-        raise InputError(f"{label} has no unit; known are {', '.join(units)}; {allowed}")
+        raise InputError(
+            f"{label} has no unit; known are {', '.join(units)}; {allowed}"
+        )
     if symbol not in units:
         pure = f"a pure number{', or one in %,' * (not meaning.whole)} is expected"
         fault = f"unknown unit {shown(symbol)}; known are {', '.join(units)}"
@@ -221,14 +288,20 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
 class Choice:
     """Field that takes one of a few words, a named instance, a kind of part, or a free text."""
 
-    words: tuple[str, ...] | Any  # allowed words, or a function of the owner that returns them
+    words: (
+        tuple[str, ...] | Any
+    )  # allowed words, or a function of the owner that returns them
     text: str = ""
     parameters: tuple[str, ...] = ()  # allowed in a user function in place of a word
-    # Words can be combined, except for the last one, which stands for none of them. Words of one
-    # letter may be written side by side, others with commas between.
+    # Words can be combined, except for the last one, which stands for none of them.
+    # Words of one letter may be written side by side, others with commas between.
     several: bool = False
-    instances: Mapping[str, Any] | None = None  # by name; the field holds one, or a changed one
-    kinds: Mapping[str, Any] | None = None  # classes by kind; the field holds an instance, or None
+    instances: Mapping[str, Any] | None = (
+        None  # by name; the field holds one, or a changed one
+    )
+    kinds: Mapping[str, Any] | None = (
+        None  # classes by kind; the field holds an instance, or None
+    )
     example: str = ""  # of a free text that its owner reads
 
     unit: ClassVar[str] = ""
@@ -259,13 +332,21 @@ class Choice:
         if self.example:
             return (f"such as {self.example}",)
         can_combine = self.several and len(self.words) > 2
-        several = [f"several together, as {self.combine(self.words)}"] if can_combine else []
-        return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.parameters else []))
+        several = (
+            [f"several together, as {self.combine(self.words)}"] if can_combine else []
+        )
+        return (
+            *self.words,
+            *several,
+            *(["FILE.py:FUNCTION"] if self.parameters else []),
+        )
 
     def shown(self, value: Any) -> Any:
         """Return the word by which a field value is set: a name, a kind, or the value itself."""
         if self.instances is not None:
-            return next((name for name, one in self.instances.items() if one == value), "custom")
+            return next(
+                (name for name, one in self.instances.items() if one == value), "custom"
+            )
         if self.kinds is not None:
             return NONE if value is None else value.kind
         return value
@@ -298,7 +379,9 @@ class Choice:
         """Raise InputError unless the value is one of the words, or a text where one is free."""
         if isinstance(value, str):
             parts = self.split(value) if self.several else ()
-            is_combined = len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1])
+            is_combined = len(set(parts)) == len(parts) and set(parts) <= set(
+                self.words[:-1]
+            )
             if self.example or value in self.words or (parts and is_combined):
                 return
         if self.example:
@@ -308,7 +391,13 @@ class Choice:
 
 
 def quantity(
-    default: float | None, unit: str, low: float, high: float, origin: str, text: str, **more: bool
+    default: float | None,
+    unit: str,
+    low: float,
+    high: float,
+    origin: str,
+    text: str,
+    **more: bool,
 ) -> Any:
     """Return a field for a number with a unit; ``more`` are fields of ``Quantity``."""
     return _field(default, Quantity(unit, low, high, origin, text, **more))
@@ -324,7 +413,11 @@ def count(default: int | None, low: int, high: int, origin: str, text: str) -> A
 
 
 def choice(
-    default: str | None, words: Any, text: str, parameters: Any = (), several: bool = False
+    default: str | None,
+    words: Any,
+    text: str,
+    parameters: Any = (),
+    several: bool = False,
 ) -> Any:
     """Return a data class field for one of a few words, also those of a Literal; see ``Choice``."""
     return _field(default, Choice(get_args(words) or words, text, parameters, several))
@@ -337,7 +430,9 @@ def free_text(default: str, example: str, text: str) -> Any:
 
 def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
     """Return a data class field for one of some data class instances, or a changed one."""
-    return _field(instances[default], Choice(tuple(instances), text, instances=instances))
+    return _field(
+        instances[default], Choice(tuple(instances), text, instances=instances)
+    )
 
 
 def one_of(kinds: Mapping[str, Any], text: str) -> Any:
@@ -347,7 +442,10 @@ def one_of(kinds: Mapping[str, Any], text: str) -> Any:
 
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     """Return the meaning of a field, None without; the words of a choice may need the owner."""
-    for meaning in (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ())):
+    for meaning in (
+        item.metadata.get("meaning"),
+        *getattr(item.type, "__metadata__", ()),
+    ):
         if isinstance(meaning, Choice) and callable(meaning.words):
             return replace(meaning, words=meaning.words(owner))
         if isinstance(meaning, Quantity | Choice):

@@ -1,8 +1,9 @@
 """Data classes from plain data and back, with the one check of types and ranges.
 
-Fields carry their meaning (``tools.quantities``) and their annotation. ``check_fields`` converts
-and checks all fields of an instance, so that a constructor takes numbers in SI, texts with units,
-lists of any sort and plain data alike. ``plain`` and ``from_plain`` walk over the same fields.
+Fields carry their meaning (``tools.quantities``) and their annotation. ``check_fields``
+converts and checks all fields of an instance, so that a constructor takes numbers in
+SI, texts with units, lists of any sort and plain data alike. ``plain`` and
+``from_plain`` walk over the same fields.
 """
 
 import inspect
@@ -31,7 +32,14 @@ import numpy as np
 
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_checked, write_bytes
-from presswear.tools.quantities import NONE, SYMBOLS, Choice, Quantity, meaning_of, plain_number
+from presswear.tools.quantities import (
+    NONE,
+    SYMBOLS,
+    Choice,
+    Quantity,
+    meaning_of,
+    plain_number,
+)
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -47,8 +55,8 @@ _WORDS |= {tuple: "list", Sequence: "list", Mapping: "mapping"}
 def check_fields(owner: Any) -> None:
     """Convert and check all fields of a data class instance; raise InputError naming the field.
 
-    Texts with units become numbers in SI, numbers of any kind Python numbers, sequences tuples,
-    mappings the data classes of the annotation.
+    Texts with units become numbers in SI, numbers of any kind Python numbers, sequences
+    tuples, mappings the data classes of the annotation.
     """
     items = [item for item in fields(owner) if item.init]
     first = items[0].name
@@ -73,10 +81,14 @@ def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> 
         if name in allowed:
             continue
         meant = SYMBOLS.get(name, "")
-        parts = (f" of {key}" for key, one in allowed.items() if hasattr(one.default, meant))
+        parts = (
+            f" of {key}" for key, one in allowed.items() if hasattr(one.default, meant)
+        )
         part = next(parts, "")
         if part or meant in allowed:
-            raise InputError(f"unknown {what} {name!r}: the symbol {name} is {meant}{part}")
+            raise InputError(
+                f"unknown {what} {name!r}: the symbol {name} is {meant}{part}"
+            )
         raise unknown(what, name, allowed)
 
 
@@ -121,14 +133,18 @@ def _is_of(name: str, value: Any, kind: Any) -> bool:
         number = plain_number(value)
         return isinstance(number, int | kind) and not isinstance(number, bool)
     if origin in (Sequence, tuple):
-        is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
+        is_list = isinstance(value, Collection) and not isinstance(
+            value, str | bytes | Mapping
+        )
         if not is_list or getattr(value, "ndim", 1) == 0:
             return False
         if origin is tuple and inner[-1] is not Ellipsis:
             return len(value) == len(inner)
         return all(_is_of(name, one, inner[0]) for one in value)
     if origin is Mapping:
-        is_mapping = isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+        is_mapping = isinstance(value, Mapping) and all(
+            isinstance(key, str) for key in value
+        )
         return is_mapping and all(_is_of(name, one, inner[1]) for one in value.values())
     if origin is Callable:
         return callable(value)
@@ -140,7 +156,11 @@ class Named:
 
     def __new__(cls, *_values: Any, **named: Any) -> Self:
         """Create an instance; raise InputError for an argument that is not a field."""
-        check_names(f"argument of {cls.__name__}", named, getattr(cls, "__dataclass_fields__", {}))
+        check_names(
+            f"argument of {cls.__name__}",
+            named,
+            getattr(cls, "__dataclass_fields__", {}),
+        )
         return super().__new__(cls)
 
 
@@ -176,7 +196,8 @@ def documented(owner: type[T], example: T | None = None) -> type[T]:
 def converted(name: str, value: Any, kind: Any) -> Any:
     """Return a value as its annotation says; raise InputError with its name.
 
-    The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert`` alike.
+    The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert``
+    alike.
     """
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if kind is Any:
@@ -217,7 +238,9 @@ def _part_name(name: str, part: str) -> str:
 
 def _refusal(name: str, value: Any, kind: Any) -> InputError:
     kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
-    origins = (get_args(one)[0] if get_origin(one) is Annotated else one for one in kinds)
+    origins = (
+        get_args(one)[0] if get_origin(one) is Annotated else one for one in kinds
+    )
     origins = (get_origin(one) or one for one in origins)
     words = " or ".join(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
     article = "an" if words[0] in "AEIOU" else "a"
@@ -251,8 +274,12 @@ def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
 
 
 def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
-    is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
-    if not is_list or getattr(value, "ndim", 1) == 0:  # numpy calls a scalar array a collection
+    is_list = isinstance(value, Collection) and not isinstance(
+        value, str | bytes | Mapping
+    )
+    if (
+        not is_list or getattr(value, "ndim", 1) == 0
+    ):  # numpy calls a scalar array a collection
         raise _refusal(name, value, kind)
     inner, rows = get_args(kind), list(value)
     if get_origin(kind) is not tuple or inner[-1] is Ellipsis:
@@ -268,8 +295,8 @@ def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
 def make(place: str, kind: Callable[..., T], data: Any) -> T:
     """Call a data class or a function with plain data as its arguments.
 
-    InputError names the place and the key that is unknown or missing, or the value that does not
-    fit.
+    InputError names the place and the key that is unknown or missing, or the value that
+    does not fit.
     """
     if not isinstance(data, Mapping):
         raise InputError(f"{place} = {shown(data)}: a table is expected")
@@ -290,15 +317,19 @@ def make(place: str, kind: Callable[..., T], data: Any) -> T:
 def plain(value: Any) -> Any:
     """Return data that JSON can hold: a number that is not finite becomes None.
 
-    A data class becomes a dictionary, SI, its ``kind`` first where it has one. A class with a
-    method ``as_plain`` writes itself.
+    A data class becomes a dictionary, SI, its ``kind`` first where it has one. A class
+    with a method ``as_plain`` writes itself.
     """
     if hasattr(value, "as_plain"):
         return value.as_plain()
     if is_dataclass(value):
         kind = getattr(value, "kind", None)
         first = {"kind": kind} if isinstance(kind, str) else {}
-        items = (item.name for item in fields(value) if item.init and item.metadata != NOT_STORED)
+        items = (
+            item.name
+            for item in fields(value)
+            if item.init and item.metadata != NOT_STORED
+        )
         return first | {name: plain(getattr(value, name)) for name in items}
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
@@ -343,7 +374,9 @@ def typed(data: Any, kind: type[T], place: str) -> T:
         return msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
         fault, _, inner = str(error).partition(" - at `$")
-        raise InputError(": ".join(filter(None, (place, inner.strip(".`"), fault)))) from None
+        raise InputError(
+            ": ".join(filter(None, (place, inner.strip(".`"), fault)))
+        ) from None
 
 
 def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """User laws: plain Python functions of numbers, stored as source text.
 
-The text is executed only where the user supplied it in this process: as a function, as a file, or
-by trusting a result. Text that was merely read from a result is never executed.
+The text is executed only where the user supplied it in this process: as a function, as
+a file, or by trusting a result. Text that was merely read from a result is never
+executed.
 """
 
 import ast
@@ -71,17 +72,24 @@ class UserFunction:
             )
 
     @staticmethod
-    def read(key: str, value: Any, parameters: tuple[str, ...] | None = None) -> "UserFunction":
+    def read(
+        key: str, value: Any, parameters: tuple[str, ...] | None = None
+    ) -> "UserFunction":
         """Return a function from a function, ``FILE.py:NAME``, or its stored form.
 
-        The first two are trusted; stored text is not. InputError with the key for a value that is
-        no readable function, or one with a parameter that is not among ``parameters``.
+        The first two are trusted; stored text is not. InputError with the key for a
+        value that is no readable function, or one with a parameter that is not among
+        ``parameters``.
         """
         if isinstance(value, UserFunction):
             function = value
         elif isinstance(value, dict):
-            if not is_stored_function(value) or not all(isinstance(x, str) for x in value.values()):
-                raise InputError(f"{key} = {value!r}: must have texts under name and source")
+            if not is_stored_function(value) or not all(
+                isinstance(x, str) for x in value.values()
+            ):
+                raise InputError(
+                    f"{key} = {value!r}: must have texts under name and source"
+                )
             function = UserFunction(**value)
         elif callable(value):
             try:
@@ -89,13 +97,17 @@ class UserFunction:
                 function = UserFunction(value.__name__, source).trusted()
             except (OSError, TypeError, AttributeError):
                 fault = f"the source of {value!r} cannot be read"
-                raise InputError(f"{key}: {fault}; define the function in a file") from None
+                raise InputError(
+                    f"{key}: {fault}; define the function in a file"
+                ) from None
         else:
             file, _, name = str(value).rpartition(":")
             try:
                 function = UserFunction(name, read_text(Path(file))).trusted()
             except InputError as error:
-                raise InputError(f"{key} = {value!r}: must be FILE.py:NAME; {error}") from None
+                raise InputError(
+                    f"{key} = {value!r}: must be FILE.py:NAME; {error}"
+                ) from None
         if parameters is not None:
             function.parameters(key, parameters)
         return function
@@ -103,19 +115,28 @@ class UserFunction:
     def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
         """Return the names of the parameters without executing the text.
 
-        InputError for text that does not define the function, and for a parameter that is not
-        allowed.
+        InputError for text that does not define the function, and for a parameter that
+        is not allowed.
         """
         try:
             tree = ast.parse(self.source)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise InputError(f"{key}: {self.name} is no Python: {error}") from None
-        functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        functions = {
+            node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)
+        }
         if self.name not in functions:
             raise unknown(f"function in {key}", self.name, tuple(functions))
         arguments = functions[self.name].args
-        if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
-            raise InputError(f"{key}: {self.name} must have plain parameters, no * and no **")
+        if (
+            arguments.vararg
+            or arguments.kwarg
+            or arguments.kwonlyargs
+            or arguments.posonlyargs
+        ):
+            raise InputError(
+                f"{key}: {self.name} must have plain parameters, no * and no **"
+            )
         names = tuple(argument.arg for argument in arguments.args)
         for name in names:
             if name not in allowed:
@@ -148,7 +169,9 @@ class UserFunction:
         self.check_trusted("law")
         return _in_python(self)
 
-    def number(self, key: str, allowed: tuple[str, ...], values: dict[str, float]) -> float:
+    def number(
+        self, key: str, allowed: tuple[str, ...], values: dict[str, float]
+    ) -> float:
         """Return the value in plain Python; InputError where it is no finite number."""
         arguments = {name: values[name] for name in self.parameters(key, allowed)}
         place = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
@@ -157,19 +180,30 @@ class UserFunction:
             result = self.in_python()(**arguments)
         except (Exception, SystemExit) as error:
             is_outside = isinstance(error, NameError)
-            hint = "; define everything inside it, or pass FILE.py:NAME" if is_outside else ""
+            hint = (
+                "; define everything inside it, or pass FILE.py:NAME"
+                if is_outside
+                else ""
+            )
             reason = self._failure(error)
-            raise InputError(f"{key}: {self.name} fails at {place}: {reason}{hint}") from None
+            raise InputError(
+                f"{key}: {self.name} fails at {place}: {reason}{hint}"
+            ) from None
         is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
         if not is_number or not math.isfinite(result):
-            raise InputError(f"{key}: {self.name} gives {result!r} at {place}: must be a number")
+            raise InputError(
+                f"{key}: {self.name} gives {result!r} at {place}: must be a number"
+            )
         return float(result)
 
-    def jump(self, name: str, values: dict[str, float]) -> tuple[float, float, float] | None:
+    def jump(
+        self, name: str, values: dict[str, float]
+    ) -> tuple[float, float, float] | None:
         """Return where the law jumps as one parameter varies from -1 to 1, or None.
 
-        The place and the values below and above it, with the other parameters held. The interval
-        with a change is halved until the change is spread, as in a steep function, or is a jump.
+        The place and the values below and above it, with the other parameters held. The
+        interval with a change is halved until the change is spread, as in a steep
+        function, or is a jump.
         """
         used = self.parameters(self.name, (*values, name))
         if name not in used:
@@ -178,7 +212,9 @@ class UserFunction:
 
         def value(x: float) -> float:
             try:
-                return float(function(**{key: x if key == name else values[key] for key in used}))
+                return float(
+                    function(**{key: x if key == name else values[key] for key in used})
+                )
             except (ArithmeticError, ValueError):
                 return math.nan
 
@@ -201,24 +237,34 @@ class UserFunction:
     def check_compiles(self, key: str, allowed: tuple[str, ...]) -> None:
         """Raise InputError with the key for a function that fails or cannot be compiled.
 
-        It runs at twenty points in Python before, because compiled code cannot be stopped by
-        Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the range of the law.
+        It runs at twenty points in Python before, because compiled code cannot be
+        stopped by Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the
+        range of the law.
         """
         count = len(self.parameters(key, allowed))
         self.check_trusted(key)
         try:
             function = self.in_python()
         except (Exception, SystemExit) as error:
-            raise InputError(f"{key}: {self.name} fails: {self._failure(error)}") from None
+            raise InputError(
+                f"{key}: {self.name} fails: {self._failure(error)}"
+            ) from None
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
             exponents = [(7 * k + 3 * i) % _POINTS for i in range(count)]
             try:
-                function(*((-1.0) ** (k // (i + 1)) * 2.0**-n for i, n in enumerate(exponents)))
+                function(
+                    *(
+                        (-1.0) ** (k // (i + 1)) * 2.0**-n
+                        for i, n in enumerate(exponents)
+                    )
+                )
             except (ArithmeticError, ValueError):
                 continue
             except (Exception, SystemExit) as error:
-                raise InputError(f"{key}: {self.name} fails: {self._failure(error)}") from None
+                raise InputError(
+                    f"{key}: {self.name} fails: {self._failure(error)}"
+                ) from None
         try:
             compile_function(self, allowed)
         except InputError as error:
@@ -231,7 +277,9 @@ def _in_python(function: UserFunction) -> Callable[..., Any]:
 
 
 @cache
-def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
+def compile_function(
+    function: UserFunction, parameters: tuple[str, ...]
+) -> Callable[..., float]:
     """Compile a user function of these parameters, in order; InputError if numba cannot."""
     import numba  # slow to import
 
@@ -250,8 +298,9 @@ def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Cal
         return cast(Callable[..., float], kernel)
     try:
         kernel.compile((numba.float64,) * len(parameters))
-    # The text may be any Python. Numba has no common base for its errors: what it does not support
-    # shows as TypeError, ValueError, KeyError, NotImplementedError or AssertionError, too.
+    # The text may be any Python. Numba has no common base for its errors: what it does
+    # not support shows as TypeError, ValueError, KeyError, NotImplementedError or
+    # AssertionError, too.
     except Exception as error:
         line, statement = statement_of(namespace[function.name].py_func, f"{error}")
         place = f'line {line}, "{statement}"'

@@ -1,9 +1,9 @@
 """Benchmarks: error against CPU time of every method, and the cost of each feature of the model.
 
-CPU time hardly depends on what else the machine does; runs are interleaved all the same. Only the
-solution is timed; compiling, loading and building the model are not. The motion differs between
-runs with and without a feature, and so does the number of steps; the time of a step is the fair
-measure.
+CPU time hardly depends on what else the machine does; runs are interleaved all the
+same. Only the solution is timed; compiling, loading and building the model are not. The
+motion differs between runs with and without a feature, and so does the number of steps;
+the time of a step is the fair measure.
 """
 
 import csv
@@ -60,7 +60,12 @@ class Timing:
         """Return the columns of a table."""
         times = {"cpu_s": self.cpu, "cpu_median_s": median(self.times)}
         counts = {"steps": self.steps, "rejected_steps": self.rejected}
-        return {**counts, "evaluations": self.evaluations, **times, "cpu_max_s": max(self.times)}
+        return {
+            **counts,
+            "evaluations": self.evaluations,
+            **times,
+            "cpu_max_s": max(self.times),
+        }
 
 
 def time_runs(
@@ -96,7 +101,7 @@ def write_csv(rows: Sequence[Mapping[str, object]], file: Path) -> None:
     write_bytes(file, text.getvalue().encode())
 
 
-# --- Speed against error --------------------------------------------------------------------------
+# --- Speed against error ------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,9 @@ def first_run(problem: Problem, method: Method) -> Point:
     try:
         with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
             run = finished(method.engine.simulate(problem.linkage, problem.start, plan))
-            errors = dict(zip(problem.quantities, map(float, problem.errors(run)), strict=True))
+            errors = dict(
+                zip(problem.quantities, map(float, problem.errors(run)), strict=True)
+            )
         for name, error in errors.items():
             if not math.isfinite(error):
                 raise RunFailed(f"error of {name} is not finite")
@@ -133,8 +140,12 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
         report(method.label, weight * i / len(problem.methods))
         points.append(first_run(problem, method))
     arguments = problem.linkage, problem.start, problem.plan
-    engines = {point.method.label: point.method.engine for point in points if not point.failure}
-    runs = {label: partial(engine.simulate, *arguments) for label, engine in engines.items()}
+    engines = {
+        point.method.label: point.method.engine for point in points if not point.failure
+    }
+    runs = {
+        label: partial(engine.simulate, *arguments) for label, engine in engines.items()
+    }
     timings = time_runs(runs, repeats, part_of(report, weight, 1.0 - weight))
     return [replace(point, timing=timings.get(point.method.label)) for point in points]
 
@@ -142,16 +153,21 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
 def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
     """Measure errors and CPU times of every engine and integrator.
 
-    `InputError` if the scene has no clearance, `RunFailed` if a reference solution fails.
+    `InputError` if the scene has no clearance, `RunFailed` if a reference solution
+    fails.
     """
     if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")
+        raise InputError(
+            f"scene {scene.name} has no clearance: choose a scene with clearance"
+        )
     points: list[Point] = []
     for k, make in enumerate(problems.MAKERS):
         start, size = k / len(problems.MAKERS), 1.0 / len(problems.MAKERS)
         problem = make(scene, extent, part_of(report, start, 0.0))
         repeats = 1 if make is problems.wear_cycles else extent.repeats
-        points += measure(problem, repeats, part_of(report, start, size, f"{problem.name}: "))
+        points += measure(
+            problem, repeats, part_of(report, start, size, f"{problem.name}: ")
+        )
     return points
 
 
@@ -176,7 +192,11 @@ def table(points: Sequence[Point]) -> list[dict[str, object]]:
 
 _STYLES = (*style.LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
 _CURVES = tuple(zip(("o", "s", "^", "D", "v", "P"), _STYLES, strict=True))
-_MARK: dict[str, Any] = {"color": style.REFERENCE, "markersize": 10.0, "linestyle": "none"}
+_MARK: dict[str, Any] = {
+    "color": style.REFERENCE,
+    "markersize": 10.0,
+    "linestyle": "none",
+}
 _MARK |= {"markerfacecolor": "none"}
 
 
@@ -197,7 +217,9 @@ def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
         lines, labels = row[0].get_legend_handles_labels()
         handles |= dict(zip(labels, lines, strict=True))
     sheet.legend(handles.values(), handles, loc="outside upper center", ncols=2)
-    failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
+    failed = "; ".join(
+        f"{p.problem.name}: {p.method.label}" for p in points if p.failure
+    )
     return style.finished("benchmark", sheet, failed=failed)[0]
 
 
@@ -214,8 +236,17 @@ def _draw_errors(
             for p in points
             if p.method.family == family and p.timing is not None
         ]
-        line = np.array([point[:2] for point in curve if not point[2].is_paper]).reshape(-1, 2)
-        axes.plot(*line.T, marker, color=colour, linestyle=dashes, markersize=4.5, label=family)
+        line = np.array(
+            [point[:2] for point in curve if not point[2].is_paper]
+        ).reshape(-1, 2)
+        axes.plot(
+            *line.T,
+            marker,
+            color=colour,
+            linestyle=dashes,
+            markersize=4.5,
+            label=family,
+        )
         for x, y, method in curve:
             if method.is_default:
                 axes.plot(x, y, "o", label="default setting", **_MARK)
@@ -223,7 +254,7 @@ def _draw_errors(
                 axes.plot(x, y, "*", label="paper, RK4 at 1e-4 s", **_MARK)
 
 
-# --- Cost of features -----------------------------------------------------------------------------
+# --- Cost of features ---------------------------------------------------------------
 
 WARM_UP = 0.05  # of a run's time, run before to compile and load
 FEATURES: dict[str, dict[str, dict[str, Any]]] = problems.DATA["features"]
@@ -244,7 +275,9 @@ class FeatureExtent:
     wear_cycles: int = 5  # whose wear makes the worn surfaces
 
 
-QUICK_FEATURES = FeatureExtent(repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1)
+QUICK_FEATURES = FeatureExtent(
+    repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1
+)
 
 
 def run_of(scene: Scene, cycles: float, worn: Array | None = None) -> Callable[[], Run]:
@@ -253,17 +286,24 @@ def run_of(scene: Scene, cycles: float, worn: Array | None = None) -> Callable[[
     cycle, count = (period, int(cycles)) if cycles >= 1.0 else (cycles * period, 1)
     plan = Plan(cycle, count, count, torques=scene.stores_torques)
     linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
-    return partial(scene.solver.for_cycle(period).simulate, linkage, start_of(scene), plan)
+    return partial(
+        scene.solver.for_cycle(period).simulate, linkage, start_of(scene), plan
+    )
 
 
-def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list[dict[str, object]]:
+def feature_costs(
+    scene: Scene, extent: FeatureExtent, report: Progress
+) -> list[dict[str, object]]:
     """Time a scene of the press with each feature on and off, in both models of Exudyn.
 
-    Return one row for each feature and state; ratios are to the row without the feature.
-    `InputError` if the scene has not clearance at A and C, `RunFailed` if a run fails.
+    Return one row for each feature and state; ratios are to the row without the
+    feature. `InputError` if the scene has not clearance at A and C, `RunFailed` if a
+    run fails.
     """
     if scene.clearance_joints != ("A", "C"):
-        raise InputError(f"scene {scene.name}: --features needs a press with clearance at A and C")
+        raise InputError(
+            f"scene {scene.name}: --features needs a press with clearance at A and C"
+        )
     report("wear of the worn surfaces", 0.0)
     stage, ensemble = run_stage(replace(scene, cycles=extent.wear_cycles))
     if stage.failed:
@@ -285,11 +325,21 @@ def feature_costs(scene: Scene, extent: FeatureExtent, report: Progress) -> list
             runs[name] = run_of(variant, cycles, depth)
         timings = time_runs(runs, repeats, part)
         for feature in features:
-            states = {key: timings[_name(one)] for key, one in FEATURES[feature].items()}
+            states = {
+                key: timings[_name(one)] for key, one in FEATURES[feature].items()
+            }
             off, *_ = states.values()
             for state, timing in states.items():
-                row: dict[str, object] = {"engine": engine, "feature": feature, "state": state}
-                row |= {"model": timing.model, "simulated_s": timing.simulated, **timing.columns()}
+                row: dict[str, object] = {
+                    "engine": engine,
+                    "feature": feature,
+                    "state": state,
+                }
+                row |= {
+                    "model": timing.model,
+                    "simulated_s": timing.simulated,
+                    **timing.columns(),
+                }
                 row["cpu_s_per_simulated_s"] = timing.cpu / timing.simulated
                 row["cpu_s_per_step"] = timing.per_step
                 row["ratio_per_step"] = timing.per_step / off.per_step

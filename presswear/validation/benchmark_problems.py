@@ -1,9 +1,9 @@
 """Reference problems and methods of the benchmark of error against CPU time.
 
-The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and the scene
-with clearance, twice. Its trajectories are compared up to the time at which two starts 1e-9 m
-apart have separated a thousandfold; beyond it, a trajectory has no meaning, and the work per cycle
-that wears the joints is compared.
+The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and
+the scene with clearance, twice. Its trajectories are compared up to the time at which
+two starts 1e-9 m apart have separated a thousandfold; beyond it, a trajectory has no
+meaning, and the work per cycle that wears the joints is compared.
 """
 
 import math
@@ -44,7 +44,9 @@ TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
 PAPER = InHouse("rk4-paper").resolved()
 SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
 SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
-CYCLES = 1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
+CYCLES = (
+    1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
+)
 GAP = 1e-5  # m, free flight before the impact
 # Least and largest settings that are compared for wear, a statistic
 WEAR_SETTINGS = {STEP: (1e-5, 1e-5), IMPACT: (1.0, 50.0), TOLERANCE: (1e-8, 1.0)}
@@ -104,12 +106,15 @@ class Problem:
     """Reference problem that every method solves."""
 
     name: str
-    quantities: Mapping[str, float]  # names of the errors, uncertainty of the reference; 0 if exact
+    quantities: Mapping[
+        str, float
+    ]  # names of the errors, uncertainty of the reference; 0 if exact
     linkage: Linkage
     start: Start
     plan: Plan
     methods: tuple[Method, ...]
-    # Errors of a completed run in the order of ``quantities``; RunFailed if it lacks some.
+    # Errors of a completed run in the order of ``quantities``; RunFailed if it lacks
+    # some.
     errors: Callable[[Run], Iterable[float]]
 
 
@@ -120,15 +125,22 @@ def dae_methods(
     methods = []
     controlled: tuple[Integrator, ...] = ("dop853", "dopri5")
     for name in controlled:
-        values = {*tolerances, *([default.tolerance] if default.integrator == name else [])}
+        values = {
+            *tolerances,
+            *([default.tolerance] if default.integrator == name else []),
+        }
         for value in sorted(values, reverse=True):
             engine = replace(default, integrator=name, integration_tolerance=value)
-            methods.append(Method(engine, name.upper(), TOLERANCE, value, engine == default))
+            methods.append(
+                Method(engine, name.upper(), TOLERANCE, value, engine == default)
+            )
     values = {*steps, *([default.step] if default.integrator == "rk4" else [])}
     engines = [replace(default, integrator="rk4", equal_step=value) for value in values]
     engines = [one for one in engines if not math.isclose(one.step, PAPER.step)]
     for engine in sorted([*engines, PAPER], key=lambda one: -one.step):
-        is_default = default.integrator == engine.integrator and engine.step == default.step
+        is_default = (
+            default.integrator == engine.integrator and engine.step == default.step
+        )
         methods.append(Method(engine, "RK4", STEP, engine.step, is_default))
     return methods
 
@@ -143,17 +155,25 @@ def smooth_methods(
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
     if period is not None:
         engine = numerics.joints.for_cycle(period)
-        joints.append(Method(engine, TRAPEZOIDAL, STEP, engine.longest(period), is_default=True))
+        joints.append(
+            Method(engine, TRAPEZOIDAL, STEP, engine.longest(period), is_default=True)
+        )
     steps = [duration / count for count in extent.rk4_steps]
-    dae = dae_methods(extent.tolerances, steps, replace(numerics.dae, free_step=duration))
+    dae = dae_methods(
+        extent.tolerances, steps, replace(numerics.dae, free_step=duration)
+    )
     return (*sorted(joints, key=lambda method: -method.value), *dae)
 
 
-def joints_over_impacts(counts: Sequence[int], numerics: Numerics, period: float) -> list[Method]:
+def joints_over_impacts(
+    counts: Sequence[int], numerics: Numerics, period: float
+) -> list[Method]:
     """Return the trapezoidal rule at several steps in an impact; all its steps shrink together."""
     default, methods = numerics.joints.for_cycle(period), []
     for count in sorted({*counts, default.steps_per_contact}):
-        engine = crosscheck.finer_joints(default, count / default.steps_per_contact, period)
+        engine = crosscheck.finer_joints(
+            default, count / default.steps_per_contact, period
+        )
         methods.append(Method(engine, TRAPEZOIDAL, IMPACT, count, engine == default))
     return methods
 
@@ -163,11 +183,13 @@ def contact_methods(
 ) -> tuple[Method, ...]:
     """Return all methods for motion with contacts; that of the tree if the linkage is an open tree.
 
-    ``numerics`` are resolved; ``longest`` is the longest step of DOP853 and DOPRI5 in ``dae``, s.
+    ``numerics`` are resolved; ``longest`` is the longest step of DOP853 and DOPRI5 in
+    ``dae``, s.
     """
     methods = joints_over_impacts(extent.impact_steps, numerics, period)
     for step in extent.equal_steps:
-        # The longest step allowed is shorter than any step of a contact, so that steps are equal.
+        # The longest step allowed is shorter than any step of a contact, so that steps
+        # are equal.
         methods.append(Method(ExudynJoints(1, 1, free_step=step), EQUAL, STEP, step))
     tree = numerics.tree.for_cycle(period)
     tolerances = {*extent.tree_tolerances, tree.tolerance}
@@ -181,7 +203,9 @@ def contact_methods(
 
 def constraint_error(linkage: Linkage, run: Run) -> float:
     """Return the largest violation of a position constraint at the end of a run, m or rad."""
-    phi = constraints_of(linkage).evaluate(run.time, run.end.position, run.end.velocity)[0]
+    phi = constraints_of(linkage).evaluate(
+        run.time, run.end.position, run.end.velocity
+    )[0]
     return float(np.abs(phi).max())
 
 
@@ -200,7 +224,11 @@ def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Pro
     return Problem(
         "ideal mechanism",
         # Round-off after 1e5 steps.
-        {"slider (m)": 5e-14, "slider velocity (m/s)": 1e-12, "constraints (m, rad)": 1e-12},
+        {
+            "slider (m)": 5e-14,
+            "slider velocity (m/s)": 1e-12,
+            "constraints (m, rad)": 1e-12,
+        },
         linkage,
         Start(motion.position[0], motion.velocity[0]),
         Plan(duration, 1, 1, torques=False),
@@ -212,7 +240,8 @@ def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Pro
 def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return Andrews' squeezer; the reference is the solution of the IVP test set.
 
-    The uncertainty of the printed values is their distance from a solution at tolerance 1e-13.
+    The uncertainty of the printed values is their distance from a solution at tolerance
+    1e-13.
     """
     linkage, start = references.andrews(), references.andrews_start()
     duration = references.ANDREWS_DURATION
@@ -221,19 +250,32 @@ def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     def errors(run: Run) -> Sequence[float]:
         angles = references.andrews_angles(run.end.position) - references.ANDREWS_ANGLES
         rates = references.andrews_angles(run.end.velocity) - references.ANDREWS_RATES
-        return [np.abs(angles).max(), np.abs(rates).max(), constraint_error(linkage, run)]
+        return [
+            np.abs(angles).max(),
+            np.abs(rates).max(),
+            constraint_error(linkage, run),
+        ]
 
-    angles, rates, _ = map(float, errors(cases.finished(TIGHT.simulate(linkage, start, plan))))
-    quantities = {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12}
+    angles, rates, _ = map(
+        float, errors(cases.finished(TIGHT.simulate(linkage, start, plan)))
+    )
+    quantities = {
+        "angles (rad)": angles,
+        "rates (rad/s)": rates,
+        "constraints (m)": 1e-12,
+    }
     methods = smooth_methods(extent, duration, Numerics(), None)
-    return Problem("Andrews' squeezer", quantities, linkage, start, plan, methods, errors)
+    return Problem(
+        "Andrews' squeezer", quantities, linkage, start, plan, methods, errors
+    )
 
 
 def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return one free impact of a shaft in a ring, with the numerics of a scene.
 
-    The reference is the closed form of the restitution and a quadrature of the contact time. Guides
-    along the line of impact change nothing and make the linkage an open tree.
+    The reference is the closed form of the restitution and a quadrature of the contact
+    time. Guides along the line of impact change nothing and make the linkage an open
+    tree.
     """
     impact = references.Impact(0.9)
     start, bodies = impact.start, impact.linkage.bodies
@@ -255,7 +297,9 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
         gap = run.end.position[3] - run.end.position[0] - impact.clearance
         rate = run.end.velocity[3] - run.end.velocity[0]
         if not (gap < 0.0 and rate < 0.0):
-            raise RunFailed("the shaft is still in contact, or has passed through the ring")
+            raise RunFailed(
+                "the shaft is still in contact, or has passed through the ring"
+            )
         time = run.time - gap / rate - contacts["touchdown"][0]
         return [
             abs(-contacts["release_speed"][0] / impact.speed - restitution),
@@ -281,8 +325,9 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
 def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return the unworn linkage of a scene up to its horizon.
 
-    The reference is DOP853 at tolerance 1e-13. Its uncertainty is its distance from the open tree
-    in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open tree.
+    The reference is DOP853 at tolerance 1e-13. Its uncertainty is its distance from the
+    open tree in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open
+    tree.
     """
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
     end = crosscheck.horizon(scene, TIGHT, extent.longest, report)
@@ -296,16 +341,24 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     )
     names = (
         *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
-        *("closing speeds, relative", "peak forces, relative", "energy residual / exchanged"),
+        *(
+            "closing speeds, relative",
+            "peak forces, relative",
+            "energy residual / exchanged",
+        ),
     )
     first = crosscheck.touchdowns_of(exact)[: crosscheck.FIRST_TOUCHDOWNS]
 
     def slider_at_end(run: Run) -> Array:
         q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
-        return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[0, :2]
+        return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[
+            0, :2
+        ]
 
     def errors(run: Run) -> Sequence[float]:
-        differences = crosscheck.touchdown_differences(first, crosscheck.touchdowns_of(run))
+        differences = crosscheck.touchdown_differences(
+            first, crosscheck.touchdowns_of(run)
+        )
         missing = int(np.count_nonzero(np.isinf(differences[:, 0])))
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
@@ -332,9 +385,9 @@ def work_per_cycle(run: Run) -> Array:
 def wear_cycles(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return cycles of the unworn linkage of a scene, for the work that wears its joints.
 
-    The work per cycle, normal force times slip, is compared with its mean over the many cycles of
-    a reference at 1e-8. Its uncertainty is the 95 % interval of the mean over the cycles of a run,
-    because the motion is chaotic.
+    The work per cycle, normal force times slip, is compared with its mean over the many
+    cycles of a reference at 1e-8. Its uncertainty is the 95 % interval of the mean over
+    the cycles of a run, because the motion is chaotic.
     """
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
     plan = Plan(period, extent.wear_cycles, 1, torques=False)
@@ -343,10 +396,16 @@ def wear_cycles(scene: Scene, extent: Extent, report: cases.Progress) -> Problem
     reference = work_per_cycle(cases.finished(engine.simulate(linkage, start, long)))
     mean, scatter = reference.mean(axis=0), reference.std(axis=0, ddof=1)
     counted = max(extent.wear_cycles - STARTUP_CYCLES, 1)
-    uncertainty = 1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
-    names = [f"work per cycle at {joint.name}, relative" for joint in linkage.clearances]
+    uncertainty = (
+        1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
+    )
+    names = [
+        f"work per cycle at {joint.name}, relative" for joint in linkage.clearances
+    ]
     numerics, longest = scene.numerics.resolved("wear"), period / LEAST_STEPS
-    methods = contact_methods(replace(extent, equal_steps=()), numerics, period, longest, linkage)
+    methods = contact_methods(
+        replace(extent, equal_steps=()), numerics, period, longest, linkage
+    )
     limits = [(method, *WEAR_SETTINGS[method.parameter]) for method in methods]
     return Problem(
         f"scene {scene.name}, {extent.wear_cycles} cycles",

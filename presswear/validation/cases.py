@@ -1,7 +1,7 @@
 """Cases with numerical checks, and functions on runs that all checks share.
 
-``presswear verify`` and the tests run the same cases: ``reference_problems.reference_cases`` and
-``hard_cases.hard_cases``.
+``presswear verify`` and the tests run the same cases:
+``reference_problems.reference_cases`` and ``hard_cases.hard_cases``.
 """
 
 import math
@@ -27,9 +27,9 @@ Status = Literal["pass", "MISS", "refused"]
 
 GRAZED = 0.01  # of the contacts on worn surfaces
 PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
-# Energy residual allowed, relative to the energy exchanged by the drives. At their default
-# tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press; losses in the contacts are
-# 1e-3 and more.
+# Energy residual allowed, relative to the energy exchanged by the drives. At their
+# default tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press; losses
+# in the contacts are 1e-3 and more.
 ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
 
 
@@ -41,10 +41,14 @@ class Check:
     value: float  # an error if there is a reference
     bound: float
     unit: str = ""
-    reference: float | None = None  # expected number, in the unit that the quantity names
+    reference: float | None = (
+        None  # expected number, in the unit that the quantity names
+    )
 
     @staticmethod
-    def against(quantity: str, reference: float, computed: float, bound: float) -> "Check":
+    def against(
+        quantity: str, reference: float, computed: float, bound: float
+    ) -> "Check":
         """Compare a computed number with its reference."""
         return Check(quantity, computed - reference, bound, reference=reference)
 
@@ -83,14 +87,18 @@ def outcomes(case: Case) -> Iterator[Outcome]:
         for check in case.checks():
             ended = clock.perf_counter()
             if case.refusal:
-                yield Outcome(case, check, "MISS", "runs, but must be refused", ended - started)
+                yield Outcome(
+                    case, check, "MISS", "runs, but must be refused", ended - started
+                )
                 return
             status: Status = "pass" if check.passed else "MISS"
             yield Outcome(case, check, status, check.quantity, ended - started)
             started = ended
     except (InputError, RunFailed, ArithmeticError) as error:
         is_refusal = case.refusal and not isinstance(error, ArithmeticError)
-        status = "refused" if is_refusal and re.search(case.refusal, str(error)) else "MISS"
+        status = (
+            "refused" if is_refusal and re.search(case.refusal, str(error)) else "MISS"
+        )
         yield Outcome(case, None, status, str(error), clock.perf_counter() - started)
 
 
@@ -109,7 +117,8 @@ def run_sound(linkage: Linkage, start: Start, engine: Engine, plan: Plan) -> Run
 def sound(run: Run, plan: Plan) -> Run:
     """Return a run; RunFailed unless it is complete, finite and has its contacts resolved.
 
-    On a worn surface a pin may graze a bump: one contact in a hundred may then be too short.
+    On a worn surface a pin may graze a bump: one contact in a hundred may then be too
+    short.
     """
     recorder = finished(run).recorder
     records, contacts = recorder.records, recorder.stored_contacts
@@ -125,8 +134,12 @@ def sound(run: Run, plan: Plan) -> Run:
         if not all(np.isfinite(each).all() for each in values):
             raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
-        raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    unresolved, count = (int(records.counters[n].sum()) for n in ("unresolved", "contacts"))
+        raise RunFailed(
+            f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s"
+        )
+    unresolved, count = (
+        int(records.counters[n].sum()) for n in ("unresolved", "contacts")
+    )
     if unresolved > (GRAZED * count if depths_of(records.packed).any() else 0):
         raise RunFailed(f"{unresolved} of {count} contacts unresolved")
     return run
@@ -178,7 +191,9 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
         now = clock.process_time()
         started = now if started is None else started
         if now - started > patience:
-            raise RunFailed(f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %")
+            raise RunFailed(
+                f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %"
+            )
 
     return Plan(duration, cycles, recorded_cycles=1, report=report)
 

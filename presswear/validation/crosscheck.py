@@ -1,10 +1,10 @@
 """Comparison of Exudyn with the in-house solver from the same initial state.
 
-Impacts separate neighbouring motions, so that two engines agree on a trajectory only for a limited
-time. The in-house solver measures it: it runs twice, the second time from a state moved by 1e-9 m
-along a free direction. The horizon is the time at which the two have separated a thousandfold.
-Positions, velocities, touchdowns and forces are compared one by one up to it, and means over cycles
-beyond it.
+Impacts separate neighbouring motions, so that two engines agree on a trajectory only
+for a limited time. The in-house solver measures it: it runs twice, the second time from
+a state moved by 1e-9 m along a free direction. The horizon is the time at which the two
+have separated a thousandfold. Positions, velocities, touchdowns and forces are compared
+one by one up to it, and means over cycles beyond it.
 """
 
 import math
@@ -28,29 +28,50 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
-DISTURBANCE = 1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
+DISTURBANCE = (
+    1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
+)
 GROWTH = 1000.0  # of the disturbance at the horizon
 REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
-FINENESS = (1, 2, 4, 8, 16)  # divide the steps of exudyn-joints; bounds apply to the last
-TOLERANCE_PARTS = (1, 10, 100, 1000)  # divide the tolerance of the tree; bounds apply to the last
+FINENESS = (
+    1,
+    2,
+    4,
+    8,
+    16,
+)  # divide the steps of exudyn-joints; bounds apply to the last
+TOLERANCE_PARTS = (
+    1,
+    10,
+    100,
+    1000,
+)  # divide the tolerance of the tree; bounds apply to the last
 FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
 CYCLES = 50  # whose means are compared, unless the scene has a number
 MEAN_BOUND = 0.1  # of the relative difference of two means
 PARTS = 40  # of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
 SLIDER_BOUND = 1e-6  # m, up to the horizon
-# Relative to the largest speed, up to the last of the first touchdowns. Later a bound would judge
-# the motion: a touchdown moved by 1e-5 s changes a velocity by much.
+# Relative to the largest speed, up to the last of the first touchdowns. Later a bound
+# would judge the motion: a touchdown moved by 1e-5 s changes a velocity by much.
 VELOCITY_BOUND = 1e-3
 TIME_BOUND = 1e-6  # s, of the first touchdowns
 CLOSING_BOUND = 1e-4  # relative, of their closing speeds
 FORCE_BOUND = 1e-3  # relative, of their peak forces
 ORDER, ORDER_BOUND = 2.0, 0.3  # of Exudyn's trapezoidal rule
-TREE_TIME_BOUND, TREE_SLIDER_BOUND = 1e-8, 1e-8  # s, m, of the tree up to the last of them
+TREE_TIME_BOUND, TREE_SLIDER_BOUND = (
+    1e-8,
+    1e-8,
+)  # s, m, of the tree up to the last of them
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
 
 
-TOUCHDOWN = ("joint", "time", "closing_speed", "peak_force")  # numbers of a touchdown, SI
+TOUCHDOWN = (
+    "joint",
+    "time",
+    "closing_speed",
+    "peak_force",
+)  # numbers of a touchdown, SI
 Means = dict[str, dict[str, Estimate]]  # by engine and quantity
 
 
@@ -59,9 +80,12 @@ class Trajectory:
     """Recorded series that are compared."""
 
     time: Array  # s, shape (n,)
-    slider: Array  # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
+    # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
+    slider: Array
     eccentricity: Array  # m, shape (n, 2 joints)
-    touchdowns: Array  # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
+    touchdowns: (
+        Array  # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
+    )
 
 
 def touchdowns_of(run: Run) -> Array:
@@ -69,10 +93,14 @@ def touchdowns_of(run: Run) -> Array:
     rows, records = [], run.recorder.records
     for k, last in enumerate(records.memory):
         contacts = contacts_of(run, k)
-        columns = (contacts[name] for name in ("touchdown", "closing_speed", "peak_force"))
+        columns = (
+            contacts[name] for name in ("touchdown", "closing_speed", "peak_force")
+        )
         rows += [(k, *row) for row in zip(*columns, strict=True)]
         if records.onset[k] > 0.0 and not last["started_closed"]:
-            rows.append((k, last["touchdown_time"], records.onset[k], last["peak_force"]))
+            rows.append(
+                (k, last["touchdown_time"], records.onset[k], last["peak_force"])
+            )
     touchdowns = np.array(rows, float).reshape(-1, len(TOUCHDOWN))
     return touchdowns[np.argsort(touchdowns[:, 1], kind="stable")]
 
@@ -83,7 +111,9 @@ def slider_difference(one: Trajectory, two: Trajectory) -> Array:
     Columns are time, s, distance, m, and difference of the velocities, m/s.
     """
     time = np.linspace(0.0, min(one.time[-1], two.time[-1]), GRID)
-    first, second = (CubicHermiteSpline(each.time, *each.slider.T) for each in (one, two))
+    first, second = (
+        CubicHermiteSpline(each.time, *each.slider.T) for each in (one, two)
+    )
     speed = np.abs(first(time, 1) - second(time, 1))
     return np.column_stack([time, np.abs(first(time) - second(time)), speed])
 
@@ -91,12 +121,15 @@ def slider_difference(one: Trajectory, two: Trajectory) -> Array:
 def touchdown_differences(reference: Array, compared: Array) -> Array:
     """Return the differences of touchdowns with the same number in the same joint, shape (n, 3).
 
-    They are time, s, and relative closing speed and peak force; infinite for a touchdown that the
-    compared run lacks.
+    They are time, s, and relative closing speed and peak force; infinite for a
+    touchdown that the compared run lacks.
     """
     differences = np.full((len(reference), 3), math.inf)
     for joint in np.unique(reference[:, 0]):
-        twins, rows = compared[compared[:, 0] == joint], np.flatnonzero(reference[:, 0] == joint)
+        twins, rows = (
+            compared[compared[:, 0] == joint],
+            np.flatnonzero(reference[:, 0] == joint),
+        )
         rows = rows[: len(twins)]
         twins, ours = twins[: len(rows), 1:], reference[rows, 1:]
         differences[rows, 0] = twins[:, 0] - ours[:, 0]
@@ -119,7 +152,9 @@ class _Runner:
 
     def __init__(self, scene: Scene, report: Progress) -> None:
         self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
-        self.moved = disturbed(self.linkage, self.start, DISTURBANCE)  # None: no free direction
+        self.moved = disturbed(
+            self.linkage, self.start, DISTURBANCE
+        )  # None: no free direction
 
     def run(self, word: str, engine: Engine, plan: Plan, moved: bool = False) -> Run:
         """Run from the start, or from the disturbed start; RunFailed if the run fails."""
@@ -128,13 +163,18 @@ class _Runner:
         plan = replace(plan, report=lambda part, recorder: self.report(word, part))
         return finished(engine.simulate(self.linkage, start, plan))
 
-    def trajectory(self, word: str, engine: Engine, end: float, moved: bool = False) -> Trajectory:
+    def trajectory(
+        self, word: str, engine: Engine, end: float, moved: bool = False
+    ) -> Trajectory:
         run = self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), moved)
         recorder, records = run.recorder, run.recorder.records
-        # The series holds displacements, and a disturbed initial state is displaced already.
+        # The series holds displacements, and a disturbed initial state is displaced
+        # already.
         position = recorder.series("displacement") + float(records.output["start"][0])
         names = ("eccentricity_x", "eccentricity_y")
-        series = [recorder.series(n, k) for k in range(records.memory.size) for n in names]
+        series = [
+            recorder.series(n, k) for k in range(records.memory.size) for n in names
+        ]
         return Trajectory(
             recorder.series("time").copy(),
             np.column_stack([position, recorder.series("velocity")]),
@@ -169,9 +209,12 @@ class Crosscheck:
 
     scene: Scene
     horizon: float  # s
-    diverged: bool  # whether trajectories diverged at the horizon; else it is the end of the runs
+    # whether trajectories diverged at the horizon; else it is the end of the runs
+    diverged: bool
     checks: tuple[Check, ...]
-    undecided: tuple[str, ...]  # differences of means whose intervals are too wide for a verdict
+    undecided: tuple[
+        str, ...
+    ]  # differences of means whose intervals are too wide for a verdict
     touchdowns: Array  # of the reference up to the horizon
     # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
@@ -210,9 +253,14 @@ def exudyn_of(scene: Scene) -> dict[str, Engine]:
     engine = scene.solver.for_cycle(period)
     if isinstance(engine, ExudynTree):
         tolerances = [engine.tolerance / part for part in TOLERANCE_PARTS]
-        return {f"Exudyn's tree at {t:g}": replace(engine, tree_tolerance=t) for t in tolerances}
+        return {
+            f"Exudyn's tree at {t:g}": replace(engine, tree_tolerance=t)
+            for t in tolerances
+        }
     return {
-        f"Exudyn{f', steps / {n}' if n > 1 else ''}": finer_joints(scene.numerics.joints, n, period)
+        f"Exudyn{f', steps / {n}' if n > 1 else ''}": finer_joints(
+            scene.numerics.joints, n, period
+        )
         for n in FINENESS
     }
 
@@ -241,11 +289,17 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     if separation is not None:
         time, calm, moved = separation
         diverged, end = time is not None, time or end
-        curves[f"in-house, start moved by {DISTURBANCE:g} m"] = slider_difference(calm, moved)
+        curves[f"in-house, start moved by {DISTURBANCE:g} m"] = slider_difference(
+            calm, moved
+        )
     reference = runner.trajectory("dae to the horizon", precise, end)
     engines = exudyn_of(scene)
-    compared = {word: runner.trajectory(word, engine, end) for word, engine in engines.items()}
-    distances = {word: slider_difference(reference, each) for word, each in compared.items()}
+    compared = {
+        word: runner.trajectory(word, engine, end) for word, engine in engines.items()
+    }
+    distances = {
+        word: slider_difference(reference, each) for word, each in compared.items()
+    }
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
     if len(first := reference.touchdowns[:FIRST_TOUCHDOWNS]):
@@ -256,10 +310,19 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
-    beyond, undecided, statistics = _check_means(scene, runner) if diverged else ([], [], {})
+    beyond, undecided, statistics = (
+        _check_means(scene, runner) if diverged else ([], [], {})
+    )
     every, curves = (*checks, *beyond), curves | distances
     return Crosscheck(
-        scene, end, diverged, every, tuple(undecided), reference.touchdowns, curves, statistics
+        scene,
+        end,
+        diverged,
+        every,
+        tuple(undecided),
+        reference.touchdowns,
+        curves,
+        statistics,
     )
 
 
@@ -271,7 +334,9 @@ def _exudyn_checks(
 ) -> Iterator[Check]:
     """Check the finest run of Exudyn against the reference, and the order of all runs."""
     first, name = reference.touchdowns[:FIRST_TOUCHDOWNS], list(compared)[-1]
-    differences = [touchdown_differences(first, each.touchdowns) for each in compared.values()]
+    differences = [
+        touchdown_differences(first, each.touchdowns) for each in compared.values()
+    ]
     time, distance, speed = distances[name].T
     yield Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")
     if len(first):
@@ -282,7 +347,12 @@ def _exudyn_checks(
         yield Check(f"{count} touches, times", times, time_bound, "s")
         yield Check(f"{count} closing speeds", speeds, CLOSING_BOUND, "relative")
         yield Check(f"{count} peak forces", forces, FORCE_BOUND, "relative")
-        yield Check(f"{name}: velocity to touch {len(first)}", largest, VELOCITY_BOUND, "relative")
+        yield Check(
+            f"{name}: velocity to touch {len(first)}",
+            largest,
+            VELOCITY_BOUND,
+            "relative",
+        )
         if is_tree:
             words = f"{name}: slider to touch {len(first)}"
             yield Check(words, float(distance[early].max()), TREE_SLIDER_BOUND, "m")
@@ -292,7 +362,9 @@ def _exudyn_checks(
         if len(first):
             errors = [np.sqrt(np.mean(each[:, 0] ** 2)) for each in differences]
         order = -order_of(FINENESS, errors)
-        yield Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND)
+        yield Check(
+            f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND
+        )
 
 
 def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str], Means]:
@@ -325,12 +397,15 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
     return checks, undecided, means
 
 
-def mean_check(quantity: str, one: Estimate, two: Estimate, count: int = 1) -> Check | str:
+def mean_check(
+    quantity: str, one: Estimate, two: Estimate, count: int = 1
+) -> Check | str:
     """Check the relative difference of two means, or say that their intervals are too wide.
 
-    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``. It misses if
-    the interval lies beyond it that holds for all of ``count`` comparisons with 95 % (Bonferroni).
-    Otherwise there is no verdict. The checked number is the end of the interval that decides.
+    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``.
+    It misses if the interval lies beyond it that holds for all of ``count`` comparisons
+    with 95 % (Bonferroni). Otherwise there is no verdict. The checked number is the end
+    of the interval that decides.
     """
     size = 0.5 * (abs(one.mean) + abs(two.mean))
     if one.half_width is None or two.half_width is None or size == 0.0:
@@ -356,10 +431,16 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
     end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
-    for (label, curve), colour in zip(result.differences.items(), _COLOURS, strict=False):
-        shown = curve[(curve[:, 0] <= end) & (curve[:, 1] > 0.0)]  # a logarithm shows no zeros
+    for (label, curve), colour in zip(
+        result.differences.items(), _COLOURS, strict=False
+    ):
+        shown = curve[
+            (curve[:, 0] <= end) & (curve[:, 1] > 0.0)
+        ]  # a logarithm shows no zeros
         axes.semilogy(*shown[:, :2].T, color=colour, linewidth=0.9, label=label)
-    axes.axhline(SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0)))
+    axes.axhline(
+        SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0))
+    )
     axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
     if result.diverged:
         axes.axvline(result.horizon, color=style.REFERENCE, linewidth=0.7)

@@ -1,7 +1,8 @@
 """Hard cases, in which a run could hang, fail, or be wrong without a message.
 
-Those of one or two free bodies have closed forms. Those of the press are laws and sizes at the ends
-of their ranges, worn profiles, dead points, and many cycles, over which errors must not grow.
+Those of one or two free bodies have closed forms. Those of the press are laws and sizes
+at the ends of their ranges, worn profiles, dead points, and many cycles, over which
+errors must not grow.
 """
 
 import math
@@ -44,9 +45,11 @@ from presswear.validation.cases import (
 
 Checks = Iterator[Check]
 Worn = Mapping[str, tuple[Surface, Surface]]  # bearing and pin by joint
-DATA = tomllib.loads(files("presswear.validation").joinpath("hard_cases.toml").read_text("utf-8"))
+DATA = tomllib.loads(
+    files("presswear.validation").joinpath("hard_cases.toml").read_text("utf-8")
+)
 
-# --- One or two free bodies -----------------------------------------------------------------------
+# --- One or two free bodies ----------------------------------------------------------
 
 JOINTS = ExudynJoints(100, 10, free_step=2e-5, newton=1e-10)
 RESTITUTION = {
@@ -70,10 +73,14 @@ def stays_centred(engine: Engine) -> Checks:
     """Check that a pin at rest exactly in the middle stays there."""
     start = Start(np.zeros(6), np.zeros(6))
     run = run_sound(references.Impact(0.9).linkage, start, engine, guarded(0.01))
-    yield Check("distance from the middle (m)", float(np.abs(run.end.position).max()), 0.0)
+    yield Check(
+        "distance from the middle (m)", float(np.abs(run.end.position).max()), 0.0
+    )
 
 
-def strikes(engine: Engine, clearance: float, speed: float, gap: float, nominal: float) -> Checks:
+def strikes(
+    engine: Engine, clearance: float, speed: float, gap: float, nominal: float
+) -> Checks:
     """Check restitution and energy of one central impact from a gap, m."""
     impact = references.Impact(nominal, clearance=clearance, speed=speed)
     start = impact.start
@@ -84,24 +91,37 @@ def strikes(engine: Engine, clearance: float, speed: float, gap: float, nominal:
     run = run_sound(impact.linkage, start, engine, guarded(duration))
     # Below its floor the closing speed in the law is the floor.
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
-    expected = laws.delivered_restitution(share * laws.lankarani_nikravesh_damping(nominal))
+    expected = laws.delivered_restitution(
+        share * laws.lankarani_nikravesh_damping(nominal)
+    )
     bound = RESTITUTION[engine.word]
-    yield Check("restitution less closed form", references.delivered(run, speed) - expected, bound)
+    yield Check(
+        "restitution less closed form",
+        references.delivered(run, speed) - expected,
+        bound,
+    )
     yield _energy_check("kinetic", run, 0.5 * 0.1 * speed**2, 2.0 * bound)
 
 
 def rests(engine: Engine, duration: float, speed: float) -> Checks:
     """Check that a block that fell on the floor lies there at the penetration under its weight.
 
-    Its closing speed stays in the law as long as it lies; the initial downward speed is in m/s.
+    Its closing speed stays in the law as long as it lies; the initial downward speed is
+    in m/s.
     """
     damping = laws.lankarani_nikravesh_damping(0.9)
     linkage, start = references.on_incline(0.0, 0.0, damping)
     sunk = -float(start.position[1])
     falling = Start(np.array([0.0, FALL, 0.0]), np.array([0.0, -speed, 0.0]))
     run = run_sound(linkage, falling, engine, guarded(duration))
-    yield Check("depth at the end / closed form, less 1", -run.end.position[1] / sunk - 1.0, 1e-6)
-    yield Check("speed at the end (m/s)", float(np.abs(run.end.velocity[:2]).max()), 1e-7)
+    yield Check(
+        "depth at the end / closed form, less 1",
+        -run.end.position[1] / sunk - 1.0,
+        1e-6,
+    )
+    yield Check(
+        "speed at the end (m/s)", float(np.abs(run.end.velocity[:2]).max()), 1e-7
+    )
     initial = 0.5 * speed**2 + references.GRAVITY * sunk
     yield _energy_check("that at the start", run, initial, REST_ENERGY[engine.word])
 
@@ -115,13 +135,18 @@ def comes_back(engine: Engine, speed: float) -> Checks:
     yield _energy_check("of its fall", run, fall, REST_ENERGY[engine.word])
     pressed = run_sound(linkage, Start(np.zeros(3), -velocity), engine, guarded(0.01))
     depth = float(run.end.position[1] / pressed.end.position[1])
-    yield Check("depth over that of one that is pressed down, less 1", depth - 1.0, 1e-9)
+    yield Check(
+        "depth over that of one that is pressed down, less 1", depth - 1.0, 1e-9
+    )
 
 
 def creeps(engine: Engine, slope: float) -> Checks:
     """Check the creep of a block on an incline, from rest."""
     run = run_sound(*references.on_incline(slope, 0.0), engine, guarded(0.2))
-    error = float(run.end.velocity[0]) / references.creep_speed(references.FRICTION, slope) - 1.0
+    error = (
+        float(run.end.velocity[0]) / references.creep_speed(references.FRICTION, slope)
+        - 1.0
+    )
     yield Check("creep / closed form, less 1", error, 1e-5)
 
 
@@ -140,7 +165,9 @@ def twins() -> tuple[Linkage, Start]:
     for side, name in ((-1.0, "left"), (1.0, "right")):
         bodies.append(Body(name, 0.1, 1e-4))
         ends = Attachment("bar", 0.1 * side, 0.0), Attachment(name, 0.0, 0.0)
-        joints.append(ClearanceJoint(name, *ends, 0.015, 0.8e-3, 0.02, law, references.FRICTION))
+        joints.append(
+            ClearanceJoint(name, *ends, 0.015, 0.8e-3, 0.02, law, references.FRICTION)
+        )
     linkage = references.free_bodies("twins", tuple(bodies), tuple(joints), "right")
     position, velocity = np.zeros((2, 3, 3))
     position[1:, 0], velocity[1:, 0] = (-0.1, 0.1), (-0.25, 0.25)
@@ -155,7 +182,8 @@ def touch_together(engine: Engine, ahead: float) -> Checks:
     left, right = (first_contact(run, k) for k in range(2))
     difference = left["touchdown"] - right["touchdown"] - ahead / 0.25
     yield Check("time between the touches less closed form (s)", difference, 1e-10)
-    # Neither pin moves the bar while the second one holds it: an infinite mass for both.
+    # Neither pin moves the bar while the second one holds it: an infinite mass for
+    # both.
     expected = laws.delivered_restitution(laws.lankarani_nikravesh_damping(0.9))
     bound = RESTITUTION[engine.word]
     worst = max(abs(-pin["release_speed"] / 0.25 - expected) for pin in (left, right))
@@ -166,12 +194,16 @@ def touch_together(engine: Engine, ahead: float) -> Checks:
 def worn_pair() -> tuple[Linkage, Start]:
     """Return a ring and a shaft in it, worn differently to half of the clearance, both spinning.
 
-    Mass centres lie off the centres of hole and pin, so that spin and path exchange energy through
-    couples, too. The total momentum is zero.
+    Mass centres lie off the centres of hole and pin, so that spin and path exchange
+    energy through couples, too. The total momentum is zero.
     """
     angle = bin_centres(BINS)
-    bearing = 4e-4 * np.exp(-(((angle - 1.5) / 0.4) ** 2)) + 1e-4 * (1.0 + np.sin(3.0 * angle))
-    pin = 2e-4 * np.exp(-(((angle - 4.0) / 0.25) ** 2)) + 5e-5 * (1.0 + np.cos(5.0 * angle))
+    bearing = 4e-4 * np.exp(-(((angle - 1.5) / 0.4) ** 2)) + 1e-4 * (
+        1.0 + np.sin(3.0 * angle)
+    )
+    pin = 2e-4 * np.exp(-(((angle - 4.0) / 0.25) ** 2)) + 5e-5 * (
+        1.0 + np.cos(5.0 * angle)
+    )
     ends = Attachment("ring", 0.01, -0.005), Attachment("shaft", -0.004, 0.006)
     unworn = ClearanceJoint("J", *ends, 0.015, 0.8e-3, 0.02, laws.NormalLaw(1.25e10))
     worn = replace(unworn, bearing_surface=Surface(bearing), pin_surface=Surface(pin))
@@ -179,7 +211,9 @@ def worn_pair() -> tuple[Linkage, Start]:
     bodies = Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)
     position = np.array([-0.01, 0.005, 0.0, 0.004, -0.006, 0.0])
     velocity = np.array([-0.1, 0.05, 9.0, 0.3, -0.15, -14.0])
-    return references.free_bodies("worn pair", bodies, (joint,), "shaft"), Start(position, velocity)
+    return references.free_bodies("worn pair", bodies, (joint,), "shaft"), Start(
+        position, velocity
+    )
 
 
 def conserves(duration: float, least: int) -> Checks:
@@ -191,7 +225,9 @@ def conserves(duration: float, least: int) -> Checks:
         """Return kinetic energy, J, and angular momentum about the origin, kg m^2/s."""
         px, py, spin = (mass * state.velocity).reshape(-1, 3).T
         x, y, _ = state.position.reshape(-1, 3).T
-        return 0.5 * float(mass @ state.velocity**2), float(np.sum(x * py - y * px + spin))
+        return 0.5 * float(mass @ state.velocity**2), float(
+            np.sum(x * py - y * px + spin)
+        )
 
     kinetic, angular = kinetic_and_angular(start)
     for tolerance in (1e-9, FINEST):
@@ -207,14 +243,16 @@ def conserves(duration: float, least: int) -> Checks:
     yield Check(label, changes[1] / math.sqrt(contacts), 1e-9)
     yield Check("... over that at tolerance 1e-09", changes[1] / changes[0], 0.1)
     spins = float(np.abs((mass * start.velocity)[2::3]).sum())
-    yield Check("change of angular momentum / spin", (angular_end - angular) / spins, 1e-12)
+    yield Check(
+        "change of angular momentum / spin", (angular_end - angular) / spins, 1e-12
+    )
 
 
 def touch_and_part(engine: Engine, x: float, y: float) -> Checks:
     """Check contacts that begin and end at the same instants at two joints, far from the origin, m.
 
-    The round-off of a coordinate grows with its distance from the origin. It makes no contacts of
-    its own, and no pin leaves while it closes.
+    The round-off of a coordinate grows with its distance from the origin. It makes no
+    contacts of its own, and no pin leaves while it closes.
     """
     linkage, start = twins()
     start.position[0::3] += x
@@ -222,11 +260,17 @@ def touch_and_part(engine: Engine, x: float, y: float) -> Checks:
     run = run_sound(linkage, start, engine, guarded(0.1))
     contacts = [contacts_of(run, k) for k in range(2)]
     counts = [pins["touchdown"].size for pins in contacts]
-    yield Check("contacts of one joint less those of the other", counts[0] - counts[1], 0.0)
+    yield Check(
+        "contacts of one joint less those of the other", counts[0] - counts[1], 0.0
+    )
     fastest = max(float(pins["release_speed"].max()) for pins in contacts)
     yield Check("fastest release above zero (m/s)", max(fastest, 0.0), 0.0)
-    shortest = min(float((pins["separation"] - pins["touchdown"]).min()) for pins in contacts)
-    yield Check("shortest contact below a microsecond (s)", max(1e-6 - shortest, 0.0), 0.0)
+    shortest = min(
+        float((pins["separation"] - pins["touchdown"]).min()) for pins in contacts
+    )
+    yield Check(
+        "shortest contact below a microsecond (s)", max(1e-6 - shortest, 0.0), 0.0
+    )
 
 
 def pin_in_bore(clearance: float, damping: float) -> Linkage:
@@ -248,15 +292,19 @@ def springs_off(engine: Engine, depth: float) -> Checks:
         engine = replace(engine, free_step=duration / 50.0)
     run = run_sound(pin_in_bore(clearance, 0.0), start, engine, guarded(duration))
     error = float(np.hypot(*run.end.velocity[:2])) / speed - 1.0
-    yield Check("speed at the end / closed form, less 1", error, RESTITUTION[engine.word])
-    yield _energy_check("elastic at the start", run, energy, 2.0 * RESTITUTION[engine.word])
+    yield Check(
+        "speed at the end / closed form, less 1", error, RESTITUTION[engine.word]
+    )
+    yield _energy_check(
+        "elastic at the start", run, energy, 2.0 * RESTITUTION[engine.word]
+    )
 
 
 def bounces(engine: Engine, clearance: float) -> Checks:
     """Check a pin that bounces between both sides of a bore much smaller than its penetration.
 
-    Each contact gives back the restitution of the law, and the next one closes with what the last
-    one gave back. The pin of 0.1 kg at 0.25 m/s penetrates by 14 um.
+    Each contact gives back the restitution of the law, and the next one closes with
+    what the last one gave back. The pin of 0.1 kg at 0.25 m/s penetrates by 14 um.
     """
     damping = laws.lankarani_nikravesh_damping(0.9)
     linkage = pin_in_bore(clearance, damping)
@@ -268,13 +316,27 @@ def bounces(engine: Engine, clearance: float) -> Checks:
     worst = float(np.abs(release / closing - laws.delivered_restitution(damping)).max())
     yield Check("restitution less closed form", worst, RESTITUTION[engine.word])
     worst = float(np.abs(closing[1:] / release[:-1] - 1.0).max())
-    yield Check("closing speed over release speed before, less 1", worst, RESTITUTION[engine.word])
+    yield Check(
+        "closing speed over release speed before, less 1",
+        worst,
+        RESTITUTION[engine.word],
+    )
 
 
 def impact_cases() -> Iterator[Case]:
     """Yield the cases of one or two bodies."""
-    functions = stays_centred, strikes, rests, comes_back, creeps, sticks, touch_together
-    by_name: dict[str, Callable[..., Checks]] = {each.__name__: each for each in functions}
+    functions = (
+        stays_centred,
+        strikes,
+        rests,
+        comes_back,
+        creeps,
+        sticks,
+        touch_together,
+    )
+    by_name: dict[str, Callable[..., Checks]] = {
+        each.__name__: each for each in functions
+    }
     everywhere: dict[str, Callable[..., Checks]] = {
         each.__name__: each for each in (touch_and_part, springs_off, bounces)
     }
@@ -286,7 +348,10 @@ def impact_cases() -> Iterator[Case]:
         for name, reason, function, *values in DATA["impacts"]:
             is_calm = engine is JOINTS and function in ("creeps", "sticks", "rests")
             used = replace(JOINTS, free_step=1e-3) if is_calm else engine
-            checks, is_long = partial(by_name[function], used, *values), is_calm and name == HOUR
+            checks, is_long = (
+                partial(by_name[function], used, *values),
+                is_calm and name == HOUR,
+            )
             yield Case(name, reason, engine.word, checks, is_long=is_long)
     reason = "two free bodies, worn deep and differently, both spinning"
     yield Case("worn pair", reason, "dae", partial(conserves, 0.3, 50))
@@ -294,21 +359,22 @@ def impact_cases() -> Iterator[Case]:
     yield Case("worn pair, 1,000 contacts", reason, "dae", long, is_long=True)
 
 
-# --- The press ------------------------------------------------------------------------------------
+# --- The press ----------------------------------------------------------------------
 
 BASE = replace(wear_times(), wear_updates=0)  # clearance at A and C
 CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)  # m, of the approach to the ideal joint
 MIN_CLEARANCE = 1e-9  # m, the smallest that a scene allows
 APPROACH = 0.1  # s, half of a stroke and fifty contacts
 BINS = 360
-# Energy residual allowed on worn surfaces with radial contact, relative to that exchanged: the law
-# makes energy in blows of 1e4 N and more, whose rounding limits the error control.
+# Energy residual allowed on worn surfaces with radial contact, relative to that
+# exchanged: the law makes energy in blows of 1e4 N and more, whose rounding limits the
+# error control.
 RADIAL_ENERGY = 1e-4
 MADE = 0.5  # energy that radial contact may make, relative to that exchanged
 FAST = 40.0 * math.pi  # rad/s; a cycle takes 50 ms and has some hundred contacts
 LONGEST = 1200.0  # s of CPU time for many cycles
-# Largest growth of the constraint error over ten times the cycles. Round-off of the crank angle
-# grows ten times, an instability a hundred times or more.
+# Largest growth of the constraint error over ten times the cycles. Round-off of the
+# crank angle grows ten times, an instability a hundred times or more.
 GROWTH = 20.0
 CALM = 100  # cycles from which on the error grows evenly
 STEEP = ("deeper than c", "radial")  # refused, because the contact makes energy
@@ -316,7 +382,10 @@ CHANCE = ("notch", "radial")  # refused from some initial states only, and left 
 
 
 def run_scene(
-    scene: Scene, duration: float = 0.0, start: Start | None = None, worn: Worn | None = None
+    scene: Scene,
+    duration: float = 0.0,
+    start: Start | None = None,
+    worn: Worn | None = None,
 ) -> Run:
     """Run a cycle of a scene, or a duration, s, in its engine."""
     period = scene.mechanism.period
@@ -363,7 +432,9 @@ def approach(scene: Scene) -> Checks:
     distances = [distance(clearance) for clearance in CLEARANCES]
     order = cases.order_of(CLEARANCES, (np.array(distances) - least).tolist())
     yield Check("distance left at c = 1 nm (m)", least, 2e-6)
-    yield Check("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
+    yield Check(
+        "order of the distance from the ideal press in c, less 1", order - 1.0, 0.1
+    )
     yield Check("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
 
 
@@ -371,7 +442,8 @@ def law_cases() -> Iterator[Case]:
     """Yield laws, sizes and speeds at the ends of their ranges."""
     rows: list[tuple[str, str, dict[str, Any]]] = [*DATA["press"]]
     for name, law in laws.DAMPINGS.items():
-        # Damping without bounds makes a pin at rest stiff: at 0.01 the tree takes a minute.
+        # Damping without bounds makes a pin at rest stiff: at 0.01 the tree takes a
+        # minute.
         nominal = 0.05 if law.least > 0.0 else 0.0
         settings: dict[str, Any] = {"normal_law": name, "restitution": nominal}
         if name != laws.KELVIN_VOIGT:
@@ -411,7 +483,12 @@ def profile_cases() -> Iterator[Case]:
         ("notch", narrow, Surface(1e-4 * notch), new),
         ("shallow notch", narrow, Surface(1e-5 * notch), new),
         ("deeper than c", "1 mm of wear in a clearance of 0.8 mm", deeper, new),
-        ("all deeper than c", "the clearance is more than doubled", Surface(1e-3 + 0 * angle), new),
+        (
+            "all deeper than c",
+            "the clearance is more than doubled",
+            Surface(1e-3 + 0 * angle),
+            new,
+        ),
     )
     for name, reason, bearing, pin in profiles:
         for conventions, law in (("paper", "radial"), ("refined", "foundation")):
@@ -419,7 +496,9 @@ def profile_cases() -> Iterator[Case]:
                 scene = replace(BASE, conventions=CONVENTIONS[conventions])
                 refusal = "created .* too steep" if (name, law) == STEEP else ""
                 checks = partial(on_worn, worn=dict.fromkeys("AC", (bearing, pin)))
-                yield from in_both(f"{name}, {law}", reason, scene, checks, refusal=refusal)
+                yield from in_both(
+                    f"{name}, {law}", reason, scene, checks, refusal=refusal
+                )
 
 
 def displaced(penetration: float, closing: float = 0.0) -> Start:
@@ -437,7 +516,10 @@ def displaced(penetration: float, closing: float = 0.0) -> Start:
     reach, quarter = BASE.bearings.clearance + penetration, 0.5 * math.pi
     for body, length in (("rod 3", press.length_3), ("rod 5", press.length_5)):
         i, half = 3 * linkage.index(body), 0.5 * length
-        angle, spin = q[i + 2] + 2.0 * math.asin(0.5 * reach / length), v[i + 2] + closing / length
+        angle, spin = (
+            q[i + 2] + 2.0 * math.asin(0.5 * reach / length),
+            v[i + 2] + closing / length,
+        )
         q[i : i + 2] += half * (axis(angle) - axis(q[i + 2]))
         before = v[i + 2] * axis(q[i + 2] + quarter)
         v[i : i + 2] += half * (spin * axis(angle + quarter) - before)
@@ -476,10 +558,16 @@ def state_cases() -> Iterator[Case]:
         checks = partial(balanced, start=displaced(penetration))
         yield from in_all(name, "no touchdown, hence no closing speed", BASE, checks)
     together = partial(met_together, speed=0.1)
-    yield from in_all("both joints touch at once", "two events in one step", BASE, together)
+    yield from in_all(
+        "both joints touch at once", "two events in one step", BASE, together
+    )
     scene = replace(BASE, mechanism=closest_to_dead_point())
-    yield from in_both("toggle, as near as allowed", "rod 5 comes near its dead point", scene)
-    flat = replace(slider_crank(), mechanism=SliderCrank(rod_length=0.05001, slide_angle=0.0))
+    yield from in_both(
+        "toggle, as near as allowed", "rod 5 comes near its dead point", scene
+    )
+    flat = replace(
+        slider_crank(), mechanism=SliderCrank(rod_length=0.05001, slide_angle=0.0)
+    )
     yield from in_both("rod as long as the crank", "the rod stands upright", flat)
 
 
@@ -492,7 +580,9 @@ def drifts(cycles: int, scene: Scene) -> Checks:
     for count in (cycles // 10, cycles):
         plan = guarded(period, count, LONGEST)
         runs.append(run_sound(scene.linkage(), start_of(scene), engine, plan))
-        memory.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)  # peak, MB
+        memory.append(
+            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+        )  # peak, MB
     run = runs[-1]
     yield energy_check(run, engine.word)
     yield Check("cycles missing", cycles - len(run.recorder.cycles), 0.0)
@@ -501,7 +591,9 @@ def drifts(cycles: int, scene: Scene) -> Checks:
         early, late = (float(r.diagnostics["constraint_error_m"]) for r in runs)
         yield Check("greatest |Phi| / clearance", late / scene.bearings.clearance, 1e-5)
         if cycles // 10 > CALM:
-            yield Check("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
+            yield Check(
+                "|Phi| over that of a tenth of the cycles", late / early, GROWTH
+            )
     early, late = (abs(float(r.diagnostics["energy_residual_J"])) for r in runs)
     exchanged = float(run.diagnostics["drive_exchange_J"])
     per_cycle = (late / 10.0 - early) / (exchanged / 10.0)
@@ -524,7 +616,13 @@ def refusal_cases() -> Iterator[Case]:
     shorter = replace(closest, length_5=closest.length_5 - 1e-5)
     pattern = "crank angle .* joint .* does not close or is at a dead point"
     check = replace(BASE, mechanism=shorter).check
-    yield Case("toggle, one step nearer", "a dead point", "any", partial(checks, check), pattern)
+    yield Case(
+        "toggle, one step nearer",
+        "a dead point",
+        "any",
+        partial(checks, check),
+        pattern,
+    )
 
 
 def hard_cases() -> Iterator[Case]:
@@ -535,4 +633,6 @@ def hard_cases() -> Iterator[Case]:
     fast = changed(BASE, {"speed": FAST, "coordinates": "all"})
     for cycles in (100, 2000):
         name, checks = f"{cycles:,} cycles at 40 pi", partial(drifts, cycles)
-        yield from in_both(name, "errors accumulate", fast, checks, is_long=cycles > 100)
+        yield from in_both(
+            name, "errors accumulate", fast, checks, is_long=cycles > 100
+        )

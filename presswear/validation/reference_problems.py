@@ -27,9 +27,18 @@ from presswear.linkage.loads import Load, Spring
 from presswear.recording.columns import SERIES, names_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-from presswear.validation.cases import Case, Check, contacts_of, finished, first_contact, order_of
+from presswear.validation.cases import (
+    Case,
+    Check,
+    contacts_of,
+    finished,
+    first_contact,
+    order_of,
+)
 
-TIGHT = InHouse(integration_tolerance=1e-11)  # the default, 1e-9, leaves 2e-8 in the restitution
+TIGHT = InHouse(
+    integration_tolerance=1e-11
+)  # the default, 1e-9, leaves 2e-8 in the restitution
 
 _FILE = files("presswear.validation").joinpath("reference_problems.toml")
 _DATA = tomllib.loads(_FILE.read_text("utf-8"))
@@ -37,7 +46,9 @@ _ANDREWS = _DATA["andrews"]
 ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
 ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
-NEWTON = 1e-12  # of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
+NEWTON = (
+    1e-12  # of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
+)
 # Angles of the seven bodies from the seven angles of the reference.
 _TURNS: Array = np.eye(7)
 _TURNS[[1, 3, 5], [0, 4, 6]] = 1.0
@@ -45,13 +56,21 @@ _TURNS[1, 1] = 1.0
 
 
 def free_bodies(
-    name: str, bodies: Sequence[Body], joints: Sequence[ClearanceJoint], probe: str, **rest: Any
+    name: str,
+    bodies: Sequence[Body],
+    joints: Sequence[ClearanceJoint],
+    probe: str,
+    **rest: Any,
 ) -> Linkage:
     """Return bodies that are connected by clearance joints only, without gravity.
 
     The motion of the body ``probe`` along x is recorded.
     """
-    options: dict[str, Any] = {"output": OutputPoint(probe, 0.0), "gravity": 0.0, **rest}
+    options: dict[str, Any] = {
+        "output": OutputPoint(probe, 0.0),
+        "gravity": 0.0,
+        **rest,
+    }
     return assemble(tuple(bodies), name=name, clearances=tuple(joints), **options)
 
 
@@ -66,7 +85,9 @@ def andrews() -> Linkage:
     ends = pin(spring["body"], spring["pin"]), Attachment(GROUND, *spring["frame"])
     return assemble(
         name="Andrews' squeezer",
-        bodies=tuple(Body(k, bodies[k]["mass"], bodies[k]["inertia"]) for k in sorted(bodies)),
+        bodies=tuple(
+            Body(k, bodies[k]["mass"], bodies[k]["inertia"]) for k in sorted(bodies)
+        ),
         joints=tuple(
             Revolute(name, pin(first, name[0]), pin(second, name[0]))
             for name, first, second in _ANDREWS["joints"]
@@ -86,7 +107,10 @@ def andrews_start() -> Start:
     for body, data in _ANDREWS["bodies"].items():
         i = int(body[1]) - 1
         c, s = math.cos(angles[i]), math.sin(angles[i])
-        turned = {k: np.array([c * x - s * y, s * x + c * y]) for k, (x, y) in data["pins"].items()}
+        turned = {
+            k: np.array([c * x - s * y, s * x + c * y])
+            for k, (x, y) in data["pins"].items()
+        }
         first = next(iter(turned))
         centre = places[first] - turned[first]
         places = {name: centre + point for name, point in turned.items()} | places
@@ -96,10 +120,14 @@ def andrews_start() -> Start:
 
 def andrews_angles(coordinates: Array) -> Array:
     """Return the seven angles, or their rates, from the coordinates of all bodies, shape (21,)."""
-    return np.asarray(np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3]), np.float64)
+    return np.asarray(
+        np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3]), np.float64
+    )
 
 
-def _worst(name: str, reference: Sequence[float] | Array, computed: Array, bound: float) -> Check:
+def _worst(
+    name: str, reference: Sequence[float] | Array, computed: Array, bound: float
+) -> Check:
     i = int(np.argmax(np.abs(computed - np.array(reference))))
     return Check.against(name, float(reference[i]), float(computed[i]), bound)
 
@@ -119,7 +147,9 @@ def andrews_checks() -> Iterator[Check]:
         errors.append(float(np.abs(angles - ANDREWS_ANGLES).max()))
     name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
     yield _worst(name, ANDREWS_ANGLES, angles, 1e-5)
-    yield Check.against("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
+    yield Check.against(
+        "Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1
+    )
 
 
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
@@ -130,7 +160,11 @@ DELIVERED: dict[str, dict[float, float]] = {
     for law, values in _DATA["delivered"].items()
 }
 REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
-EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}  # 50 steps miss 1e-4 at 0.8 and 0.5
+EXUDYN_STEPS_PER_CONTACT = {
+    0.9: 50,
+    0.8: 100,
+    0.5: 100,
+}  # 50 steps miss 1e-4 at 0.8 and 0.5
 
 
 @dataclass(frozen=True)
@@ -177,9 +211,10 @@ class Impact:
     def duration(self) -> tuple[float, float]:
         """Return the contact time for damping above 0 and its uncertainty, s.
 
-        It is the integral of m v du / (K delta^n (1 + chi u)) over u = delta_dot / v from -e' to 1,
-        with delta^(n+1) = (n+1) m v^2 / K times a function of u. A substitution by the power
-        1 / (n + 1) of the distance from either end makes the integrand smooth.
+        It is the integral of m v du / (K delta^n (1 + chi u)) over u = delta_dot / v
+        from -e' to 1, with delta^(n+1) = (n+1) m v^2 / K times a function of u. A
+        substitution by the power 1 / (n + 1) of the distance from either end makes the
+        integrand smooth.
         """
         chi, n = self.damping, 1.5
         restitution = laws.delivered_restitution(chi)
@@ -217,17 +252,27 @@ def impact_checks() -> Iterator[Check]:
                 name = f"restitution, {'' if is_default else f'{law}, '}nominal {nominal}, {word}"
                 yield Check.against(name, expected, delivered(run, impact.speed), bound)
     impact = Impact(0.9, clearance=1e-5)
-    recorder = finished(TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))).recorder
+    recorder = finished(
+        TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
+    ).recorder
     velocity = recorder.series("velocity")
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the initial one of the shaft.
     rate = velocity - (impact.speed - velocity) / 3.0
-    curve = CubicHermiteSpline(recorder.series("time"), recorder.series("penetration", 0), rate)
+    curve = CubicHermiteSpline(
+        recorder.series("time"), recorder.series("penetration", 0), rate
+    )
     deepest = float(curve(curve.derivative().roots(extrapolate=False)).max())
-    yield Check.against("penetration over closed form, dae", 1.0, deepest / impact.deepest, 1e-8)
+    yield Check.against(
+        "penetration over closed form, dae", 1.0, deepest / impact.deepest, 1e-8
+    )
     impact = Impact(1.0)
     contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
-    duration = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
-    yield Check.against("Hertz: duration (delta_max/v), dae", HERTZ_DURATION, duration, 1e-8)
+    duration = (
+        (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
+    )
+    yield Check.against(
+        "Hertz: duration (delta_max/v), dae", HERTZ_DURATION, duration, 1e-8
+    )
 
 
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
@@ -252,23 +297,31 @@ def _block_at(x: float, weight: float) -> Array:
 
 
 def block(
-    pull: float, press: float, friction: laws.FrictionLaw, speed: float, damping: float = 0.0
+    pull: float,
+    press: float,
+    friction: laws.FrictionLaw,
+    speed: float,
+    damping: float = 0.0,
 ) -> tuple[Linkage, Start]:
     """Return a block of 1 kg that cannot turn on a floor, and its initial state at x = 0.
 
-    The floor is a bearing of 10 km on the frame; ``pull`` and ``press`` are constant forces along
-    and into it, N; the initial speed is in m/s.
+    The floor is a bearing of 10 km on the frame; ``pull`` and ``press`` are constant
+    forces along and into it, N; the initial speed is in m/s.
     """
     ends = Attachment(GROUND, 0.0, _FLOOR_CLEARANCE), Attachment("block", 0.0, 0.0)
     size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
     normal = laws.NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
     floor = ClearanceJoint("floor", *ends, *size, normal, friction)
     heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
-    linkage = free_bodies("block on a floor", (heavy,), (floor,), "block", loads=(load,))
+    linkage = free_bodies(
+        "block on a floor", (heavy,), (floor,), "block", loads=(load,)
+    )
     return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
 
 
-def on_incline(slope: float, speed: float, damping: float = 0.0) -> tuple[Linkage, Start]:
+def on_incline(
+    slope: float, speed: float, damping: float = 0.0
+) -> tuple[Linkage, Start]:
     """Return a block on an incline with an initial speed, m/s; the damping is of its floor."""
     pull, press = (GRAVITY * part(math.atan(slope)) for part in (math.sin, math.cos))
     return block(pull, press, FRICTION, speed, damping)
@@ -279,7 +332,9 @@ def sdnd100(upper: float) -> tuple[Linkage, Start]:
     friction = laws.FrictionLaw(SDND100_FRICTION, 0.0, upper)
     linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
     frame = Attachment(GROUND, -1e3, float(rest.position[1]))
-    spring = Spring("spring", frame, Attachment("block", 0.0, 0.0), SDND100_STIFFNESS, 1e3)
+    spring = Spring(
+        "spring", frame, Attachment("block", 0.0, 0.0), SDND100_STIFFNESS, 1e3
+    )
     release = Start(_block_at(SDND100_EXTREMA[0], SDND100_GRAVITY), np.zeros(3))
     return replace(linkage, name="SDND100", springs=(spring,)), release
 
@@ -289,7 +344,10 @@ def creep_speed(friction: laws.FrictionLaw, slope: float) -> float:
 
     The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
     """
-    return friction.lower + (friction.upper - friction.lower) * slope / friction.coefficient
+    return (
+        friction.lower
+        + (friction.upper - friction.lower) * slope / friction.coefficient
+    )
 
 
 def friction_checks() -> Iterator[Check]:
@@ -300,16 +358,21 @@ def friction_checks() -> Iterator[Check]:
 
     run = final(sdnd100(SHARP), 4.5 * SDND100_INTERVAL)
     released, *extrema = SDND100_EXTREMA
-    # Each turn is extrapolated from the last row before it, because friction changes sign there.
+    # Each turn is extrapolated from the last row before it, because friction changes
+    # sign there.
     velocity = run.recorder.series("velocity")
     before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
     if len(before) != len(extrema):
-        raise RunFailed(f"SDND100: expected {len(extrema)} turning points, found {len(before)}")
+        raise RunFailed(
+            f"SDND100: expected {len(extrema)} turning points, found {len(before)}"
+        )
     t, x, v, a = (run.recorder.series(name)[before] for name in names_of(SERIES))
     left = -v / a
     positions = released + x + left * (v + 0.5 * a * left)
     millimetres = [1e3 * x for x in extrema]
-    yield _worst("SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5)
+    yield _worst(
+        "SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5
+    )
     expected = [SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
     yield _worst("SDND100, dae: its time (s)", expected, t + left, 1e-5)
     rest = 1e3 * float(run.end.position[0])
@@ -318,7 +381,8 @@ def friction_checks() -> Iterator[Check]:
     creeping = creep_speed(FRICTION, SLOPE)
     speed = float(final(on_incline(SLOPE, 0.005), 0.2).end.velocity[0])
     yield Check.against("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * speed, 1e-6)
-    # From 10 mm/s a block slows evenly down to v1, then as v0 + (v1 - v0) exp(-mu g t / (v1 - v0)).
+    # From 10 mm/s a block slows evenly down to v1, then as v0 + (v1 - v0) exp(-mu g t /
+    # (v1 - v0)).
     slowing, width = FRICTION.coefficient * GRAVITY, FRICTION.upper - FRICTION.lower
     for time in (0.005, 0.011):
         late = time - (0.01 - FRICTION.upper) / slowing
@@ -347,7 +411,9 @@ def _bounces(stiffness: float) -> tuple[Array, Array]:
     start = Start(np.array([0.0, -1.0, 0.0]), np.array([0.0, BALL_SPEED, 0.0]))
     contacts = contacts_of(finished(TIGHT.simulate(linkage, start, Plan(6.0, 1, 1))))
     if len(contacts["touchdown"]) < BOUNCES:
-        raise RunFailed(f"expected {BOUNCES} bounces, found {len(contacts['touchdown'])}")
+        raise RunFailed(
+            f"expected {BOUNCES} bounces, found {len(contacts['touchdown'])}"
+        )
     left = np.concatenate([[0.0], contacts["separation"][:-1]])
     return contacts["touchdown"] - left, -contacts["release_speed"]
 
@@ -363,14 +429,21 @@ def bouncing_checks() -> Iterator[Check]:
     ratio = (BALL_STIFFNESS[1] / BALL_STIFFNESS[0]) ** 0.4
     pairs = zip(*values, strict=True)
     total, rebound = (stiff + (stiff - soft) / (ratio - 1.0) for soft, stiff in pairs)
-    yield Check.against("bouncing ball, dae: total time (s)", series * BALL_SPEED, total, 1e-6)
+    yield Check.against(
+        "bouncing ball, dae: total time (s)", series * BALL_SPEED, total, 1e-6
+    )
     expected = BALL_SPEED * restitution**BOUNCES
-    yield Check.against(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+    yield Check.against(
+        f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6
+    )
 
 
 def reference_cases() -> list[Case]:
     """Return the cases with a published solution or a closed form."""
-    return [Case(name, _DATA["sources"][name], "all", checks) for name, checks in _CASES.items()]
+    return [
+        Case(name, _DATA["sources"][name], "all", checks)
+        for name, checks in _CASES.items()
+    ]
 
 
 _CASES = {

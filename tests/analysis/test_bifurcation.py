@@ -24,7 +24,9 @@ def test_parameter_is_read_with_its_unit() -> None:
     np.testing.assert_allclose(clearance.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
     speed = bifurcation.Parameter.parse("speed=2pi:12pi:3 rad/s", SCENE)
     # Values of a range have 12 digits.
-    np.testing.assert_allclose(speed.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12)
+    np.testing.assert_allclose(
+        speed.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12
+    )
     assert speed.unit == "rad/s"
     assert bifurcation.Parameter.parse("B.friction=0.1:0:2", SCENE).values == (0.0, 0.1)
 
@@ -51,10 +53,14 @@ def test_bad_parameters_are_refused(text: str, message: str) -> None:
 def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
     previous = SCENE.linkage()
     scene = pw.scenes.slider_crank(clearance="0.4 mm", speed="500 rad/s")
-    run = bifurcation.ENGINE.simulate(previous, start_of(SCENE), Plan(SCENE.mechanism.period, 3, 1))
+    run = bifurcation.ENGINE.simulate(
+        previous, start_of(SCENE), Plan(SCENE.mechanism.period, 3, 1)
+    )
     linkage = scene.linkage()
     start = bifurcation.continued(linkage, previous, run.end, start_of(scene))
-    phi, phi_t, *_ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
+    phi, phi_t, *_ = constraints_of(linkage).evaluate(
+        0.0, start.position, start.velocity
+    )
     assert np.abs(phi).max() < 1e-12
     assert np.abs(phi_t).max() < 1e-9
     # The rows of the closed joint are the last but those of guide and drive.
@@ -109,13 +115,17 @@ def test_periods_of_two_clearances(tmp_path: Path) -> None:
         bifurcation.compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
 
 
-def test_a_failed_run_leaves_a_gap(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_failed_run_leaves_a_gap(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     """With far too large steps all numbers are NaN, and the next value starts anew."""
     monkeypatch.setattr(bifurcation, "ENGINE", pw.InHouse("rk4", equal_step=1e-2))
     parameter = bifurcation.Parameter("speed", (1.0, 2.0), "rad/s")
     file = tmp_path / "up.npz"
     cycles = bifurcation.Cycles(12, 6, 0)
-    bifurcation.run_branch(SCENE, "speed", (100.0,), cycles, start_of, file, lambda *report: None)
+    bifurcation.run_branch(
+        SCENE, "speed", (100.0,), cycles, start_of, file, lambda *report: None
+    )
     branch = bifurcation.read_branch(file)
     assert np.isnan(branch.pins).all()
     start = start_of(changed(SCENE, {"speed": 100.0}))

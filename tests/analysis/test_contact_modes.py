@@ -55,7 +55,9 @@ def test_shares_transitions_and_visits() -> None:
     assert np.trace(counts) == 0
     np.testing.assert_allclose(line.visits("impact"), 0.01, rtol=1e-9)
     # The first and the last flight go on beyond what is known.
-    np.testing.assert_allclose(line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9)
+    np.testing.assert_allclose(
+        line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9
+    )
 
 
 def test_parts_of_the_cycle() -> None:
@@ -88,7 +90,10 @@ def test_contacts_beyond_the_span_are_cut() -> None:
     line = timeline((1.005, 4.0), CONTACTS, CLOSING, (TIME, SLIDING), 0.0)
     assert line.edges[0] == 1.005
     assert line.edges[-1] == 4.0
-    assert [MODES[mode] for mode in line.mode[[0, -1]]] == ["impact", "sustained contact"]
+    assert [MODES[mode] for mode in line.mode[[0, -1]]] == [
+        "impact",
+        "sustained contact",
+    ]
 
 
 def test_two_joints_together() -> None:
@@ -104,7 +109,9 @@ def test_two_joints_together() -> None:
 
 @pytest.fixture(scope="module")
 def result() -> Result:
-    scene = pw.scenes.slider_crank(cycles=6, replicates=1, recorded_cycles=6, sections=1)
+    scene = pw.scenes.slider_crank(
+        cycles=6, replicates=1, recorded_cycles=6, sections=1
+    )
     return pw.run(scene, engine="dae", jobs=1)
 
 

@@ -43,7 +43,8 @@ def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
     """Return when runs of a tent map with a hole settle, and the lengths of those that do not.
 
     Its points are even over the unit interval until they leave it, with the probability
-    1 - 2 / SLOPE a cycle (Lai and Tél, Transient Chaos, section 2.2.1). A run then rests at 0.
+    1 - 2 / SLOPE a cycle (Lai and Tél, Transient Chaos, section 2.2.1). A run then
+    rests at 0.
     """
     x = np.random.default_rng(seed).random(starts)
     places = np.zeros((cycles, starts))
@@ -52,7 +53,10 @@ def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
         x = np.where(x > 0.0, SLOPE * np.minimum(x, 1.0 - x), 0.0)
         x = np.where(x > 1.0, 0.0, x)
     # The forces follow the places, so that no part of the map looks like a rest.
-    rests = [rest_of(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p])) for p in places.T]
+    rests = [
+        rest_of(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p]))
+        for p in places.T
+    ]
     return [one.start for one in rests if one], [cycles for one in rests if one is None]
 
 
@@ -60,7 +64,11 @@ def test_half_life_of_a_map_with_a_hole() -> None:
     truth = math.log(2.0) / math.log(SLOPE / 2.0)
     estimates = [half_life(*escapes(24, 120, seed)) for seed in range(200)]
     assert all(one is not None for one in estimates)
-    holds = [one.low <= truth <= one.high for one in estimates if one and one.low and one.high]
+    holds = [
+        one.low <= truth <= one.high
+        for one in estimates
+        if one and one.low and one.high
+    ]
     assert len(holds) == 200
     assert 0.91 <= np.mean(holds) <= 0.99
     many = half_life(*escapes(4000, 120, 1))
@@ -71,7 +79,9 @@ def test_half_life_of_a_map_with_a_hole() -> None:
 def test_limit_of_the_half_life_is_exceeded_in_95_of_100_cases() -> None:
     """The rate is such that no run settles with a probability of 5 %."""
     rate = math.log(2.0) / least_half_life([], [50, 102])
-    assert math.exp(-rate * (50 + 102 - 2 * (STARTUP_CYCLES + REPEATED))) == pytest.approx(0.05)
+    assert math.exp(
+        -rate * (50 + 102 - 2 * (STARTUP_CYCLES + REPEATED))
+    ) == pytest.approx(0.05)
     assert half_life([], [50, 102]) is None
     # Starts that settle within the start-up were never irregular.
     assert half_life([1, 2], []) is None
@@ -108,7 +118,9 @@ def test_shares_of_known_basins() -> None:
     assert [one.starts for one in result.motions] == [28, 12, 2]
     assert [one.share.mean for one in result.motions] == [28 / 42, 12 / 42, 2 / 42]
     assert [one.period for one in result.motions] == [1, 1, None]
-    assert [one.peak_force["B"] for one in result.motions] == pytest.approx([101.0, 100.0, 100.5])
+    assert [one.peak_force["B"] for one in result.motions] == pytest.approx(
+        [101.0, 100.0, 100.5]
+    )
     assert [one.least_kick for one in result.motions] == [kick, None, None]
     assert (result.failed, result.irregular) == (1, 2)
     assert result.half_life == half_life([5] * 40, [40, 40])
@@ -120,13 +132,19 @@ def test_shares_of_known_basins() -> None:
 def test_starts_fill_the_phase_space_of_the_clearance() -> None:
     linkage, ideal = SCENE.linkage(), start_of(SCENE)
     starts = spread_starts(SCENE, 256)
-    # The largest acceleration of a centre of mass is that of the slider at its outer dead centre.
+    # The largest acceleration of a centre of mass is that of the slider at its outer
+    # dead centre.
     crank = SCENE.mechanism
     assert isinstance(crank, SliderCrank)
     ratio = crank.crank_length / crank.rod_length
     acceleration = crank.crank_length * crank.speed**2 * (1.0 + ratio)
-    assert crossing_speeds(SCENE)[0] == pytest.approx(math.sqrt(4.0 * acceleration * 5e-4))
-    for each, most in ((starts.eccentricity, 5e-4), (starts.velocity, crossing_speeds(SCENE)[0])):
+    assert crossing_speeds(SCENE)[0] == pytest.approx(
+        math.sqrt(4.0 * acceleration * 5e-4)
+    )
+    for each, most in (
+        (starts.eccentricity, 5e-4),
+        (starts.velocity, crossing_speeds(SCENE)[0]),
+    ):
         radius = np.hypot(*each[:, 0].T) / most
         np.testing.assert_allclose(
             np.quantile(radius**2, [0.25, 0.5, 0.75]), [0.25, 0.5, 0.75], atol=0.02
@@ -137,7 +155,9 @@ def test_starts_fill_the_phase_space_of_the_clearance() -> None:
     np.testing.assert_allclose(
         eccentricities(linkage, start.position), starts.eccentricity[3], atol=1e-12
     )
-    phi, phi_t, *_ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
+    phi, phi_t, *_ = constraints_of(linkage).evaluate(
+        0.0, start.position, start.velocity
+    )
     assert np.abs(phi).max() < 1e-12
     assert np.abs(phi_t).max() < 1e-9
     np.testing.assert_allclose(pin_velocity(start), starts.velocity[3, 0], atol=1e-9)
@@ -149,7 +169,9 @@ def pin_velocity(start: Start) -> Array:
     angle, spin = start.position[3 * rod + 2], start.velocity[3 * rod + 2]
     arm = 0.5 * 0.12 * spin * np.array([-math.sin(angle), math.cos(angle)])
     return np.asarray(
-        start.velocity[3 * slider : 3 * slider + 2] - start.velocity[3 * rod : 3 * rod + 2] - arm
+        start.velocity[3 * slider : 3 * slider + 2]
+        - start.velocity[3 * rod : 3 * rod + 2]
+        - arm
     )
 
 
@@ -160,11 +182,15 @@ def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
     )
     change = np.array([[0.03, -0.02]])
     kicked = kick_pins(linkage, start, change)
-    np.testing.assert_allclose(pin_velocity(kicked) - pin_velocity(start), change[0], atol=1e-12)
+    np.testing.assert_allclose(
+        pin_velocity(kicked) - pin_velocity(start), change[0], atol=1e-12
+    )
     np.testing.assert_array_equal(kicked.position, start.position)
     crank = 3 * linkage.index("crank")
     np.testing.assert_allclose(
-        kicked.velocity[crank : crank + 3], start.velocity[crank : crank + 3], atol=1e-12
+        kicked.velocity[crank : crank + 3],
+        start.velocity[crank : crank + 3],
+        atol=1e-12,
     )
 
 
@@ -186,7 +212,9 @@ def test_least_speed_of_a_threshold(threshold: float) -> None:
     assert rattles / returns == pytest.approx(2.0**0.125)
 
 
-def test_a_slider_crank_comes_to_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slider_crank_comes_to_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """An independent simulator has 293 to 303 N, and rattles after 0.036, not after 0.006 m/s."""
     monkeypatch.setattr(kicks, "STATES", 2)
     monkeypatch.setattr(settle, "STATES", 2)
@@ -229,14 +257,18 @@ def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1, on_progress=stop)
+        settle.compute(
+            scene, watch, tmp_path / "parts", start_of, jobs=1, on_progress=stop
+        )
     assert len(settle.load(tmp_path / "parts").values[0].runs) == 1
     fewer = settle.compute(scene, Watch(2, 14), tmp_path / "parts", start_of, jobs=1)
     assert len(fewer.values[0].runs) == 2
     parts = settle.compute(scene, watch, tmp_path / "parts", start_of, jobs=1)
     assert parts.values[0].runs.tobytes() == whole.values[0].runs.tobytes()
     sentence = summary(whole, whole.values[0])[0]
-    assert sentence.startswith("none of 3 starts settled in 14 cycles: half-life longer than 1.4 ")
+    assert sentence.startswith(
+        "none of 3 starts settled in 14 cycles: half-life longer than 1.4 "
+    )
 
 
 def test_failed_kicks_count_as_rattle(monkeypatch: pytest.MonkeyPatch) -> None:

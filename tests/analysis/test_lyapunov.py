@@ -27,9 +27,13 @@ from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 
 
-def exponent_of_map(step: Callable[[Array], Array], start: Array, intervals: int) -> Estimate:
+def exponent_of_map(
+    step: Callable[[Array], Array], start: Array, intervals: int
+) -> Estimate:
     distances = np.full(start.size, 1e-9)
-    growth = growth_logarithms(lambda x, _: (step(x), None), start, None, intervals, distances)
+    growth = growth_logarithms(
+        lambda x, _: (step(x), None), start, None, intervals, distances
+    )
     return exponent_from_growth(growth, 1.0)
 
 
@@ -50,8 +54,13 @@ def test_maps_of_the_literature() -> None:
     def henon(x: Array) -> Array:
         return np.array([1.0 - 1.4 * x[0] ** 2 + x[1], 0.3 * x[0]])
 
-    logistic = exponent_of_map(lambda x: 4.0 * x * (1.0 - x), np.array([0.3123]), 20_000)
-    cases = {0.41922: exponent_of_map(henon, np.array([0.1, 0.1]), 20_000), math.log(2.0): logistic}
+    logistic = exponent_of_map(
+        lambda x: 4.0 * x * (1.0 - x), np.array([0.3123]), 20_000
+    )
+    cases = {
+        0.41922: exponent_of_map(henon, np.array([0.1, 0.1]), 20_000),
+        math.log(2.0): logistic,
+    }
     for expected, exponent in cases.items():
         assert_close(exponent, expected)
         assert exponent.half_width <= 0.03 * expected
@@ -59,7 +68,9 @@ def test_maps_of_the_literature() -> None:
 
 
 def test_bad_input_is_refused() -> None:
-    with pytest.raises(pw.InputError, match="interval 0: the distance of the pair is 0"):
+    with pytest.raises(
+        pw.InputError, match="interval 0: the distance of the pair is 0"
+    ):
         exponent_of_map(lambda x: 0.0 * x, np.zeros(2), 3)
     with pytest.raises(pw.InputError, match="no motion is free"):
         scene_exponent(pw.scenes.ideal(), 1)
@@ -78,9 +89,10 @@ R = 0.8  # restitution
 class Oscillator:
     """Oscillator x'' + x = cos(w t) with a wall at x = 0.
 
-    A motion with one landing in each period of the force is known in closed form (Shaw and Holmes,
-    J. Sound Vib. 90 (1983) 129), and so is the map of small differences: that of the free motion
-    times the saltation matrix of the landing (Mueller, Chaos, Solitons and Fractals 5 (1995) 1671).
+    A motion with one landing in each period of the force is known in closed form (Shaw
+    and Holmes, J. Sound Vib. 90 (1983) 129), and so is the map of small differences:
+    that of the free motion times the saltation matrix of the landing (Mueller, Chaos,
+    Solitons and Fractals 5 (1995) 1671).
     """
 
     def __init__(self, w: float) -> None:
@@ -101,7 +113,11 @@ class Oscillator:
         c = np.linalg.solve(self.free(self.period) - np.eye(2), [0.0, 1.0 + R])
         size = 1.0 / (1.0 - self.w**2)
         v = abs(size) / math.hypot(c[0], (R + c[1]) / self.w)
-        t = math.atan2((R + c[1]) * v / (size * self.w), -c[0] * v / size) / self.w % self.period
+        t = (
+            math.atan2((R + c[1]) * v / (size * self.w), -c[0] * v / size)
+            / self.w
+            % self.period
+        )
         return t, v, self.saltation(v, t) @ self.free(self.period)
 
     def after(self, state: Array, t: float, duration: float) -> tuple[Array, Array]:
@@ -114,7 +130,9 @@ class Oscillator:
                 free = off[0] * np.cos(s) + off[1] * np.sin(s)
                 return np.cos(self.w * (t + s)) / (1.0 - self.w**2) + free
 
-            grid = np.append(np.arange(1e-9, end - t, 0.02), end - t)  # from above round-off
+            grid = np.append(
+                np.arange(1e-9, end - t, 0.02), end - t
+            )  # from above round-off
             landed = np.flatnonzero(x(grid) > 0.0)
             step = end - t
             if landed.size:
@@ -127,7 +145,9 @@ class Oscillator:
             differences = self.saltation(state[1], t) @ differences
             state = np.array([0.0, -R * state[1]])
 
-    def growth(self, start: float, interval: float, count: int, distance: float) -> Array:
+    def growth(
+        self, start: float, interval: float, count: int, distance: float
+    ) -> Array:
         """Return the growth from a third of a period after a landing, at ``start`` times its v."""
         t, v, _ = self.periodic()
         state, _ = self.after(np.array([0.0, -R * start * v]), t, 0.35 * self.period)
@@ -165,13 +185,17 @@ def test_pairs_grow_as_the_tangent_flow() -> None:
         direction = differences @ direction
         size = float(np.linalg.norm(direction))
         tangent[k], direction = math.log(size), direction / size
-    exponent, expected = (exponent_from_growth(each, period) for each in (pairs, tangent))
+    exponent, expected = (
+        exponent_from_growth(each, period) for each in (pairs, tangent)
+    )
     assert is_chaotic(exponent)
     assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
 
 
 def scene_exponent(scene: Scene, cycles: int) -> Estimate:
-    return largest_exponent(scene.linkage(), start_of(scene), scene.mechanism.period, cycles)
+    return largest_exponent(
+        scene.linkage(), start_of(scene), scene.mechanism.period, cycles
+    )
 
 
 def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
@@ -199,9 +223,14 @@ def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
     exponent = scene_exponent(SUSTAINED, cycles)
     assert abs(exponent.mean) < exponent.half_width < 1.0
     plan = Plan(period, cycles, 1, sections=(1.0,))
-    runs = [ENGINE.simulate(linkage, start_of(SUSTAINED, k), plan).recorder for k in range(2)]
+    runs = [
+        ENGINE.simulate(linkage, start_of(SUSTAINED, k), plan).recorder
+        for k in range(2)
+    ]
     assert all(np.ptp(run.each_cycle("contacts", 0)[20:]) == 0.0 for run in runs)
-    distance = np.linalg.norm(runs[1].sections[:, 0, 2:4] - runs[0].sections[:, 0, 2:4], axis=1)
+    distance = np.linalg.norm(
+        runs[1].sections[:, 0, 2:4] - runs[0].sections[:, 0, 2:4], axis=1
+    )
     rate = math.log(distance[-1] / distance[20]) / ((cycles - 21) * period)
     assert abs(rate - exponent.mean) < 1.0
 
@@ -227,7 +256,9 @@ def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
     assert np.isnan(state[-1])
 
 
-def test_exponent_does_not_depend_on_distance_or_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_exponent_does_not_depend_on_distance_or_interval(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     reference = scene_exponent(SCENE, 40)
     assert is_chaotic(reference)
     for name, value in (("DISTANCE", 1e-4), ("INTERVALS", 10)):

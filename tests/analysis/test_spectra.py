@@ -73,7 +73,8 @@ def test_the_logistic_map_repeats_itself_after_four_and_never() -> None:
             rows.append([x])
         return periodicity(np.array(rows[-200:]), np.ones(1), 1e-6)
 
-    # May, Nature 261 (1976) 459: period 4 from 1 + sqrt(6) to 3.5441, period 3 from 1 + sqrt(8).
+    # May, Nature 261 (1976) 459: period 4 from 1 + sqrt(6) to 3.5441, period 3 from 1 +
+    # sqrt(8).
     assert [orbit(r).period for r in (2.9, 3.2, 3.5, 3.835, 4.0)] == [1, 2, 4, 3, None]
     assert str(orbit(3.5)) == "period 4 within 0.0001 % in 200 cycles"
     assert str(orbit(4.0)) == "no period within 0.0001 % in 200 cycles"

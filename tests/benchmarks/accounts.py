@@ -1,8 +1,8 @@
 """Accounts of the hand-written loop: wear maps, peaks, energies, drives, film and series.
 
-They hold what the engines record in each step, and share no kernel with them. The wear is that of
-the conventions ``paper``: mean pressure times slip, in the bins that the contact crosses in a step,
-in maps that do not turn with the bodies.
+They hold what the engines record in each step, and share no kernel with them. The wear
+is that of the conventions ``paper``: mean pressure times slip, in the bins that the
+contact crosses in a step, in maps that do not turn with the bodies.
 """
 
 import math
@@ -14,7 +14,11 @@ from by_hand import Cranks, Four, Levers, Push, cranks
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 
-BINS, FRAMES, ROWS = 360, 500, 2000  # of a map; of the film and of the series, in a cycle
+BINS, FRAMES, ROWS = (
+    360,
+    500,
+    2000,
+)  # of a map; of the film and of the series, in a cycle
 ROOM = 40_000  # series rows in a cycle, at most
 FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 PEAK_STEPS = 12  # of the search for a peak
@@ -22,9 +26,17 @@ PEAK_STEPS = 12  # of the search for a peak
 # Columns of a contact at the end of a step
 DEPTH, RATE, NORMAL, TANGENTIAL, SLIDING, TURNING, EX, EY = range(8)
 CONTACT_COLUMNS = 8
-# Integrals in the state, behind coordinates and rates; load and pressure dose of each joint, and of
-# each drive torque and power with their squares
-LOAD, DOSE, CONTACT_LOSS, FRICTION_LOSS, WORK, EXCHANGE, DRIVES = 8, 10, 12, 13, 14, 15, 16
+# Integrals in the state, behind coordinates and rates; load and pressure dose of each
+# joint, and of each drive torque and power with their squares
+LOAD, DOSE, CONTACT_LOSS, FRICTION_LOSS, WORK, EXCHANGE, DRIVES = (
+    8,
+    10,
+    12,
+    13,
+    14,
+    15,
+    16,
+)
 WIDTH = DRIVES + 8
 # Row of a cycle; of each joint the peak force, load distance and contacts that ended
 HIGHEST, SLOWEST, FASTEST, ACCELERATION, STEPS, JOINTS = range(6)
@@ -39,9 +51,12 @@ class Accounts(NamedTuple):
     maps: Array  # depths of bearing and pin at A and C, m, (2, 2, BINS)
     cycle: Array  # (ROW,)
     film: Array  # time, places of the bodies, and columns of each joint
-    series: Array  # time, place, velocity and acceleration of the slider, and of each joint
+    series: (
+        Array  # time, place, velocity and acceleration of the slider, and of each joint
+    )
     counts: Array  # frames, rows, and rows that may be written
-    due: Array  # times of the next frame and of the last row, s, their intervals, and start
+    # times of the next frame and of the last row, s, their intervals, and start
+    due: Array
     largest: Array  # force so far, N, (2,)
 
 
@@ -51,7 +66,9 @@ def accounts_for(period: float, cycles: int, recorded: int, start: float) -> Acc
     series = np.empty((recorded * ROOM, 4 + 2 * SERIES_JOINT))
     due = np.array([0.0, -math.inf, period / FRAMES, period / ROWS, start])
     counts, largest = np.array([0, 0, len(series)]), np.zeros(2)
-    accounts = Accounts(np.zeros((2, 2, BINS)), np.zeros(ROW), film, series, counts, due, largest)
+    accounts = Accounts(
+        np.zeros((2, 2, BINS)), np.zeros(ROW), film, series, counts, due, largest
+    )
     clear(accounts)
     return accounts
 
@@ -101,7 +118,8 @@ def torques(
     """Return the torques of cranks 2 and 7, N m, at constant speed."""
     p = press[0]
     square = p.speed * p.speed
-    # Plate 4 and rod 3 hang from D, whose force is their mass times acceleration less all others.
+    # Plate 4 and rod 3 hang from D, whose force is their mass times acceleration less
+    # all others.
     bx = -square * at.x - a[0] * levers.by - u[0] * u[0] * levers.bx
     by = -square * at.y + a[0] * levers.bx - u[0] * u[0] * levers.by
     gx = -square * at.x - a[0] * levers.gy - u[0] * u[0] * levers.gx
@@ -119,7 +137,11 @@ def torques(
 @compiled
 def note_contact(row: Array, push: Push) -> None:
     row[DEPTH], row[RATE], row[NORMAL] = push.depth, push.rate, push.normal
-    row[TANGENTIAL], row[SLIDING], row[TURNING] = push.tangential, push.sliding, push.turning
+    row[TANGENTIAL], row[SLIDING], row[TURNING] = (
+        push.tangential,
+        push.sliding,
+        push.turning,
+    )
     row[EX], row[EY] = push.ex, push.ey
 
 
@@ -160,7 +182,9 @@ def force_and_slope(
 
 
 @compiled
-def peak_within(joint: Records, onset: float, h: float, before: Array, now: Array) -> float:
+def peak_within(
+    joint: Records, onset: float, h: float, before: Array, now: Array
+) -> float:
     """Return the largest normal force in a step, N, if it is not at an end; else 0."""
     if not (onset >= 0.0 and before[DEPTH] > 0.0 and now[DEPTH] > 0.0):
         return 0.0
@@ -181,7 +205,9 @@ def peak_within(joint: Records, onset: float, h: float, before: Array, now: Arra
 
 
 @compiled
-def take_frame(press: Records, film: Array, frame: int, t: float, y: Array, now: Array) -> None:
+def take_frame(
+    press: Records, film: Array, frame: int, t: float, y: Array, now: Array
+) -> None:
     """Fill the frame of a film: mass centres and angles of the bodies, and the contacts."""
     p, row, at = press[0], film[frame], cranks(press, t)
     cosine, sine = math.cos(y[0]), math.sin(y[0])
@@ -207,7 +233,9 @@ def take_frame(press: Records, film: Array, frame: int, t: float, y: Array, now:
 
 
 @compiled
-def write_row(accounts: Accounts, t: float, y: Array, slopes: Array, now: Array) -> None:
+def write_row(
+    accounts: Accounts, t: float, y: Array, slopes: Array, now: Array
+) -> None:
     """Write a row of the series if one is due."""
     due, counts, row = accounts.due, accounts.counts, accounts.counts[1]
     is_due = t - due[1] >= due[3]
@@ -221,7 +249,11 @@ def write_row(accounts: Accounts, t: float, y: Array, slopes: Array, now: Array)
     target[0], target[1], target[2], target[3] = t, y[2] - due[4], y[6], slopes[6]
     for k in range(2):
         base = 4 + SERIES_JOINT * k
-        target[base], target[base + 1], target[base + 2] = now[k, EX], now[k, EY], now[k, DEPTH]
+        target[base], target[base + 1], target[base + 2] = (
+            now[k, EX],
+            now[k, EY],
+            now[k, DEPTH],
+        )
         target[base + 3], target[base + 4] = now[k, NORMAL], now[k, TANGENTIAL]
         target[base + 5] = now[k, SLIDING]
     counts[1] += 1

@@ -2,11 +2,12 @@
 
 usage: python tests/benchmarks/adaptive.py [--repeats N]
 
-It solves the equations of ``by_hand``, keeps ``accounts``, and shares no kernel with the engines.
-Task a is the first 0.05 s of the unworn press with ten touchdowns; its error is the largest of the
-slider and of the ends of the turning links, relative to the in-house solver at 1e-12. Task b is a
-number of cycles; its error is that of the work per cycle (normal force times slip) at A and C, as
-in ``presswear benchmark``. All times are CPU times per simulated second.
+It solves the equations of ``by_hand``, keeps ``accounts``, and shares no kernel with
+the engines. Task a is the first 0.05 s of the unworn press with ten touchdowns; its
+error is the largest of the slider and of the ends of the turning links, relative to the
+in-house solver at 1e-12. Task b is a number of cycles; its error is that of the work
+per cycle (normal force times slip) at A and C, as in ``presswear benchmark``. All times
+are CPU times per simulated second.
 """
 
 import argparse
@@ -75,7 +76,9 @@ def rates(press: Records, t: float, y: Array, onset: Array, out: Array) -> None:
 
 
 @compiled
-def all_rates(press: Records, t: float, y: Array, onset: Array, out: Array, now: Array) -> None:
+def all_rates(
+    press: Records, t: float, y: Array, onset: Array, out: Array, now: Array
+) -> None:
     """Fill the rates of the whole state, and the contacts, shape (2, CONTACT_COLUMNS)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
     at = cranks(press, t)
@@ -268,31 +271,51 @@ def run(
     stored = stored_energy(press, t, y, contacts[0]) - stored
     residual = float(y[WORK] - stored - y[CONTACT_LOSS] - y[FRICTION_LOSS])
     counts = int(loop.steps[1]), int(loop.steps[2])
-    return Outcome(np.array(states), np.array(rows), maps, accounts, residual, *counts, cpu)
+    return Outcome(
+        np.array(states), np.array(rows), maps, accounts, residual, *counts, cpu
+    )
 
 
 def main() -> None:
     """Print errors and CPU times of both tasks, for the engines and for the hand-written loop."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=5, help="repeats of each run (default 5)")
+    parser.add_argument(
+        "--repeats", type=int, default=5, help="repeats of each run (default 5)"
+    )
     repeats = parser.parse_args().repeats
     scene = wear_times()
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    press, longest, y = parameters(scene), period / LEAST_STEPS, state_of(linkage, start)
+    press, longest, y = (
+        parameters(scene),
+        period / LEAST_STEPS,
+        state_of(linkage, start),
+    )
     plan = Plan(END, 1, 1, torques=False)
-    exact = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(linkage, start, plan)
+    exact = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
+        linkage, start, plan
+    )
     end = state_of(linkage, exact.end)
     problem = wear_cycles(scene, QUICK, lambda *_: None)
     long = replace(problem.plan, cycles=QUICK.reference_cycles)
-    mean = work_per_cycle(InHouse("dopri5", 1e-8).simulate(linkage, start, long)).mean(axis=0)
-    interval = ", ".join(f"{100.0 * value:.0f} %" for value in problem.quantities.values())
+    mean = work_per_cycle(InHouse("dopri5", 1e-8).simulate(linkage, start, long)).mean(
+        axis=0
+    )
+    interval = ", ".join(
+        f"{100.0 * value:.0f} %" for value in problem.quantities.values()
+    )
     counted = problem.plan.cycles - STARTUP_CYCLES
-    print(f"error b: of the work per cycle over {counted} cycles, the larger one of A and C")
+    print(
+        f"error b: of the work per cycle over {counted} cycles, the larger one of A and C"
+    )
     print(f"95 % interval of this error at A and C, from chaos alone: {interval}")
-    print(f"{'method':34}{'error a (m)':>12}{'a (s/s)':>10}{'error b (%)':>12}{'b (s/s)':>10}")
+    print(
+        f"{'method':34}{'error a (m)':>12}{'a (s/s)':>10}{'error b (%)':>12}{'b (s/s)':>10}"
+    )
 
     def show(name: str, *numbers: float) -> None:
-        error_a, a, error_b, b = (f"{x:.2g}" if math.isfinite(x) else "-" for x in numbers)
+        error_a, a, error_b, b = (
+            f"{x:.2g}" if math.isfinite(x) else "-" for x in numbers
+        )
         print(f"{name:34}{error_a:>12}{a:>10}{error_b:>12}{b:>10}", flush=True)
 
     table = methods(scene)
@@ -305,7 +328,9 @@ def main() -> None:
                 for each in problem.methods
                 if each.value == value and name in (each.family, each.engine.word)
             ][:1]
-            points = measure(replace(problem, methods=tuple(chosen)), 2, lambda *_: None)
+            points = measure(
+                replace(problem, methods=tuple(chosen)), 2, lambda *_: None
+            )
             b = [
                 (100.0 * max(p.errors.values()), p.timing.cpu / p.timing.simulated)
                 for p in points
@@ -318,7 +343,9 @@ def main() -> None:
         one = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]
         two = [run(press, y, cycles, tolerance, longest) for _ in range(repeats + 1)]
         apart = distance(press, one[0].states[0, :SIZE], end)
-        work = after_startup(two[0].cycles[:, [JOINTS + DISTANCE, JOINTS + 3 + DISTANCE]])
+        work = after_startup(
+            two[0].cycles[:, [JOINTS + DISTANCE, JOINTS + 3 + DISTANCE]]
+        )
         show(
             f"by hand, DOPRI5 {tolerance:g}",
             apart,
@@ -327,7 +354,9 @@ def main() -> None:
             min(outcome.cpu for outcome in two) / cycles[-1],
         )
     if apart > MAX_APART:
-        raise SystemExit(f"at {TOLERANCES[-1]:g} the loop is {apart:.2g} m off the in-house solver")
+        raise SystemExit(
+            f"at {TOLERANCES[-1]:g} the loop is {apart:.2g} m off the in-house solver"
+        )
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """Equations of the press with both joints open, written by hand without any part of the package.
 
-Coordinates are the absolute angles of plate 4 and rod 3, the height of slider 6 and the angle of
-rod 5. Crank 7 and the pin of crank 2 are driven. Two pairs of equations, coupled by the contact at
-C only, are solved by Cramer's rule. Kernels take and return scalars, which stay in registers.
+Coordinates are the absolute angles of plate 4 and rod 3, the height of slider 6 and the
+angle of rod 5. Crank 7 and the pin of crank 2 are driven. Two pairs of equations,
+coupled by the contact at C only, are solved by Cramer's rule. Kernels take and return
+scalars, which stay in registers.
 
-The closing speed at a touchdown is stored between steps: over a short step its square is linear in
-the penetration.
+The closing speed at a touchdown is stored between steps: over a short step its square
+is linear in the penetration.
 """
 
 import math
@@ -30,7 +31,15 @@ OPEN = -1.0  # closing speed of a joint without contact
 MIN_CLOSING = 1e-6  # m/s, in the damping term
 
 _CONTACT = (
-    *("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper"),
+    *(
+        "bearing_radius",
+        "clearance",
+        "stiffness",
+        "damping",
+        "friction",
+        "lower",
+        "upper",
+    ),
     *("width", "wear_coefficient", "bearing_share"),
 )
 _GIVEN = (  # fields of ``Press``
@@ -43,14 +52,17 @@ _PRESS = (
 )
 CONTACT = np.dtype([(name, np.float64) for name in _CONTACT])
 # SI; lengths from D in the frame of the plate, inertias about the hinges
-PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c", CONTACT)])
+PRESS = np.dtype(
+    [*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c", CONTACT)]
+)
 
 
 class Push(NamedTuple):
     """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and its accounts.
 
-    The load is the normal force times the slip of equation 24 of the paper, W; the pressure load is
-    the mean pressure of equations 25 to 28 times this slip, W/m^2. Losses are powers, W.
+    The load is the normal force times the slip of equation 24 of the paper, W; the
+    pressure load is the mean pressure of equations 25 to 28 times this slip, W/m^2.
+    Losses are powers, W.
     """
 
     x: float
@@ -114,15 +126,23 @@ def parameters(scene: Scene) -> Records:
         + press.mass_4 * math.hypot(*start) ** 2
         + press.mass_3 * press.geometry.side_bd**2
     )
-    record["rod_3_inertia"] = press.inertia_3 + press.mass_3 * (0.5 * press.length_3) ** 2
-    record["rod_5_inertia"] = press.inertia_5 + press.mass_5 * (0.5 * press.length_5) ** 2
+    record["rod_3_inertia"] = (
+        press.inertia_3 + press.mass_3 * (0.5 * press.length_3) ** 2
+    )
+    record["rod_5_inertia"] = (
+        press.inertia_5 + press.mass_5 * (0.5 * press.length_5) ** 2
+    )
     record["start_2"], record["start_7"] = CRANK_2_START, CRANK_7_START
     for joint in linkage.clearances:
         normal, friction = joint.normal, joint.friction
         record[joint.name.lower()] = (
             *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
             *(friction.coefficient, friction.lower, friction.upper, joint.width),
-            *((joint.wear.coefficient, joint.wear.bearing_share) if joint.wear else (0.0, 0.5)),
+            *(
+                (joint.wear.coefficient, joint.wear.bearing_share)
+                if joint.wear
+                else (0.0, 0.5)
+            ),
         )
     return record
 
@@ -135,7 +155,8 @@ def cranks(press: Records, t: float) -> Cranks:
     back_x, back_y = -p.length_2 * math.cos(two), -p.length_2 * math.sin(two)
     w = p.speed
     return Cranks(
-        *(x, y, -w * y, w * x), *(p.o2_x + back_x, p.o2_y + back_y, w * back_y, -w * back_x)
+        *(x, y, -w * y, w * x),
+        *(p.o2_x + back_x, p.o2_y + back_y, w * back_y, -w * back_x),
     )
 
 
@@ -168,12 +189,18 @@ def push(
     arm = pin_radius - 0.5 * depth
     across = vy * nx - vx * ny
     sliding = across + pin_spin * arm - bearing_spin * (arm + distance)
-    ramp = min(max((abs(sliding) - joint.lower) / (joint.upper - joint.lower), 0.0), 1.0)
+    ramp = min(
+        max((abs(sliding) - joint.lower) / (joint.upper - joint.lower), 0.0), 1.0
+    )
     along = math.copysign(joint.friction * ramp * normal, sliding)
     turning = across / distance
     load = normal * (pin_radius + depth) * abs(turning)
     # Half the chord over the bearing radius, from the penetration without cancellation.
-    above = depth * (distance + pin_radius + joint.bearing_radius) / (2.0 * distance * pin_radius)
+    above = (
+        depth
+        * (distance + pin_radius + joint.bearing_radius)
+        / (2.0 * distance * pin_radius)
+    )
     area = 2.0 * joint.width * joint.bearing_radius * math.sqrt(above * (2.0 - above))
     return Push(
         *(normal * nx - along * ny, normal * ny + along * nx),
@@ -185,8 +212,12 @@ def push(
 
 
 @compiled
-def no_push(x: float, y: float, depth: float, rate: float, ex: float, ey: float) -> Push:
-    return Push(0.0, 0.0, x, y, depth, rate, *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ex, ey)
+def no_push(
+    x: float, y: float, depth: float, rate: float, ex: float, ey: float
+) -> Push:
+    return Push(
+        0.0, 0.0, x, y, depth, rate, *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ex, ey
+    )
 
 
 @compiled
@@ -198,7 +229,10 @@ def accelerations(
     plate_t, rod_3_t, slider_t, rod_5_t = u
     p = press[0]
     cosine, sine = math.cos(plate), math.sin(plate)
-    gx, gy = cosine * p.centre_x - sine * p.centre_y, sine * p.centre_x + cosine * p.centre_y
+    gx, gy = (
+        cosine * p.centre_x - sine * p.centre_y,
+        sine * p.centre_x + cosine * p.centre_y,
+    )
     bx, by = cosine * p.b_x - sine * p.b_y, sine * p.b_x + cosine * p.b_y
     cx, cy = cosine * p.c_x - sine * p.c_y, sine * p.c_x + cosine * p.c_y
     rx, ry = p.length_3 * math.cos(rod_3), p.length_3 * math.sin(rod_3)
@@ -218,7 +252,9 @@ def accelerations(
         *(plate_t, rod_5_t),
     )
     # Pin A pushes rod 3; pin C, on the plate, pushes rod 5 and is pushed back.
-    force_1 = bx * one.y - by * one.x - (two.at_x - at.x) * two.y + (two.at_y - at.y) * two.x
+    force_1 = (
+        bx * one.y - by * one.x - (two.at_x - at.x) * two.y + (two.at_y - at.y) * two.x
+    )
     force_2 = (one.at_x - at.x - bx) * one.y - (one.at_y - at.y - by) * one.x
     force_4 = (two.at_x - p.o2_x) * two.y - (two.at_y - slider) * two.x
     # All that hangs from D feels its acceleration, -w^2 D, and gravity.
@@ -251,7 +287,9 @@ def accelerations(
 
 
 @compiled
-def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
+def evaluate(
+    press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array
+) -> None:
     """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
     a, forces, one, two, _ = accelerations(press, cranks(press, t), onset, x, u)
@@ -263,12 +301,19 @@ def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps:
 
 @compiled
 def relative_forces(
-    press: Records, t: float, q: Array, v: Array, onset: Array, work: Array, gaps: Array, out: Array
+    press: Records,
+    t: float,
+    q: Array,
+    v: Array,
+    onset: Array,
+    work: Array,
+    gaps: Array,
+    out: Array,
 ) -> None:
     """Fill the generalized forces on the relative coordinates of a tree; ``work`` is (20,).
 
-    They are the angles of crank 7, plate 4 and rod 3, each relative to its parent, the height of
-    slider 6 and the angle of rod 5.
+    They are the angles of crank 7, plate 4 and rod 3, each relative to its parent, the
+    height of slider 6 and the angle of rod 5.
     """
     y = work[:8]
     y[0], y[1], y[2], y[3] = q[0] + q[1], q[0] + q[1] + q[2], q[3], q[4]
@@ -283,8 +328,8 @@ def relative_forces(
 def land(onset: Array, before: Array, now: Array) -> bool:
     """Update the closing speeds after a step; return whether any changed.
 
-    Penetrations and their rates at both ends of the step have the shape (2, 2); ``before``
-    becomes ``now``.
+    Penetrations and their rates at both ends of the step have the shape (2, 2);
+    ``before`` becomes ``now``.
     """
     changed = False
     for k in range(2):
@@ -294,7 +339,9 @@ def land(onset: Array, before: Array, now: Array) -> bool:
             onset[k] = OPEN
             if now[k, 0] > 0.0:
                 part = depth / (depth - now[k, 0])
-                onset[k] = math.sqrt(max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0))
+                onset[k] = math.sqrt(
+                    max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0)
+                )
         before[k, 0], before[k, 1] = now[k, 0], now[k, 1]
     return changed
 

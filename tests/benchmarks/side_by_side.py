@@ -2,10 +2,11 @@
 
 usage: python tests/benchmarks/side_by_side.py [--repeats N] [--quick]
 
-Every method runs the first 0.05 s of the unworn press, with ten touchdowns, over its tolerances or
-steps from several initial states. The error is the largest one of the slider and of the ends of the
-turning links at the end, relative to the in-house solver at 1e-12. The cost at an error is
-interpolated between two settings. Simulators that are not installed are left out.
+Every method runs the first 0.05 s of the unworn press, with ten touchdowns, over its
+tolerances or steps from several initial states. The error is the largest one of the
+slider and of the ends of the turning links at the end, relative to the in-house solver
+at 1e-12. The cost at an error is interpolated between two settings. Simulators that are
+not installed are left out.
 """
 
 import argparse
@@ -35,7 +36,9 @@ from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
 from presswear.validation.benchmark_problems import joints_over_impacts
 
-Method = Callable[[Start, float], tuple[Array, float]]  # final state and cost, s/s, at a setting
+Method = Callable[
+    [Start, float], tuple[Array, float]
+]  # final state and cost, s/s, at a setting
 
 END = 0.05  # s
 LEVELS = (1e-6, 1e-7, 1e-9)  # m, errors at which costs are compared
@@ -48,7 +51,12 @@ SCIPY = {"LSODA": 7, "DOP853": 7, "Radau": 3}  # number of tolerances; Radau is 
 
 
 def solve(
-    code: str, press: Records, start: Array, end: float, tolerance: float, longest: float
+    code: str,
+    press: Records,
+    start: Array,
+    end: float,
+    tolerance: float,
+    longest: float,
 ) -> Outcome:
     """Integrate with a code of ``solve_ivp``, which ends its steps at touchdowns."""
     onset, out, gaps = np.full(2, OPEN), np.zeros(12), np.zeros((2, 2))
@@ -67,7 +75,12 @@ def solve(
         return event
 
     events = [penetration(0), penetration(1)]
-    options = {"rtol": tolerance, "atol": tolerance, "max_step": longest, "events": events}
+    options = {
+        "rtol": tolerance,
+        "atol": tolerance,
+        "max_step": longest,
+        "events": events,
+    }
 
     def run() -> Array:
         t, y, stops = 0.0, start.copy(), 0
@@ -90,13 +103,19 @@ def solve(
 def initial_states(scene: Scene, count: int) -> list[Start]:
     """Return the initial state of a scene, and others with faster free bodies.
 
-    One state alone may be lucky: the position of a touchdown between two steps makes the error.
+    One state alone may be lucky: the position of a touchdown between two steps makes
+    the error.
     """
     linkage, start = scene.linkage(), start_of(scene)
-    free = null_space(constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3])
+    free = null_space(
+        constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
+    )
     places = [3 * linkage.index("slider 6") + 1, 3 * linkage.index("rod 3") + 2]
     faster = free @ free[places].sum(axis=0)
-    return [replace(start, velocity=start.velocity + APART * k * faster) for k in range(count)]
+    return [
+        replace(start, velocity=start.velocity + APART * k * faster)
+        for k in range(count)
+    ]
 
 
 def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
@@ -107,7 +126,9 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     def engine(make: Callable[[float], Engine]) -> Method:
         def run(start: Start, value: float) -> tuple[Array, float]:
             plan = Plan(END, 1, 1, torques=False)
-            result = make(value).resolved().for_cycle(period).simulate(linkage, start, plan)
+            result = (
+                make(value).resolved().for_cycle(period).simulate(linkage, start, plan)
+            )
             if result.status == "failed":
                 raise RunFailed(result.message)
             return state_of(linkage, result.end), result.cpu / END
@@ -117,7 +138,9 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     def equations(solver: Callable[..., Outcome]) -> Method:
         def run(start: Start, value: float) -> tuple[Array, float]:
             longest = numerics.tree.longest(period)
-            state, seconds = solver(press, state_of(linkage, start), END, value, longest)
+            state, seconds = solver(
+                press, state_of(linkage, start), END, value, longest
+            )
             return state, seconds / END
 
         return run
@@ -126,12 +149,24 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
         each = joints_over_impacts((round(count),), numerics, period)
         return next(method.engine for method in each if method.value == round(count))
 
-    dae = replace(numerics.dae, integrator="dopri5"), replace(numerics.dae, integrator="dop853")
+    dae = (
+        replace(numerics.dae, integrator="dopri5"),
+        replace(numerics.dae, integrator="dop853"),
+    )
     fine = (1e-3, *TOLERANCES)
     table: dict[str, tuple[Sequence[float], Method]] = {
-        "exudyn-tree": (TOLERANCES, engine(lambda x: replace(numerics.tree, tree_tolerance=x))),
-        "dae, DOPRI5": (fine, engine(lambda x: replace(dae[0], integration_tolerance=x))),
-        "dae, DOP853": (fine, engine(lambda x: replace(dae[1], integration_tolerance=x))),
+        "exudyn-tree": (
+            TOLERANCES,
+            engine(lambda x: replace(numerics.tree, tree_tolerance=x)),
+        ),
+        "dae, DOPRI5": (
+            fine,
+            engine(lambda x: replace(dae[0], integration_tolerance=x)),
+        ),
+        "dae, DOP853": (
+            fine,
+            engine(lambda x: replace(dae[1], integration_tolerance=x)),
+        ),
         "exudyn-joints": (COUNTS, engine(joints)),
     }
     for code, count in SCIPY.items():
@@ -153,14 +188,17 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
 
 def distance(press: Records, one: Array, two: Array) -> float:
     p = press[0]
-    lengths = np.array([np.hypot(p["b_x"], p["b_y"]), p["length_3"], 1.0, p["length_5"]])
+    lengths = np.array(
+        [np.hypot(p["b_x"], p["b_y"]), p["length_3"], 1.0, p["length_5"]]
+    )
     return float(np.abs(lengths * (one - two)[:4]).max())
 
 
 def cost_at(points: Sequence[tuple[float, float]], error: float) -> float:
     """Return the cost at an error from (error, cost), coarse to fine; nan if none is so accurate.
 
-    The cost is interpolated in logarithms between the last setting that is worse and the next.
+    The cost is interpolated in logarithms between the last setting that is worse and
+    the next.
     """
     worse = [i for i, (size, _) in enumerate(points) if not size <= error]
     if not worse:
@@ -175,8 +213,12 @@ def cost_at(points: Sequence[tuple[float, float]], error: float) -> float:
 def main() -> None:
     """Print cost and error of all methods."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=5, help="initial states (default 5)")
-    parser.add_argument("--quick", action="store_true", help="every second setting only")
+    parser.add_argument(
+        "--repeats", type=int, default=5, help="initial states (default 5)"
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="every second setting only"
+    )
     arguments = parser.parse_args()
     scene = wear_times()
     press, starts = parameters(scene), initial_states(scene, arguments.repeats)
@@ -197,10 +239,17 @@ def main() -> None:
                 print(f"{name:16} {value:8.2g} failed: {error}", flush=True)
                 continue
             pairs = zip(outcomes, references, strict=True)
-            error_m = float(gmean([distance(press, end, exact) for (end, _), exact in pairs]))
+            error_m = float(
+                gmean([distance(press, end, exact) for (end, _), exact in pairs])
+            )
             points.append((error_m, median(cost for _, cost in outcomes)))
-            print(f"{name:16} {value:8.2g} {error_m:9.1e} m {points[-1][1]:9.3g} s/s", flush=True)
-        costs = ", ".join(f"{cost_at(points, level):.3g} at {level:g} m" for level in LEVELS)
+            print(
+                f"{name:16} {value:8.2g} {error_m:9.1e} m {points[-1][1]:9.3g} s/s",
+                flush=True,
+            )
+        costs = ", ".join(
+            f"{cost_at(points, level):.3g} at {level:g} m" for level in LEVELS
+        )
         print(f"{name}: s/s {costs}", flush=True)
 
 

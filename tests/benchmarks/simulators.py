@@ -1,7 +1,7 @@
 """The press in MuJoCo and Drake, with their own trees and integrators and the same contact law.
 
-Both get the contact forces from the kernel written by hand as generalized forces, because neither
-has a pin with clearance. Crank 7 is so heavy that no force slows it.
+Both get the contact forces from the kernel written by hand as generalized forces,
+because neither has a pin with clearance. Crank 7 is so heavy that no force slows it.
 Install with ``pip install mujoco drake``.
 """
 
@@ -15,7 +15,13 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
 
 HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
-JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")  # coordinates relative to the parent
+JOINTS = (
+    "crank 7",
+    "plate 4",
+    "rod 3",
+    "slider 6",
+    "rod 5",
+)  # coordinates relative to the parent
 
 
 class _Contacts:
@@ -28,7 +34,9 @@ class _Contacts:
         self.onset, self.gaps = contact_store()
         self._fixed = (self.onset, np.zeros(20), self.gaps[1], np.zeros(5))
         self._press = press
-        self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
+        self._kernel = specialised(
+            relative_forces, press, 0.0, self.q, self.v, *self._fixed
+        )
 
     def forces(self, t: float, q: Array, v: Array) -> Array:
         self._kernel(self._press, t, q, v, *self._fixed)
@@ -41,7 +49,9 @@ class _Contacts:
         return self._fixed[1][:8].copy()
 
 
-def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, float, float]]:
+def _bodies(
+    press: Records,
+) -> dict[str, tuple[str, float, float, float, float, float, float]]:
     """Return the parent of each body, its hinge, m, mass centre, m, mass and inertia."""
     p = press[0]
     plate = p["plate_inertia"] - p["mass_3"] * (p["b_x"] ** 2 + p["b_y"] ** 2)
@@ -59,7 +69,9 @@ def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, 
     }
 
 
-def mujoco(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
+def mujoco(
+    press: Records, start: Array, end: float, step: float, longest: float
+) -> Outcome:
     """Run MuJoCo's RK4 at equal steps, s; ``longest`` is ignored."""
     import mujoco as mj
 
@@ -72,7 +84,10 @@ def mujoco(press: Records, start: Array, end: float, step: float, longest: float
             f'mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>{inner}</body>'
         )
 
-    bodies = {name: (parent, *map(float, rest)) for name, (parent, *rest) in _bodies(press).items()}
+    bodies = {
+        name: (parent, *map(float, rest))
+        for name, (parent, *rest) in _bodies(press).items()
+    }
     count = round(end / step)
     model = mj.MjModel.from_xml_string(
         f'<mujoco><compiler angle="radian"/><option integrator="RK4" timestep="{end / count!r}" '
@@ -101,7 +116,9 @@ def mujoco(press: Records, start: Array, end: float, step: float, longest: float
         mj.set_mjcb_passive(None)
 
 
-def drake(press: Records, start: Array, end: float, tolerance: float, longest: float) -> Outcome:
+def drake(
+    press: Records, start: Array, end: float, tolerance: float, longest: float
+) -> Outcome:
     """Run Drake's RK3, error-controlled, with a target accuracy and a longest step, s."""
     from pydrake.math import RigidTransform
     from pydrake.multibody.plant import MultibodyPlant
@@ -144,19 +161,26 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
 
         def calc(self, context: Any, output: Any) -> None:
             state[:] = self.state.Eval(context)
-            pushed = contacts.forces(context.get_time(), state[:5][order], state[5:][order])
+            pushed = contacts.forces(
+                context.get_time(), state[:5][order], state[5:][order]
+            )
             forces[order] = pushed
             output.SetFromVector(forces)
 
     pushes = builder.AddSystem(Pushes())
     builder.Connect(plant.get_state_output_port(), pushes.get_input_port())
-    builder.Connect(pushes.get_output_port(), plant.get_applied_generalized_force_input_port())
+    builder.Connect(
+        pushes.get_output_port(), plant.get_applied_generalized_force_input_port()
+    )
     simulator = Simulator(builder.Build())
     integrator = ResetIntegratorFromFlags(simulator, "runge_kutta3", longest)
     integrator.set_target_accuracy(tolerance)
     root = simulator.get_mutable_context()
     context_of_plant = plant.GetMyMutableContextFromRoot(root)
-    for values, put in ((contacts.q, plant.SetPositions), (contacts.v, plant.SetVelocities)):
+    for values, put in (
+        (contacts.q, plant.SetPositions),
+        (contacts.v, plant.SetVelocities),
+    ):
         ordered = np.zeros(5)
         ordered[order] = values
         put(context_of_plant, ordered)

@@ -2,11 +2,11 @@
 
 usage: python tests/benchmarks/step_costs.py [--repeats N] [--cycles N] [--no-start]
 
-Both keep the same accounts over the same cycles at the tolerance for wear. The loop is that of
-``adaptive``, with the radial contact of round surfaces; ``dae`` runs with this contact, on the
-elastic foundation of round surfaces, and on worn ones. Runs are interleaved. A first start is a
-process that runs a cycle of the press with an empty cache of kernels, a second start the same
-process with the filled one.
+Both keep the same accounts over the same cycles at the tolerance for wear. The loop is
+that of ``adaptive``, with the radial contact of round surfaces; ``dae`` runs with this
+contact, on the elastic foundation of round surfaces, and on worn ones. Runs are
+interleaved. A first start is a process that runs a cycle of the press with an empty
+cache of kernels, a second start the same process with the filled one.
 """
 
 import argparse
@@ -102,18 +102,28 @@ def start_times(engine: str) -> list[float]:
         for _ in range(2):
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             environment = {**os.environ, "XDG_CACHE_HOME": folder}
-            subprocess.run([sys.executable, "-c", START % engine], env=environment, check=True)
+            subprocess.run(
+                [sys.executable, "-c", START % engine], env=environment, check=True
+            )
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+            times.append(
+                after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            )
     return times
 
 
 def main() -> None:
     """Print the CPU time of a step and its ratio to that of the loop, and of both starts."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=5, help="of each run (default 5)")
-    parser.add_argument("--cycles", type=int, default=20, help="of each run (default 20)")
-    parser.add_argument("--no-start", action="store_true", help="do not measure a first start")
+    parser.add_argument(
+        "--repeats", type=int, default=5, help="of each run (default 5)"
+    )
+    parser.add_argument(
+        "--cycles", type=int, default=20, help="of each run (default 20)"
+    )
+    parser.add_argument(
+        "--no-start", action="store_true", help="do not measure a first start"
+    )
     arguments = parser.parse_args()
     paper, refined = (wear_times(conventions=name) for name in ("paper", "refined"))
     worn, cycles = worn_surfaces(refined), arguments.cycles
@@ -125,7 +135,9 @@ def main() -> None:
     }
     for each in runs.values():
         each()  # compiles
-    rounds = [{name: each() for name, each in runs.items()} for _ in range(arguments.repeats)]
+    rounds = [
+        {name: each() for name, each in runs.items()} for _ in range(arguments.repeats)
+    ]
     heads = ("us/step", "ratio", "us/trial", "ratio", "steps", "ms/cycle")
     print(f"{'at 1e-6':22}" + "".join(f"{head:>10}" for head in heads))
     for name in runs:
@@ -142,7 +154,9 @@ def main() -> None:
         print(f"{name:22}" + "".join(f"{number:10.4g}" for number in numbers))
     for engine in () if arguments.no_start else ENGINES:
         first, second = start_times(engine)
-        print(f"first start of {engine}: {first:.1f} s of CPU time, second start: {second:.1f} s")
+        print(
+            f"first start of {engine}: {first:.1f} s of CPU time, second start: {second:.1f} s"
+        )
 
 
 if __name__ == "__main__":

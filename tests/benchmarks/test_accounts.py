@@ -29,7 +29,9 @@ from presswear.recording.columns import (
 
 END = 0.05  # s, with ten touchdowns
 TOLERANCE = 1e-12
-ERROR = 2e-6  # relative, of both: a change of 1e-9 m grows to some 1e-7 of the last peak
+ERROR = (
+    2e-6  # relative, of both: a change of 1e-9 m grows to some 1e-7 of the last peak
+)
 SCENE = pw.scenes.wear_times(conventions="paper")
 
 
@@ -43,7 +45,9 @@ def loop() -> Outcome:
 @pytest.fixture(scope="module")
 def engine() -> Run:
     dae = InHouse("dopri5", TOLERANCE).for_cycle(SCENE.mechanism.period)
-    return dae.simulate(SCENE.linkage(), start_of(SCENE), Plan(END, 1, 1, torques=False))
+    return dae.simulate(
+        SCENE.linkage(), start_of(SCENE), Plan(END, 1, 1, torques=False)
+    )
 
 
 def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run) -> None:
@@ -51,7 +55,9 @@ def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run) -> None:
         columns = {"force_max": PEAK, "load_distance": DISTANCE, "contacts": CONTACTS}
         for name, column in columns.items():
             (expected,) = engine.recorder.each_cycle(name, k)
-            assert loop.cycles[0, JOINTS + 3 * k + column] == pytest.approx(expected, rel=ERROR)
+            assert loop.cycles[0, JOINTS + 3 * k + column] == pytest.approx(
+                expected, rel=ERROR
+            )
 
 
 def test_the_wear_maps_are_equal(loop: Outcome, engine: Run) -> None:
@@ -64,10 +70,13 @@ def test_the_wear_maps_are_equal(loop: Outcome, engine: Run) -> None:
 def test_the_balance_of_energy_closes(loop: Outcome, engine: Run) -> None:
     exchanged, numbers = loop.states[0, EXCHANGE], engine.diagnostics
     assert abs(loop.residual) < 1e-9 * exchanged
-    # A step in which the power changes its sign makes an error in the integral of its magnitude.
+    # A step in which the power changes its sign makes an error in the integral of its
+    # magnitude.
     assert exchanged == pytest.approx(numbers["drive_exchange_J"], rel=1e-3)
     assert loop.states[0, WORK] == pytest.approx(numbers["drive_work_J"], rel=ERROR)
-    assert loop.states[0, FRICTION_LOSS] == pytest.approx(numbers["friction_loss_J"], rel=ERROR)
+    assert loop.states[0, FRICTION_LOSS] == pytest.approx(
+        numbers["friction_loss_J"], rel=ERROR
+    )
 
 
 def test_the_drives_are_equal(loop: Outcome, engine: Run) -> None:
@@ -84,7 +93,8 @@ def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run) -> None:
     ours, theirs = film[:, 0], recorder.film.time
     between = (ours > theirs[0]) & (ours < theirs[-1])
     for body in range(18):
-        # Between frames of the engine, whose cubic is not drawn: 1.2e-3 s apart at most.
+        # Between frames of the engine, whose cubic is not drawn: 1.2e-3 s apart at
+        # most.
         position = np.interp(ours[between], theirs, recorder.film.position[:, body])
         np.testing.assert_allclose(film[between, 1 + body], position, atol=3e-5)
     series, force = loop.accounts.series[:rows], recorder.series("normal", 0)

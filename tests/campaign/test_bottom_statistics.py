@@ -67,7 +67,9 @@ def test_independent_replicates_widen_the_mean_and_not_the_scatter() -> None:
     together = [strokes_of(scene, seed) for seed in range(4)]
     close, wide = (bottom_statistics(scene, together, runs) for runs in ((), alone))
     assert (wide.error.half_width or 0.0) > 5.0 * (close.error.half_width or np.inf)
-    scatters = (each.standard_deviation for each in (close, bottom_statistics(scene, alone)))
+    scatters = (
+        each.standard_deviation for each in (close, bottom_statistics(scene, alone))
+    )
     first, second = scatters
     assert second.mean == pytest.approx(first.mean, rel=1e-9)
 
@@ -75,7 +77,9 @@ def test_independent_replicates_widen_the_mean_and_not_the_scatter() -> None:
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     """The first bottom of the swapped one lies before the start: one cycle has no stroke."""
-    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4)
+    scene = replace(
+        ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4
+    )
     stage = run(scene).stages[0]
     assert stage.bdc.strokes == 2
     assert abs(stage.bdc.error.mean) < 1e-12
@@ -107,7 +111,9 @@ def test_output_at_rest_has_no_bottom() -> None:
         joints=[Pin("O", (0.0, 0.0), "bar.centre")],
         drives=[Drive("bar", speed=5.0)],
     )
-    stage = run(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
+    stage = run(
+        Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")
+    ).stages[0]
     assert stage.statistics.bdc is None
     assert rise(stage, stage) is None
     assert bottom_errors(Scene(mechanism=linkage, wear_updates=0), stage) == []
@@ -129,7 +135,9 @@ def test_dwell_at_the_bottom_has_no_delay(part: float, cycles: int) -> None:
 
 
 def test_wide_scatter_at_the_bottom_leaves_the_delay() -> None:
-    statistics = bottom_statistics(wear_times(), [strokes_of(wear_times(), 1, scatter=4e-4)])
+    statistics = bottom_statistics(
+        wear_times(), [strokes_of(wear_times(), 1, scatter=4e-4)]
+    )
     assert statistics.standard_deviation.mean > 2e-4
     assert statistics.delay is not None
 
@@ -171,7 +179,8 @@ def test_stroke_with_two_equal_bottoms_has_no_delay() -> None:
     between = np.linspace(first, second, 1001)
     places = scene.ideal.at(between).output(scene.base_linkage)[:, 0]
     assert places.max() - height == pytest.approx(13.63e-6, abs=5e-9)
-    # Each stroke of a run is lowest at one of them, by chance or by clearance and loads.
+    # Each stroke of a run is lowest at one of them, by chance or by clearance and
+    # loads.
     bdc = bottom_statistics(scene, [strokes_of(scene, 1, scatter=1e-6)])
     assert bdc.equal_bottoms == pytest.approx((first, second))
     assert bdc.delay is bdc.delay_angle is bdc.delay_standard_deviation is None
@@ -181,7 +190,9 @@ def test_bottoms_that_are_told_apart_leave_the_delay() -> None:
     bottom = bottom_of(knuckle_press().ideal)
     assert bottom is not None
     (first, height), (second, _) = bottom.minima
-    apart = replace(bottom, time=first, minima=((first, height), (second, height + 2e-6)))
+    apart = replace(
+        bottom, time=first, minima=((first, height), (second, height + 2e-6))
+    )
     near_first, near_second = np.full(9, 1e-3), np.full(9, second - first + 1e-3)
     assert equal_bottoms(apart, near_first, 1e-6) == ()
     assert equal_bottoms(apart, near_first, 3e-6) == (first, second)
@@ -194,7 +205,9 @@ def test_two_equal_bottoms_are_named_in_the_report() -> None:
     result = run(scene)
     assert result.stages[0].bdc.delay is None
     named = "at 160.66 and 184.90 degrees of crank angle since the start (892.54 and 1027.22 ms)"
-    (error,) = [one for one in key_numbers(result) if one.name == "Bottom dead centre error"]
+    (error,) = [
+        one for one in key_numbers(result) if one.name == "Bottom dead centre error"
+    ]
     assert named in error.meaning
     table = stage_tables(result)["bottom"]
     rows = {row[0]: row for _, group in table.groups for row in group}
@@ -203,11 +216,14 @@ def test_two_equal_bottoms_are_named_in_the_report() -> None:
 
 
 @pytest.mark.slow
-def test_a_stiff_joint_becomes_ideal_in_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_stiff_joint_becomes_ideal_in_every_figure(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """Places with order 1; forces and torques with about 1/2, the half power of a gap that opens.
 
-    Where a joint's force passes zero at an even rate a pin crosses its clearance c in a time of
-    c^(1/3) and arrives with c^(2/3); such an impact is of c^(4/5) K^(2/5), here c^(1/2).
+    Where a joint's force passes zero at an even rate a pin crosses its clearance c in a
+    time of c^(1/3) and arrives with c^(2/3); such an impact is of c^(4/5) K^(2/5), here
+    c^(1/2).
     """
     stiff_joints.main()
     rows = [re.split(r"  +", line) for line in capsys.readouterr().out.splitlines()]

@@ -43,7 +43,10 @@ def test_only_a_jump_of_several_replicates_has_bumps() -> None:
 
     def bumps(runs: int, replicates: int) -> Bumps | None:
         ensemble: Any = SimpleNamespace(
-            linkage=linkage, depth=depth[:runs], replicates=replicates, runs=(None,) * runs
+            linkage=linkage,
+            depth=depth[:runs],
+            replicates=replicates,
+            runs=(None,) * runs,
         )
         return bumps_of(ensemble, recorders)[0]
 
@@ -58,7 +61,12 @@ def test_only_a_jump_of_several_replicates_has_bumps() -> None:
 
 def test_high_bumps_have_no_interval_of_contacts() -> None:
     """A map of 12 cycles times 20 million, on surfaces that hardly overlap."""
-    short: Any = {"cycles": 5, "replicates": 4, "wear_updates": 1, "cycles_per_update": 2e7}
+    short: Any = {
+        "cycles": 5,
+        "replicates": 4,
+        "wear_updates": 1,
+        "cycles_per_update": 2e7,
+    }
     scene = pw.Scene(pw.FourBar(), engine="dae", extrapolation="single", **short)
     result = pw.run(scene)
     new, worn = (stage.statistics for stage in result.stages)
@@ -72,5 +80,7 @@ def test_high_bumps_have_no_interval_of_contacts() -> None:
     assert joint.load_distance_per_cycle.low is not None
     assert new.joints["B"].contacts_per_cycle.low is not None
     (sentence,) = high_bumps(scene, result.stages)
-    assert sentence.startswith("First wear: bumps are higher than the penetration at joint B (")
+    assert sentence.startswith(
+        "First wear: bumps are higher than the penetration at joint B ("
+    )
     assert sentence in str(result)

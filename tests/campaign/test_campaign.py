@@ -17,10 +17,17 @@ Campaign = tuple[pw.Scene, pw.Result, pw.Result]
 
 
 @pytest.fixture(scope="module", params=["paper", "refined"])
-def campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Campaign:
+def campaign(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Campaign:
     """One fast cycle of the press, worn once as if it had run a million times."""
     settings: dict[str, Any] = {"extrapolation": "single", "conventions": request.param}
-    settings |= {"cycles": 1, "wear_updates": 1, "cycles_per_update": 1e6, "replicates": 1}
+    settings |= {
+        "cycles": 1,
+        "wear_updates": 1,
+        "cycles_per_update": 1e6,
+        "replicates": 1,
+    }
     scene = pw.scenes.wear_times(speed=60.0, **settings)
     path = tmp_path_factory.mktemp("result") / request.param
     return scene, pw.run(scene), pw.run(scene, path)
@@ -41,19 +48,31 @@ def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
 
 def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     _, memory, disk = campaign
-    assert (memory.scene, memory.status, memory.message) == (disk.scene, disk.status, disk.message)
+    assert (memory.scene, memory.status, memory.message) == (
+        disk.scene,
+        disk.status,
+        disk.message,
+    )
     for mine, theirs in zip(memory.stages, disk.stages, strict=True):
         assert mine.arrays.keys() == theirs.arrays.keys()
         for name, array in mine.arrays.items():
             np.testing.assert_array_equal(array, theirs.arrays[name], err_msg=name)
         assert mine.statistics == theirs.statistics
-        assert mine.wear_steps == () or mine.wear_steps[0].cycles == theirs.wear_steps[0].cycles
+        assert (
+            mine.wear_steps == ()
+            or mine.wear_steps[0].cycles == theirs.wear_steps[0].cycles
+        )
         for name in ("time", "position", "joints"):
             one, other = getattr(mine.film, name), getattr(theirs.film, name)
             np.testing.assert_array_equal(one, other, err_msg=name)
     table = str(memory).splitlines()[1:]
     assert table == str(disk).splitlines()[1:]
-    assert [line[:10].strip() for line in table[1:5]] == ["no wear", "", "first wear", ""]
+    assert [line[:10].strip() for line in table[1:5]] == [
+        "no wear",
+        "",
+        "first wear",
+        "",
+    ]
     remark = "worn volume: bins of 1°; twice as many bins halve it"
     is_by_bin = memory.scene.conventions.wear_distribution == "bin"
     assert table[5:] == ([remark] if is_by_bin else [])
@@ -92,7 +111,9 @@ def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign) ->
         joint = stage["statistics"]["joints"]["A"]
         grazed = 0 if stage["index"] == 0 else max(1, joint["contacts"] // 100)
         assert joint["unresolved_contacts"] <= grazed
-        assert joint["min_steps_per_contact"] >= (3 if joint["unresolved_contacts"] == 0 else 2)
+        assert joint["min_steps_per_contact"] >= (
+            3 if joint["unresolved_contacts"] == 0 else 2
+        )
 
 
 Ran = tuple[Path, list[tuple[str, float, str]]]
@@ -100,7 +121,12 @@ Ran = tuple[Path, list[tuple[str, float, str]]]
 
 
 def scenes(**settings: Any) -> dict[str, pw.Scene]:
-    common = {"engine": "dae", "wear_updates": 1, "cycles": 1, "purpose": "trajectory"} | settings
+    common = {
+        "engine": "dae",
+        "wear_updates": 1,
+        "cycles": 1,
+        "purpose": "trajectory",
+    } | settings
     return {
         "one": pw.scenes.wear_times(**common),
         "two": pw.scenes.wear_times(**common | {"seed": 2}),
@@ -111,18 +137,26 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     folder, reported = tmp_path_factory.mktemp("scenes"), []
-    pw.run_scenes(scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report))
+    pw.run_scenes(
+        scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report)
+    )
     return folder, reported
 
 
 def test_every_scene_has_its_result(ran: Ran) -> None:
     folder, reported = ran
     results = {name: pw.load(folder / name) for name in scenes()}
-    assert [result.status for result in results.values()] == ["completed", "completed", "failed"]
+    assert [result.status for result in results.values()] == [
+        "completed",
+        "completed",
+        "failed",
+    ]
     for name, result in results.items():
         fractions = [fraction for key, fraction, _ in reported if key == name]
         assert fractions == sorted(fractions)
-        last = [words for key, fraction, words in reported if (key, fraction) == (name, 1.0)]
+        last = [
+            words for key, fraction, words in reported if (key, fraction) == (name, 1.0)
+        ]
         assert last == [f"{result.status}: {result.message}".removesuffix(": ")]
 
 
@@ -146,7 +180,9 @@ def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -
         ({"../one": pw.scenes.wear_times()}, {}, "cannot name the folder of a scene"),
     ],
 )
-def test_impossible_scenes_are_refused(named: Any, arguments: Any, message: str, ran: Ran) -> None:
+def test_impossible_scenes_are_refused(
+    named: Any, arguments: Any, message: str, ran: Ran
+) -> None:
     with pytest.raises(pw.InputError, match=message):
         pw.run_scenes(named, ran[0], **arguments)
 
@@ -158,16 +194,24 @@ def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast() -> N
     long = pw.scenes.wear_times(wear_updates=0, cycles=202, replicates=8, **settings)
     reference = run_stage(long)[0]
     settings |= {"wear_updates": 1, "cycles": 5}
-    few = [pw.run(pw.scenes.wear_times(**settings | {"seed": seed})) for seed in range(1, 9)]
+    few = [
+        pw.run(pw.scenes.wear_times(**settings | {"seed": seed}))
+        for seed in range(1, 9)
+    ]
     for name in ("A", "C"):
         truth = reference.joints[name].statistics.wear_peaks["bearing"].depth.mean
-        depths = [one.stages[0].joints[name].statistics.wear_peaks["bearing"].depth for one in few]
+        depths = [
+            one.stages[0].joints[name].statistics.wear_peaks["bearing"].depth
+            for one in few
+        ]
         half_widths = [depth.half_width or 0.0 for depth in depths]
         bias = np.mean([depth.mean for depth in depths]) - truth
         assert abs(bias) < 0.25 * np.mean(half_widths)
         held = [(one.low or 0.0) <= truth <= (one.high or 0.0) for one in depths]
         assert sum(held) >= 6
-    steps = [[float(stage.diagnostics["steps"] or 0) for stage in one.stages] for one in few]
+    steps = [
+        [float(stage.diagnostics["steps"] or 0) for stage in one.stages] for one in few
+    ]
     times = [[stage.simulated_s for stage in one.stages] for one in few]
     unworn, worn = np.transpose(np.array(steps) / times)
     assert np.median(worn / unworn) < 1.5

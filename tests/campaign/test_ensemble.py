@@ -16,7 +16,12 @@ from presswear.campaign import replicates
 from presswear.campaign.campaign import run, run_stage
 from presswear.campaign.ensemble import FEWEST, WATCHED_CYCLES, Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
-from presswear.campaign.stage_statistics import COLUMNS, StageWear, _wear_peaks, deviation
+from presswear.campaign.stage_statistics import (
+    COLUMNS,
+    StageWear,
+    _wear_peaks,
+    deviation,
+)
 from presswear.campaign.wear_update import initial_depth
 from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
@@ -37,16 +42,24 @@ def two() -> tuple[StageResult, Ensemble]:
     return run_stage(replace(QUICK, replicates=2, cycles=6))
 
 
-def test_replicates_start_close_together_and_diverge(two: tuple[StageResult, Ensemble]) -> None:
+def test_replicates_start_close_together_and_diverge(
+    two: tuple[StageResult, Ensemble],
+) -> None:
     linkage = QUICK.linkage()
-    replicates = [start_of(changed(QUICK, {"seed": seed}), k) for seed in "012" for k in range(4)]
-    away = [np.abs(start.position - replicates[0].position).max() for start in replicates]
+    replicates = [
+        start_of(changed(QUICK, {"seed": seed}), k) for seed in "012" for k in range(4)
+    ]
+    away = [
+        np.abs(start.position - replicates[0].position).max() for start in replicates
+    ]
     assert away[0] == 0.0
     apart = np.diff(np.sort(away))
     assert max(away) < SPREAD * 0.8e-3
     assert apart.min() > 0.01 * SPREAD * 0.8e-3
     for start in replicates:
-        phi, phi_t, _, _ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
+        phi, phi_t, _, _ = constraints_of(linkage).evaluate(
+            0.0, start.position, start.velocity
+        )
         assert np.abs(phi).max() < 1e-15
         assert np.abs(phi_t).max() < 1e-14
     one, other = (recorder.each_cycle("force_max", 0) for recorder in two[1].recorders)
@@ -64,13 +77,17 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     expected = np.concatenate(peaks)
     assert force.peak_force_per_cycle.mean == pytest.approx(expected.mean())
     assert force.peak_force_per_cycle.samples == 8
-    assert force.contacts == sum(own.each_cycle("contacts", 0).sum() for own in recorders)
+    assert force.contacts == sum(
+        own.each_cycle("contacts", 0).sum() for own in recorders
+    )
     joint = two[0].joints["A"]
     batches = joint.arrays["wear_batches"]
     assert len(batches) == 8
     added = np.stack([joint.wear(side) for side in SIDES])
     # Smoothing moves depth over angle only.
-    assert batches.mean(axis=0).sum(axis=-1) == pytest.approx(added.sum(axis=-1), rel=1e-12)
+    assert batches.mean(axis=0).sum(axis=-1) == pytest.approx(
+        added.sum(axis=-1), rel=1e-12
+    )
     depth = force.wear_peaks["both"].depth
     assert depth.low < depth.mean < depth.high
 
@@ -78,7 +95,9 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
 def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
     """The volume is the load distance times a constant, and so is its interval."""
     settings = {"conventions": "refined", "clearance": 40e-6, "wear_updates": 0}
-    stage = run_stage(slider_crank(**settings, engine="dae", replicates=2, cycles=12))[0]
+    stage = run_stage(slider_crank(**settings, engine="dae", replicates=2, cycles=12))[
+        0
+    ]
     joint = stage.statistics.joints["B"]
     volume, distance = joint.wear_volume, joint.load_distance_per_cycle
     assert len(stage.joints["B"].arrays["wear_batches"]) == volume.samples == 2
@@ -96,7 +115,9 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     (joint, *_), random = QUICK.linkage().clearances, np.random.default_rng(3)
     groove = np.exp(-((np.arange(joint.bins) - 90.0) ** 2) / 200.0)
     maps = 1e-5 * (groove + 0.1 * random.random((4, 1, 2, joint.bins)))
-    wear = StageWear(maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None)
+    wear = StageWear(
+        maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None
+    )
     depth = _wear_peaks(joint, 0, wear)["bearing"].depth
     samples = maps[:, 0, 0, int(wear.added[0, 0].argmax())]
     mean, error = samples.mean(), stats.sem(samples)
@@ -128,14 +149,18 @@ def test_a_stage_watches_whether_the_motion_settles() -> None:
     """The maps are known after 9 cycles, but the motion of a press is to be seen for 50."""
     scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
     known = run_stage(scene)[1]
-    assert [len(recorder.cycles) for recorder in known.recorders] == [WATCHED_CYCLES] * 2
+    assert [len(recorder.cycles) for recorder in known.recorders] == [
+        WATCHED_CYCLES
+    ] * 2
 
 
 def test_a_costly_motion_is_watched_for_as_long_as_the_time_allows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
-    steps = run_stage(replace(scene, cycles=12))[1].recorders[0].each_cycle("steps").mean()
+    steps = (
+        run_stage(replace(scene, cycles=12))[1].recorders[0].each_cycle("steps").mean()
+    )
     seconds = 2 * 20.5 * steps * scene.solver.step_time
     monkeypatch.setattr(ensemble_module, "WATCHED_SECONDS", seconds)
     cycles = [len(recorder.cycles) for recorder in run_stage(scene)[1].recorders]
@@ -156,13 +181,17 @@ def test_late_slider_lags_by_its_delay() -> None:
     assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)
     exact = delayed(QUICK, 0.0)
     assert np.abs(exact[:, :3]).max() < 1e-12
-    ideal_stroke = np.ptp(QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
+    ideal_stroke = np.ptp(
+        QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0]
+    )
     assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)
 
 
 def tolerance_scene(engine: str, tolerance: float) -> Scene:
     key = {"dae": "integration_tolerance", "exudyn-tree": "tree_tolerance"}[engine]
-    return changed(replace(wear_times(), wear_updates=0), {"engine": engine, key: str(tolerance)})
+    return changed(
+        replace(wear_times(), wear_updates=0), {"engine": engine, key: str(tolerance)}
+    )
 
 
 def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
@@ -170,17 +199,25 @@ def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_pieces_with_equal_steps_are_equal(monkeypatch: pytest.MonkeyPatch, engine: str) -> None:
+def test_pieces_with_equal_steps_are_equal(
+    monkeypatch: pytest.MonkeyPatch, engine: str
+) -> None:
     """Bit for bit, because each starts in a state of the run itself."""
     monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
     scene = tolerance_scene(engine, 1e-5)
-    assert step_errors(scene) == {"load_distance_step_error": 0.0, "peak_force_step_error": 0.0}
+    assert step_errors(scene) == {
+        "load_distance_step_error": 0.0,
+        "peak_force_step_error": 0.0,
+    }
 
 
 def test_step_error_falls_with_the_tolerance() -> None:
     # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
-        median(step_errors(scene, start)["load_distance_step_error"] for start in range(-5, 0))
+        median(
+            step_errors(scene, start)["load_distance_step_error"]
+            for start in range(-5, 0)
+        )
         for scene in (tolerance_scene("dae", 1e-5), tolerance_scene("dae", 1e-9))
     )
     assert coarse > 10.0 * fine > 0.0
@@ -195,7 +232,9 @@ def test_fixed_steps_and_closed_joints_have_no_step_error() -> None:
 
 def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
     many, few = (
-        run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
+        run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles))
+        .stages[0]
+        .statistics
         for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)
     )
     assert 0.0 < many.load_distance_step_error < many.wear_error

@@ -79,7 +79,10 @@ class FakeEngine:
                 break
         finding = None
         if self.runs == self.fails:
-            status, finding = "failed", Finding("state", "the solver found no step", 0.1, "", "")
+            status, finding = (
+                "failed",
+                Finding("state", "the solver found no step", 0.1, "", ""),
+            )
         solved: dict[str, Any] = {"model": "none", "steps": 1}
         solved |= {"energy_residual_J": 0.0, "drive_exchange_J": 0.0}
         return Run(status, finding, recorder, start, plan.cycle * plan.cycles, solved)
@@ -119,7 +122,9 @@ SCENE = replace(
     extrapolation="steps",
 )
 JUMPS = replace(SCENE, extrapolation="single")
-SHAPE = np.stack([np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin_centres(360))])
+SHAPE = np.stack(
+    [np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin_centres(360))]
+)
 """Wear of bearing and pin; its largest value is that of the bearing, near 1."""
 
 
@@ -178,7 +183,9 @@ def campaign(use: Use) -> Campaign:
 
 
 @pytest.mark.parametrize("cycles", [1, 2, 7])
-def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycles: int) -> None:
+def test_constant_rate_is_exact_in_any_number_of_steps(
+    campaign: Campaign, cycles: int
+) -> None:
     seen = campaign(SCENE, FakeEngine(constant), cycles=cycles)
     assert seen.status == "completed"
     for stage in seen.stages[:2]:
@@ -253,13 +260,18 @@ def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> Non
     seen = campaign(SCENE, FakeEngine(exponential), **settings, max_cycles=70)
     assert len(seen.stages[0].wear_steps) == 4 * FIRST_REFINEMENT
     assert seen.status == "unconverged"
-    assert "the error of the first wear, 2.3 %, exceeds tolerance = 2 %: about" in seen.message
+    assert (
+        "the error of the first wear, 2.3 %, exceeds tolerance = 2 %: about"
+        in seen.message
+    )
     assert "about max_cycles = 128 is needed" in seen.message
     enough = campaign(SCENE, FakeEngine(exponential), **settings, max_cycles=128)
     assert (enough.status, enough.message) == ("completed", "")
 
 
-def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(campaign: Campaign) -> None:
+def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(
+    campaign: Campaign,
+) -> None:
     """dh/dN = (a - h) / N with noise of the size of the wear itself."""
     generator = np.random.default_rng(1)
     depth = RATE * REPRESENTED
@@ -280,23 +292,32 @@ def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(campaign: Campaig
     assert smoothed.std() < 0.2 * jumped.std()
     assert steps.mean() == pytest.approx(1.1 * depth, rel=0.02)
     assert jumped.mean() == pytest.approx(11.0 * depth, rel=0.02)
-    # Each step keeps three quarters of the noise before it: the sum of a geometric series.
+    # Each step keeps three quarters of the noise before it: the sum of a geometric
+    # series.
     noise = math.sqrt(1.0 / 3.0)
     assert jumped.std() / depth == pytest.approx(noise / math.sqrt(38.0), rel=0.15)
-    assert steps.std() / depth == pytest.approx(noise / 40.0 / math.sqrt(1.0 - 0.75**2), rel=0.15)
+    assert steps.std() / depth == pytest.approx(
+        noise / 40.0 / math.sqrt(1.0 - 0.75**2), rel=0.15
+    )
 
 
-def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(campaign: Campaign) -> None:
+def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
+    campaign: Campaign,
+) -> None:
     """Replicates that are smoothed alike do not show it. Variances of Gaussians add up."""
     generator, size = np.random.default_rng(4), 4.0
     groove = np.exp(-0.5 * ((np.arange(360) - 60.0) / size) ** 2)
     depths = np.repeat(groove[np.newaxis], 16, axis=0).reshape(4, 2, 2, 360)
-    depths[..., 150:300] += generator.gamma(1.0, 0.2, (4, 2, 2, 150))  # far from the groove
+    depths[..., 150:300] += generator.gamma(
+        1.0, 0.2, (4, 2, 2, 150)
+    )  # far from the groove
     settings = {"replicates": 4, "wear_updates": 1, "cycles": 8}
     engine = FakeEngine(lambda run, worn: RATE * depths[run % 4])
     joint = campaign(SCENE, engine, **settings).stages[0].joints["A"]
     peak = joint.statistics.wear_peaks["bearing"].depth
-    width = smoothing_widths(depths.mean(axis=0), 4, depths, np.ones(4), [360, 360])[0, 0]
+    width = smoothing_widths(depths.mean(axis=0), 4, depths, np.ones(4), [360, 360])[
+        0, 0
+    ]
     once, twice = (size / math.hypot(size, math.sqrt(n) * width) for n in (1, 2))
     assert peak.mean == pytest.approx(once * RATE * REPRESENTED, rel=1e-3)
     # The interval is that of the logarithm.
@@ -355,13 +376,19 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
 
 
-def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(campaign: Campaign) -> None:
+def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(
+    campaign: Campaign,
+) -> None:
     """Stage 0, two refinements, stage 1, then the second refinement after it."""
     seen = campaign(SCENE, FakeEngine(constant, fails=12))
     assert seen.status == "failed"
-    assert seen.message == "second wear in 6 steps: the solver found no step (t = 0.1 s)"
+    assert (
+        seen.message == "second wear in 6 steps: the solver found no step (t = 0.1 s)"
+    )
     # The first refinement is what is known of it.
-    steps = [(stage.index, len(stage.wear_steps), stage.status) for stage in seen.stages]
+    steps = [
+        (stage.index, len(stage.wear_steps), stage.status) for stage in seen.stages
+    ]
     assert steps == [(0, 6, "completed"), (1, 3, "completed")]
 
 
@@ -421,21 +448,41 @@ def test_progress_never_falls_and_names_the_refinement(
     wholes = [each.whole for each in progress]
     assert wholes == sorted(wholes)
     assert wholes[-1] > 0.95
-    assert any(each.word.startswith("second wear in ") for each in progress if each.stage == 1)
+    assert any(
+        each.word.startswith("second wear in ") for each in progress if each.stage == 1
+    )
 
 
-def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(campaign: Campaign) -> None:
+def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
+    campaign: Campaign,
+) -> None:
     """Replicates that differ take all cycles that are allowed."""
-    settings = {"cycles": None, "max_cycles": 60, "wear_updates": 1, "cycles_per_update": 10.0}
+    settings = {
+        "cycles": None,
+        "max_cycles": 60,
+        "wear_updates": 1,
+        "cycles_per_update": 10.0,
+    }
     progress = campaign(SCENE, FakeEngine(uneven), **settings).progress
-    words = [each.word for each in progress if each.stage == 1 and each.word.startswith("cycle")]
-    first = [each.word for each in progress if each.stage == 0 and each.word.startswith("cycle")]
+    words = [
+        each.word
+        for each in progress
+        if each.stage == 1 and each.word.startswith("cycle")
+    ]
+    first = [
+        each.word
+        for each in progress
+        if each.stage == 0 and each.word.startswith("cycle")
+    ]
     assert first[0].endswith("of 12")
     assert words[0].endswith("of 30")
 
 
 LIFE = replace(
-    SCENE, conventions=CONVENTIONS["refined"], life=Life(until="A.depth > 0.3 mm"), wear_updates=1
+    SCENE,
+    conventions=CONVENTIONS["refined"],
+    life=Life(until="A.depth > 0.3 mm"),
+    wear_updates=1,
 )
 """Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
 
@@ -460,7 +507,9 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
     return scene
 
 
-def test_life_is_inversely_proportional_to_the_wear_coefficient(campaign: Campaign) -> None:
+def test_life_is_inversely_proportional_to_the_wear_coefficient(
+    campaign: Campaign,
+) -> None:
     lives = []
     for factor in (1.0, 10.0):
 
@@ -477,7 +526,9 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(campaign: Campai
     assert second.step == pytest.approx(first.step, rel=1e-9, abs=0.0)
 
 
-def test_the_watched_motion_before_a_life_is_a_small_part_of_it(campaign: Campaign) -> None:
+def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
+    campaign: Campaign,
+) -> None:
     """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
     progress = campaign(LIFE, FakeEngine(exponential)).progress
     watched = [each.whole for each in progress if "does the motion settle" in each.word]
@@ -485,7 +536,9 @@ def test_the_watched_motion_before_a_life_is_a_small_part_of_it(campaign: Campai
     assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
 
 
-def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path: Path) -> None:
+def test_a_finished_refinement_gives_a_preliminary_life(
+    use: Use, tmp_path: Path
+) -> None:
     """It is stored with its state, and reported, while the next refinement runs."""
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 2, 0.1)
@@ -518,7 +571,9 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"tolerance is 0\.002 there and 0\.001 here"):
         campaigns.run(replace(scene, tolerance=1e-3), path, jobs=1)
     words = Seen()
-    result = campaigns.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
+    result = campaigns.run(
+        replace(scene, tolerance=0.3), path, observers=[words], jobs=1
+    )
     assert not any("refinement" in progress.word for progress in words.progress)
     assert (result.status, result.scene.tolerance) == ("completed", 0.3)
     assert result.life is not None
@@ -527,14 +582,20 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
     assert 2e-3 < (result.life.error or 0.0) < 0.3
 
 
-def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_path: Path) -> None:
+def test_a_looser_tolerance_completes_a_life_that_was_not_known(
+    use: Use, tmp_path: Path
+) -> None:
     path = tmp_path / "life"
     assert LIFE.life is not None
     scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
     use(FakeEngine(exponential))
     assert campaigns.run(scene, path, jobs=1).status == "unconverged"
     result = campaigns.run(replace(scene, tolerance=0.3), path, jobs=1)
-    assert (result.status, result.message, result.scene.tolerance) == ("completed", "", 0.3)
+    assert (result.status, result.message, result.scene.tolerance) == (
+        "completed",
+        "",
+        0.3,
+    )
 
 
 @pytest.mark.parametrize("answer", ["y", "n"])
@@ -578,7 +639,9 @@ def test_compared_lives_are_announced_and_confirmed_once(
     monkeypatch.setattr("builtins.input", answering)
     announce = cli_run._announcing(progress_bar(console), 2.0, False)
     lives = {"plain": scene, "other": replace(scene, seed=1)}
-    run_lives = partial(campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce)
+    run_lives = partial(
+        campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
+    )
     if answer == "n":
         with pytest.raises(KeyboardInterrupt):
             run_lives()
@@ -605,7 +668,9 @@ class Noted(RunObserver):
 
 
 def quick(until: str = "A.depth > 0.3 mm", **settings: Any) -> Scene:
-    return replace(LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings)
+    return replace(
+        LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings
+    )
 
 
 def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
@@ -617,7 +682,12 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
     life = load(path).life
     assert life == result.life
     assert life is not None
-    assert (life.ended, life.step, life.error, life.refinements) == ("quick", None, None, ())
+    assert (life.ended, life.step, life.error, life.refinements) == (
+        "quick",
+        None,
+        None,
+        (),
+    )
     half, rate = 0.15e-3, RATE * SHAPE[0].max()
     first, second = half / rate, half / (rate + half / REPRESENTED)
     assert life.strokes == pytest.approx(first + second, rel=0.02)
@@ -660,8 +730,16 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("until", "settings", "message"),
     [
-        ("bdc_drift > 1 mm", {}, "until: bdc_drift: allowed are depth and wear_volume with"),
-        ("depth > 0.1 mm", {"wear_updates": 2}, "wear_updates = 2: allowed is 1 with life.quick"),
+        (
+            "bdc_drift > 1 mm",
+            {},
+            "until: bdc_drift: allowed are depth and wear_volume with",
+        ),
+        (
+            "depth > 0.1 mm",
+            {"wear_updates": 2},
+            "wear_updates = 2: allowed is 1 with life.quick",
+        ),
     ],
 )
 def test_a_quick_life_of_other_limits_is_refused(

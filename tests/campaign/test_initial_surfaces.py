@@ -29,7 +29,9 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> pw.Result:
 def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
     """A stage is the same if its surfaces come from a wear update or from the scene."""
     worn = first.stages[1]
-    scene = pw.scenes.wear_times(surfaces=worn.surfaces, cycles=3, wear_updates=0, **QUICK)
+    scene = pw.scenes.wear_times(
+        surfaces=worn.surfaces, cycles=3, wear_updates=0, **QUICK
+    )
     again = pw.run(scene).stages[0]
     names = [stage.name for stage in (*first.stages, again)]
     assert names == ["no wear", "first wear", "initial surfaces"]
@@ -40,7 +42,9 @@ def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
 
 def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
     initial = first.stages[1].surfaces
-    result = pw.run(pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK))
+    result = pw.run(
+        pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK)
+    )
     start, worn = (stage.joints["A"] for stage in result.stages)
     for side, surface in zip(SIDES, initial["A"], strict=True):
         assert start.depth(side).tobytes() == surface.depth.tobytes()
@@ -52,7 +56,9 @@ def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
 def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result) -> None:
     deep = {"A": (np.full(360, 0.79e-3), None)}
     scene = pw.scenes.wear_times(surfaces=deep, cycles=1, wear_updates=1, **QUICK)
-    with pytest.raises(pw.RunFailed, match="joint A: after stage 0 the bearing would lose"):
+    with pytest.raises(
+        pw.RunFailed, match="joint A: after stage 0 the bearing would lose"
+    ):
         pw.run(replace(scene, cycles_per_update=1e9))
 
 
@@ -68,11 +74,17 @@ def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path: Path) ->
     assert "surfaces worn; wear not computed" in str(stage.diagnostics["model"])
 
 
-@pytest.mark.parametrize(("contact", "frame"), [("radial", "fixed"), ("foundation", "body")])
-def test_energy_made_by_contacts_adds_up(first: pw.Result, contact: str, frame: str) -> None:
+@pytest.mark.parametrize(
+    ("contact", "frame"), [("radial", "fixed"), ("foundation", "body")]
+)
+def test_energy_made_by_contacts_adds_up(
+    first: pw.Result, contact: str, frame: str
+) -> None:
     surfaces = first.stages[1].surfaces
     settings = {**QUICK, "replicates": 2, "contact": contact, "map_frame": frame}
-    scene = pw.scenes.wear_times(surfaces=surfaces, cycles=4, wear_updates=0, **settings)
+    scene = pw.scenes.wear_times(
+        surfaces=surfaces, cycles=4, wear_updates=0, **settings
+    )
     (stage,) = pw.run(scene).stages
     made = stage.each_cycle("contact_made").reshape(2, 4)
     assert made.sum() == pytest.approx(stage.diagnostics["contact_made_J"], rel=1e-12)
@@ -85,10 +97,14 @@ def test_energy_made_by_contacts_adds_up(first: pw.Result, contact: str, frame: 
     assert mean.samples == 4
 
 
-def test_scene_is_stored(first: pw.Result, tmp_path: Path, command: Callable[..., str]) -> None:
+def test_scene_is_stored(
+    first: pw.Result, tmp_path: Path, command: Callable[..., str]
+) -> None:
     """Started from the command line, then run again from the stored scene."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
-    options = [f"--set {k}={v}{'rad/s' if k == 'speed' else ''}" for k, v in QUICK.items()]
+    options = [
+        f"--set {k}={v}{'rad/s' if k == 'speed' else ''}" for k, v in QUICK.items()
+    ]
     options += [f"--surfaces {source}:1 --cycles 1 --wear-updates 1"]
     line = " ".join(["run wear-times", *options])
     whole, again = tmp_path / "whole", tmp_path / "again"
@@ -108,5 +124,7 @@ def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result) -> None:
     with pytest.raises(pw.InputError, match="has no stage 4; it has 0 to 1"):
         pw.read_surfaces(f"{first.path}:4")
     other = pw.scenes.wear_times(surfaces=last, wear_updates=0, **QUICK)
-    with pytest.raises(pw.InputError, match=r"A is None there and \[\{.{,40}\.\.\. \([0-9a-f]+\)"):
+    with pytest.raises(
+        pw.InputError, match=r"A is None there and \[\{.{,40}\.\.\. \([0-9a-f]+\)"
+    ):
         pw.run(other, first.path)

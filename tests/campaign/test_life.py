@@ -39,9 +39,15 @@ def load_block(
     strokes: float, cycles: int, levels: Levels, rate: float = 0.0, **settings: Any
 ) -> service_life.LoadBlock:
     """Return a block of the first service interval in which a stroke wears a depth, m."""
-    more: dict[str, Any] = {"interval": 0, "samples": {}, "removed": np.full((1, 1, 1), rate)}
+    more: dict[str, Any] = {
+        "interval": 0,
+        "samples": {},
+        "removed": np.full((1, 1, 1), rate),
+    }
     more |= settings
-    return service_life.LoadBlock(strokes, cycles, levels=levels, rate=rate / CLEARANCE, **more)
+    return service_life.LoadBlock(
+        strokes, cycles, levels=levels, rate=rate / CLEARANCE, **more
+    )
 
 
 @dataclass
@@ -62,17 +68,23 @@ class KnownWear:
 
     def life_until(self, depth: float) -> float:
         """Return the strokes until a depth: the integral of dh/(dh/dN)."""
-        top = math.log((math.exp(depth / self.bedded) + self.fresh) / (1.0 + self.fresh))
+        top = math.log(
+            (math.exp(depth / self.bedded) + self.fresh) / (1.0 + self.fresh)
+        )
         return self.bedded * top / self.rate
 
     def __call__(
-        self, refinements: service_life.Refinements, plan: service_life.BlockPlan | Service
+        self,
+        refinements: service_life.Refinements,
+        plan: service_life.BlockPlan | Service,
     ) -> service_life.LoadBlock:
         before = refinements[-1].blocks
         if isinstance(plan, Service):
             self.depth = np.zeros(8)
             levels, interval = {"A.depth": self.depth}, before[-1].interval + 1
-            return replace(before[-1], cycles=0, interval=interval, levels=levels, rate=0.0)
+            return replace(
+                before[-1], cycles=0, interval=interval, levels=levels, rate=0.0
+            )
         if not before:
             self.depth = np.full(8, self.initial)
         draw = np.random.default_rng([self.seed, len(refinements), len(before)])
@@ -82,7 +94,9 @@ class KnownWear:
             size = math.sqrt(math.log1p(self.noise**2))
             factor = draw.lognormal(-0.5 * size**2, size, 8)
             bottoms.append(0.5 * self.depth + draw.normal(0.0, self.scatter, 8))
-            self.depth = self.depth + plan.share * law * factor + float(np.mean(plan.extra))
+            self.depth = (
+                self.depth + plan.share * law * factor + float(np.mean(plan.extra))
+            )
         strokes = (before[-1].strokes if before else 0.0) + plan.cycles * plan.share
         rate = float((self.depth - start).mean()) / (plan.cycles * plan.share)
         more: dict[str, Any] = {"interval": before[-1].interval if before else 0}
@@ -92,7 +106,9 @@ class KnownWear:
 
 def problem(*limits: Limit, **settings: Any) -> service_life.LifeProblem:
     common: dict[str, Any] = {"services": (), "at_most": 1e12, "tolerance": 0.1}
-    return service_life.LifeProblem(limits, **{"max_cycles": 10_000} | common | settings)
+    return service_life.LifeProblem(
+        limits, **{"max_cycles": 10_000} | common | settings
+    )
 
 
 def life_of(
@@ -110,7 +126,9 @@ def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
     service = replace(old[-1], cycles=0, interval=1, rate=0.0)
     blocks = (*old, service, load_block(2e5 + 2.0, 2, levels, 4e-11, interval=1))
     refinement = service_life.Refinement(1e-3, 8, blocks)
-    plan = service_life.next_block(problem(DEPTH, services=(Service("A", 2e5, False),)), refinement)
+    plan = service_life.next_block(
+        problem(DEPTH, services=(Service("A", 2e5, False),)), refinement
+    )
     assert (plan.cycles, plan.extra) == (8, 0.0)
     assert plan.share == pytest.approx(1e-3 / 4e-8)
 
@@ -129,10 +147,14 @@ def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> N
     ends = 2.0, 2.0 + before * stood_for, 2.0 + (before + cycles) * stood_for
     counts = 2, before, cycles
     blocks = tuple(map(block, ends, counts, (1.0, stood_for, stood_for)))
-    plan = service_life.next_block(problem(DEPTH), service_life.Refinement(1e-3, 5, blocks))
+    plan = service_life.next_block(
+        problem(DEPTH), service_life.Refinement(1e-3, 5, blocks)
+    )
     # The integral over each cycle less the rate at its start.
     lacking = cycles * 0.5 * slope * stood_for**2
-    assert plan.extra * plan.cycles == pytest.approx(np.full((1, 1, 1), lacking), rel=1e-9)
+    assert plan.extra * plan.cycles == pytest.approx(
+        np.full((1, 1, 1), lacking), rel=1e-9
+    )
 
 
 def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
@@ -144,7 +166,9 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
         strokes = float(starts[-1]) + each
         means = 1.0 + 1e4 * wear * starts.mean() + np.array([-1e-6, 1e-6])
         samples = {"A.force_max": means}
-        blocks.append(load_block(strokes, cycles, {"A.depth": np.zeros(2)}, wear, samples=samples))
+        blocks.append(
+            load_block(strokes, cycles, {"A.depth": np.zeros(2)}, wear, samples=samples)
+        )
     refinement = service_life.Refinement(blocks=tuple(blocks))
     expected = 1.0 + 1e4 * wear * refinement.strokes
     assert refinement.curve("A.force_max") == pytest.approx(expected, rel=1e-9)
@@ -199,7 +223,10 @@ def test_first_of_several_limits_ends_the_life() -> None:
     wear = KnownWear(2, noise=0.1, scatter=1e-7)
     life, refinements = life_of(problem(later, sooner), wear)
     assert abs(math.log(life.strokes / wear.life_until(2e-5))) <= life.error < 0.1
-    each = [service_life.estimate_life(refinements, [limit]).strokes for limit in (later, sooner)]
+    each = [
+        service_life.estimate_life(refinements, [limit]).strokes
+        for limit in (later, sooner)
+    ]
     assert each == [math.inf, life.strokes]
 
 
@@ -207,12 +234,18 @@ def test_mean_is_not_biased_by_the_choice_of_steps() -> None:
     """By its own wear a cycle that wears little would stand for more strokes."""
     wear = KnownWear(3, noise=2.0, fresh=0.0)
     life, _ = life_of(problem(DEPTH, tolerance=0.05, max_cycles=200_000), wear)
-    assert abs(math.log(life.strokes / wear.life_until(DEPTH.value))) <= life.error < 0.06
+    assert (
+        abs(math.log(life.strokes / wear.life_until(DEPTH.value))) <= life.error < 0.06
+    )
 
 
 def test_limit_exceeded_when_new_is_refused() -> None:
-    with pytest.raises(pw.InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"):
-        service_life.run_refinements(problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5))
+    with pytest.raises(
+        pw.InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"
+    ):
+        service_life.run_refinements(
+            problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5)
+        )
     # A drift is zero when new, whatever scatters.
     drift = Limit("bdc_drift", "", 1e-5)
     assert math.isfinite(life_of(problem(drift), KnownWear(4, scatter=1e-6))[0].strokes)
@@ -240,7 +273,9 @@ def estimates(limit: Limit, seed: int) -> list[float]:
         return wear(done, plan)
 
     whole = ran(service_life.run_refinements(life, advance))
-    return [left / (whole - cycles) for cycles, left in moments if cycles >= 0.2 * whole]
+    return [
+        left / (whole - cycles) for cycles, left in moments if cycles >= 0.2 * whole
+    ]
 
 
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
@@ -257,7 +292,9 @@ def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
     expected = 8.0 + 10.0 + 26.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
     assert fewest == pytest.approx(expected)
     whole = [
-        ran(service_life.run_refinements(problem(limit, tolerance=1.0), KnownWear(seed)))
+        ran(
+            service_life.run_refinements(problem(limit, tolerance=1.0), KnownWear(seed))
+        )
         for seed in range(20)
     ]
     assert fewest <= min(whole) <= 2.5 * fewest
@@ -295,17 +332,26 @@ def test_a_block_that_a_service_cuts_short_is_no_wear_phase() -> None:
     """It gets the correction for the whole block before it."""
     blocks = [*worn_at([1.0] * 8, 0.0).blocks]
     strokes, levels = blocks[-1].strokes, blocks[-1].levels["A.wear_volume"]
-    blocks.append(load_block(strokes + 10.0, 4, {"A.wear_volume": levels + 10.0 + 100.0}))
+    blocks.append(
+        load_block(strokes + 10.0, 4, {"A.wear_volume": levels + 10.0 + 100.0})
+    )
     for k in range(1, 9):
         volume = levels + 110.0 + 1e3 * k
-        blocks.append(load_block(strokes + 10.0 + 1e3 * k, 4, {"A.wear_volume": volume}))
-    (phase,) = wear_histories.wear_phases(service_life.Refinement(blocks=tuple(blocks)), "A")
+        blocks.append(
+            load_block(strokes + 10.0 + 1e3 * k, 4, {"A.wear_volume": volume})
+        )
+    (phase,) = wear_histories.wear_phases(
+        service_life.Refinement(blocks=tuple(blocks)), "A"
+    )
     assert phase.name == "steady"
     assert phase.rate == pytest.approx(1.0)
 
 
 def test_noise_is_no_wear_phase() -> None:
-    phases = [wear_histories.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A") for seed in range(50)]
+    phases = [
+        wear_histories.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A")
+        for seed in range(50)
+    ]
     assert sum(len(each) > 1 for each in phases) <= 10
 
 
@@ -331,7 +377,9 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert samples["bdc_drift"] == pytest.approx([2.5, 5.0])
     assert samples["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])
     assert samples["C.force_max"].tolist() == [25.0, 0.0]
-    single = wear_histories.samples_of(scene, rows[:, :1])  # 1 and 5: a history wore out
+    single = wear_histories.samples_of(
+        scene, rows[:, :1]
+    )  # 1 and 5: a history wore out
     assert single["repeatability"] == pytest.approx([8.0, 8.0])
     assert samples["A.force_max"].tolist() == [0.0, 0.0]
     names = {name.partition(".")[2] or name for name in (*levels, *samples)}
@@ -345,7 +393,9 @@ def scene_of(part: float = 0.02, share: float = 1.0, **life: Any) -> pw.Scene:
     """Return a bushing worn until it has lost a part of its clearance, two replicates."""
     settings: dict[str, Any] = {"until": f"B.depth > {part * GAP!r} m", "at_most": 1e12}
     limits = pw.Life(**settings | life)
-    return bush(share=share, life=limits, replicates=2, wear_updates=1, cycles=3, tolerance=0.5)
+    return bush(
+        share=share, life=limits, replicates=2, wear_updates=1, cycles=3, tolerance=0.5
+    )
 
 
 def life_of_scene(scene: pw.Scene) -> Any:
@@ -373,12 +423,18 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
         return
     limits = pw.Life(until=text).limits(JOINTS)
     joints = [joint] if joint else list(JOINTS) if of_joint else [""]
-    assert [(limit.joint, limit.value) for limit in limits] == [(each, value) for each in joints]
+    assert [(limit.joint, limit.value) for limit in limits] == [
+        (each, value) for each in joints
+    ]
 
 
 def test_services_are_read_in_the_order_of_strokes() -> None:
     life = pw.Life(replaced="A@2e6, B@4e6", turned=" B@1e6")
-    expected = [Service("B", 1e6, True), Service("A", 2e6, False), Service("B", 4e6, False)]
+    expected = [
+        Service("B", 1e6, True),
+        Service("A", 2e6, False),
+        Service("B", 4e6, False),
+    ]
     assert list(life.services(JOINTS)) == expected
 
 
@@ -389,7 +445,10 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         ({"until": "dept > 5 um"}, "did you mean depth"),
         ({"until": "depth > 5 N"}, "until: depth"),
         ({"until": "D.depth > 5 um"}, "joint with clearance in until"),
-        ({"replaced": "A2e6"}, r"replaced = 'A2e6': JOINT@STROKES is expected, such as"),
+        (
+            {"replaced": "A2e6"},
+            r"replaced = 'A2e6': JOINT@STROKES is expected, such as",
+        ),
         ({"turned": "C@2e6"}, "joint with clearance in turned"),
         ({"turned": "A@many"}, "turned: A"),
         ({"replaced": "A@2e6", "at_most": 1e6}, "allowed is below at_most = 1e"),
@@ -402,11 +461,17 @@ def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
 
 
 def test_scenes_without_a_life_are_refused() -> None:
-    with pytest.raises(pw.InputError, match=r"^replicates = 1: with a life allowed is 2 to 100"):
+    with pytest.raises(
+        pw.InputError, match=r"^replicates = 1: with a life allowed is 2 to 100"
+    ):
         bush(life=pw.Life(), wear_updates=1)
-    with pytest.raises(pw.InputError, match=r"'B.force_max > 1 N': it is exceeded when new"):
+    with pytest.raises(
+        pw.InputError, match=r"'B.force_max > 1 N': it is exceeded when new"
+    ):
         life_of_scene(scene_of(until="B.depth > 1 mm, force_max > 1 N"))
-    with pytest.raises(pw.InputError, match=r"'B.depth > 1.1 mm': allowed is below the clearance"):
+    with pytest.raises(
+        pw.InputError, match=r"'B.depth > 1.1 mm': allowed is below the clearance"
+    ):
         scene_of(1.1)
     says = r"joint B wears through its clearance after .* no limit is exceeded before .*; choose"
     with pytest.raises(pw.InputError, match=says):
@@ -430,10 +495,14 @@ def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
     first = service_life.FIRST_WEAR / COEFFICIENT
     assert steps[0].cycles == 4
     assert steps[0].factor == pytest.approx(first, rel=1e-15, abs=0.0)
-    assert sum(step.factor * step.cycles / 2 for step in steps) == pytest.approx(whole[1].strokes)
+    assert sum(step.factor * step.cycles / 2 for step in steps) == pytest.approx(
+        whole[1].strokes
+    )
 
 
-def test_no_number_depends_on_the_processes(whole: tuple[Path, Any], tmp_path: Path) -> None:
+def test_no_number_depends_on_the_processes(
+    whole: tuple[Path, Any], tmp_path: Path
+) -> None:
     pw.run(pw.load(whole[0]).scene, tmp_path / "two", jobs=2)
     assert folder_differences(whole[0], tmp_path / "two") == []
 
@@ -494,17 +563,25 @@ def with_wear(scene: pw.Scene, factor: float) -> pw.Scene:
     return changed(scene, settings)
 
 
-def test_life_is_inversely_proportional_to_the_wear_coefficient(whole: tuple[Path, Any]) -> None:
+def test_life_is_inversely_proportional_to_the_wear_coefficient(
+    whole: tuple[Path, Any],
+) -> None:
     """A motion without chaos wears the same surfaces one after another."""
     life = life_of_scene(with_wear(pw.load(whole[0]).scene, 10.0))
     assert 10.0 * life.strokes == pytest.approx(whole[1].strokes, rel=1e-6, abs=0.0)
 
 
 @pytest.mark.slow
-def test_life_of_a_chaotic_motion_is_inversely_proportional_to_the_wear_coefficient() -> None:
+def test_life_of_a_chaotic_motion_is_inversely_proportional_to_the_wear_coefficient() -> (
+    None
+):
     """A power of two changes no digit of the surfaces."""
     limits = pw.Life(until="A.depth > 8 um", max_cycles=40)
-    settings: dict[str, Any] = {"conventions": "refined", "wear_updates": 1, "cycles": 1}
+    settings: dict[str, Any] = {
+        "conventions": "refined",
+        "wear_updates": 1,
+        "cycles": 1,
+    }
     settings |= {"replicates": 2, "tolerance": 1.0, "engine": "dae", "life": limits}
     scene = pw.scenes.wear_times(**settings)
     plain, faster = (life_of_scene(with_wear(scene, factor)) for factor in (1.0, 16.0))
@@ -512,7 +589,9 @@ def test_life_of_a_chaotic_motion_is_inversely_proportional_to_the_wear_coeffici
     assert plain.refinements[0].cycles == faster.refinements[0].cycles
 
 
-@pytest.mark.parametrize(("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")])
+@pytest.mark.parametrize(
+    ("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")]
+)
 def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -> None:
     """It alone wears, and on one side: new or turned, the loaded side has lost nothing."""
     at = 0.6 * whole[1].strokes
@@ -526,7 +605,9 @@ def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -
     assert depth[k + 1] == (0.0 if key == "replaced" else depth[k])
 
 
-def test_limit_that_is_not_exceeded_ends_with_the_strokes(whole: tuple[Path, Any]) -> None:
+def test_limit_that_is_not_exceeded_ends_with_the_strokes(
+    whole: tuple[Path, Any],
+) -> None:
     at_most = 0.5 * whole[1].strokes
     life = life_of_scene(scene_of(at_most=at_most))
     assert (life.ended, life.first) == ("at_most", None)
@@ -540,16 +621,24 @@ def evenly_worn(cycles: int, strokes: float, **rates: float) -> service_life.Ref
     for k in range(cycles + 1):
         depth = strokes * k / cycles * np.array([0.99, 1.01])
         levels = {f"{joint}.depth": rate * depth for joint, rate in rates.items()}
-        levels |= {f"{joint}.wear_volume": 1e-6 * rate * depth for joint, rate in rates.items()}
+        levels |= {
+            f"{joint}.wear_volume": 1e-6 * rate * depth for joint, rate in rates.items()
+        }
         removed = np.full((len(rates), 2, 8), 1e-12)
         now = strokes * k / cycles
-        blocks.append(load_block(now, int(k > 0), levels, 1e-9 * CLEARANCE, removed=removed))
+        blocks.append(
+            load_block(now, int(k > 0), levels, 1e-9 * CLEARANCE, removed=removed)
+        )
     return service_life.Refinement(1.0 / cycles, 1, tuple(blocks))
 
 
 def test_first_limit_is_as_accurate_as_the_life() -> None:
     """The coarser refinement ended with another limit, before it came to this one."""
-    settings = {"life": "limits", "life.until": "depth > 0.05 mm", "conventions": "refined"}
+    settings = {
+        "life": "limits",
+        "life.until": "depth > 0.05 mm",
+        "conventions": "refined",
+    }
     scene = changed(pw.scenes.wear_times(), settings)
     coarse = evenly_worn(10, 1.04e6, A=5e-11, C=4.5e-11)
     both = coarse, evenly_worn(40, 1.04e6, A=4.7e-11, C=4.9e-11)
@@ -557,14 +646,25 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     life = wear_histories.life_result(scene, problem(*limits), both)
     first = life.first
     assert (first.key, life.limits[0].step) == ("C.depth", None)
-    assert (first.strokes, first.sampling, first.step) == (life.strokes, life.sampling, life.step)
+    assert (first.strokes, first.sampling, first.step) == (
+        life.strokes,
+        life.sampling,
+        life.step,
+    )
 
 
 def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
     """A lognormal coefficient with a standard deviation of half of its mean."""
-    settings = {"life": "limits", "life.until": "A.depth > 0.05 mm", "conventions": "refined"}
+    settings = {
+        "life": "limits",
+        "life.until": "A.depth > 0.05 mm",
+        "conventions": "refined",
+    }
     scene = changed(pw.scenes.wear_times(), settings)
-    assert [scene.bearing(name).materials.wear_scatter for name in ("A", "C")] == [0.5, 0.5]
+    assert [scene.bearing(name).materials.wear_scatter for name in ("A", "C")] == [
+        0.5,
+        0.5,
+    ]
     life = wear_histories.life_result(
         scene, problem(DEPTH), [evenly_worn(10, 2e6, A=5e-11, C=1e-11)]
     )
@@ -573,10 +673,14 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
 
 
 @pytest.mark.parametrize("depth", [0.976, 0.98])
-def test_life_ends_with_the_cycle_that_wears_through_the_clearance(depth: float) -> None:
+def test_life_ends_with_the_cycle_that_wears_through_the_clearance(
+    depth: float,
+) -> None:
     """Strokes are counted up to that cycle, within a block: Archard's rate stays."""
     surfaces = {"B": (np.full(120, depth * GAP), None)}
-    life = life_of_scene(replace(scene_of(until="wear_volume > 1 m^3"), surfaces=surfaces))
+    life = life_of_scene(
+        replace(scene_of(until="wear_volume > 1 m^3"), surfaces=surfaces)
+    )
     assert life.ended == "worn"
     assert "more than the clearance" in life.message
     strokes, volume = life.curves["strokes"], life.curves["B.wear_volume"][:, 0]
@@ -590,7 +694,9 @@ def test_life_ends_with_the_cycle_that_wears_through_the_clearance(depth: float)
 def fails_at(depth: float) -> Callable[..., Finding | None]:
     """Return an examination that finds something once a surface is so deep, m."""
 
-    def examine(linkage: pw.Linkage, recorder: Recorder, now: Condition) -> Finding | None:
+    def examine(
+        linkage: pw.Linkage, recorder: Recorder, now: Condition
+    ) -> Finding | None:
         if recorder.surface_depth.max(initial=-np.inf) > depth:
             return Finding("state", "the state is no longer finite", now.time, "B", "")
         return None

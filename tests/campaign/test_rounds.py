@@ -24,10 +24,15 @@ QUICK = {
     **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
     **{"speed": "60rad/s", "angles": "90", "wear_updates": 1, "cycles_per_update": 1e5},
 }
-# As many cycles as allowed, a wear update in one jump, and rounds after it, together and alone.
-JUMP = changed(replace(pw.scenes.wear_times(), replicates=3, max_cycles=9, tolerance=1.0), QUICK)
+# As many cycles as allowed, a wear update in one jump, and rounds after it, together
+# and alone.
+JUMP = changed(
+    replace(pw.scenes.wear_times(), replicates=3, max_cycles=9, tolerance=1.0), QUICK
+)
 STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
-UNTIL_KNOWN = replace(JUMP, wear_updates=0, replicates=4, max_cycles=200, tolerance=0.06)
+UNTIL_KNOWN = replace(
+    JUMP, wear_updates=0, replicates=4, max_cycles=200, tolerance=0.06
+)
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
 
 
@@ -59,12 +64,16 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
 class Reversed(Workers):
     """Runs the last job first."""
 
-    def run(self, jobs: Mapping[int, Job], ended: OnResult, progress: OnProgress) -> None:
+    def run(
+        self, jobs: Mapping[int, Job], ended: OnResult, progress: OnProgress
+    ) -> None:
         waiting = dict(jobs)
         while waiting:
             key = max(waiting)
 
-            def report(done: float, word: str = "", rows: Any = None, key: int = key) -> None:
+            def report(
+                done: float, word: str = "", rows: Any = None, key: int = key
+            ) -> None:
                 progress(key, done, word, rows)
 
             for other, job in ended(key, waiting.pop(key)(report)).items():
@@ -74,7 +83,9 @@ class Reversed(Workers):
 
 
 @pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])
-def test_failed_run_is_the_last(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_run_is_the_last(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 
@@ -122,10 +133,15 @@ def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("part", "jobs"), [(0.2, 2), (0.6, 3)])
-def test_interrupted_processes_resume_in_one(part: float, jobs: int, tmp_path: Path) -> None:
+def test_interrupted_processes_resume_in_one(
+    part: float, jobs: int, tmp_path: Path
+) -> None:
     """No cycle is lost that any of the processes had finished."""
     scene, path = replace(UNTIL_KNOWN, cycles=8), tmp_path / "stopped"
-    with workers_of(scene, jobs, interval=0.0) as workers, pytest.raises(KeyboardInterrupt):
+    with (
+        workers_of(scene, jobs, interval=0.0) as workers,
+        pytest.raises(KeyboardInterrupt),
+    ):
         run_into(ResultFolder(path, scene), scene, [At(interrupt, part)], workers)
     with ResultFolder(path, scene, resume=True) as folder:
         assert folder.resumed is not None
@@ -147,7 +163,9 @@ class Stored(pw.Observer):
 
 
 @pytest.mark.parametrize(("interval", "is_each_due"), [(0.0, True), (1e6, False)])
-def test_checkpoint_is_written_when_due(interval: float, is_each_due: bool, tmp_path: Path) -> None:
+def test_checkpoint_is_written_when_due(
+    interval: float, is_each_due: bool, tmp_path: Path
+) -> None:
     """After every cycle without an interval, and after a stage in any case."""
     observer, scene = Stored(tmp_path / "out"), replace(STEPS, replicates=1)
     run(scene, observer.path, jobs=1, observers=[observer], interval=interval)
@@ -165,7 +183,9 @@ def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
     stored.provenance["machine"] = "Plan 9, 1 core"
     stored.write(path)
     with ResultFolder(path, STEPS, resume=True) as folder:
-        (remark,) = (line for line in folder.remarks if "last digits may differ" in line)
+        (remark,) = (
+            line for line in folder.remarks if "last digits may differ" in line
+        )
     assert "Plan 9, 1 core" in remark
 
 

@@ -32,7 +32,9 @@ def slow_crank() -> Scene:
     )
 
 
-def rows_of(irregular: int, regular: int, force: float = 300.0, place: float = 0.0) -> Array:
+def rows_of(
+    irregular: int, regular: int, force: float = 300.0, place: float = 0.0
+) -> Array:
     """Return rows of a run that is irregular for some cycles, then regular for others."""
     generator = np.random.default_rng(irregular + 100)
     rows = np.zeros((irregular + regular, cycle_columns(1, 0)))
@@ -51,7 +53,9 @@ def joints(slow_crank: Scene) -> tuple[ClearanceJoint, ...]:
     return slow_crank.linkage().clearances
 
 
-def test_runs_of_which_some_have_settled_are_mixed(joints: tuple[ClearanceJoint, ...]) -> None:
+def test_runs_of_which_some_have_settled_are_mixed(
+    joints: tuple[ClearanceJoint, ...],
+) -> None:
     settling = settling_of(joints, [rows_of(30, 40), rows_of(12, 58), rows_of(70, 0)])
     assert settling is not None
     assert settling.verdict == "mixed"
@@ -62,17 +66,23 @@ def test_runs_of_which_some_have_settled_are_mixed(joints: tuple[ClearanceJoint,
     assert regular.contacts["B"].mean == 0.0
     assert irregular.contacts["B"].mean == pytest.approx(20.0)
     assert irregular.period is None
-    # Settled 28 and 10 cycles after the start-up, irregular for 58 at least: 96 cycles, two ends.
+    # Settled 28 and 10 cycles after the start-up, irregular for 58 at least: 96 cycles,
+    # two ends.
     assert settling.half_life is not None
     assert settling.half_life.mean == pytest.approx(np.log(2.0) * 96.0 / 2.0)
-    assert "2 of 3 runs came to rest on a regular motion (peak force 300 N at B)" in sentence_of(
-        settling
+    assert (
+        "2 of 3 runs came to rest on a regular motion (peak force 300 N at B)"
+        in sentence_of(settling)
     )
     assert not any(settling.skipped(k) for k in range(3))
 
 
-def test_motions_of_different_forces_coexist(joints: tuple[ClearanceJoint, ...]) -> None:
-    settling = settling_of(joints, [rows_of(5, 40), rows_of(9, 40), rows_of(5, 40, 600.0)])
+def test_motions_of_different_forces_coexist(
+    joints: tuple[ClearanceJoint, ...],
+) -> None:
+    settling = settling_of(
+        joints, [rows_of(5, 40), rows_of(9, 40), rows_of(5, 40, 600.0)]
+    )
     assert settling is not None
     assert settling.verdict == "coexisting"
     assert settling.is_mixture
@@ -90,11 +100,16 @@ def test_settled_runs_have_their_samples_from_the_regular_motion(
     assert needs_warning(settling)
 
 
-def test_runs_that_settle_at_once_need_no_warning(joints: tuple[ClearanceJoint, ...]) -> None:
+def test_runs_that_settle_at_once_need_no_warning(
+    joints: tuple[ClearanceJoint, ...],
+) -> None:
     settling = settling_of(joints, [rows_of(2, 40), rows_of(3, 40)])
     assert settling is not None
     assert not needs_warning(settling)
-    assert sentence_of(settling) == "The motion is regular: 2 runs repeat after 2 to 3 strokes"
+    assert (
+        sentence_of(settling)
+        == "The motion is regular: 2 runs repeat after 2 to 3 strokes"
+    )
 
 
 def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) -> None:
@@ -102,7 +117,9 @@ def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) 
     assert settling is not None
     assert settling.half_life is None
     # No end in 4 x 48 cycles: 2^(-192 / T) = 0.05.
-    assert settling.least_half_life == pytest.approx(-192.0 * np.log(2.0) / np.log(0.05))
+    assert settling.least_half_life == pytest.approx(
+        -192.0 * np.log(2.0) / np.log(0.05)
+    )
     assert "none of 4 runs came to rest" in sentence_of(settling)
 
 
@@ -126,7 +143,8 @@ def statistics_of(scene: Scene) -> tuple[pw.Result, StageStatistics]:
 def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene) -> None:
     """The peak of 298.9 N was found by another simulator; the first strokes have 1,900 N.
 
-    With a half-life of 30 to 40 cycles, one of a thousand runs of 400 cycles is still irregular.
+    With a half-life of 30 to 40 cycles, one of a thousand runs of 400 cycles is still
+    irregular.
     """
     result, statistics = statistics_of(slow_crank)
     settling = statistics.settling
@@ -169,17 +187,25 @@ def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene) -> None:
 def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene) -> None:
     """Of 50 strokes; for some seeds neither of two runs settles in them."""
     life = pw.Life(until="B.depth > 5 um")
-    changes: dict[str, Any] = {"wear_updates": 1, "cycles": 12, "tolerance": 0.5, "replicates": 2}
+    changes: dict[str, Any] = {
+        "wear_updates": 1,
+        "cycles": 12,
+        "tolerance": 0.5,
+        "replicates": 2,
+    }
     for seed in range(6):
         result = pw.run(replace(slow_crank, life=life, seed=seed, **changes), jobs=2)
         if result.life and "same regular motion" in result.life.motion:
             break
     assert result.life is not None
-    peak = re.search(r"same regular motion \(peak force (\d+) N at B\)", result.life.motion)
+    peak = re.search(
+        r"same regular motion \(peak force (\d+) N at B\)", result.life.motion
+    )
     assert peak is not None
     assert float(peak[1]) == pytest.approx(298.9, abs=1.5)
     assert result.life.motion.endswith("The histories begin in this motion")
-    # The motion without touchdown goes on while the surfaces wear by a hundredth of the clearance.
+    # The motion without touchdown goes on while the surfaces wear by a hundredth of the
+    # clearance.
     assert result.life.settled[0] == 2
     forces = result.life.curves["B.force_max"][:, 0]
     assert forces.max() < 450.0

@@ -12,17 +12,26 @@ from presswear.recording.statistics import after_startup, pooled
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
     """The balance of energy over a run, and over the cycles that are samples."""
-    settings: dict[str, Any] = {"engine": engine, "purpose": "trajectory", "wear_updates": 0}
+    settings: dict[str, Any] = {
+        "engine": engine,
+        "purpose": "trajectory",
+        "wear_updates": 0,
+    }
     scene = pw.Scene(pw.FourBar(), **settings, replicates=1, cycles=12)
     stage = pw.run(scene).stages[0]
     work, stored = map(stage.each_cycle, ("drive_work", "stored_energy_change"))
     energy = {
-        name: float(value or 0.0) for name, value in stage.diagnostics.items() if name[-2:] == "_J"
+        name: float(value or 0.0)
+        for name, value in stage.diagnostics.items()
+        if name[-2:] == "_J"
     }
     assert work.sum() == pytest.approx(energy["drive_work_J"], abs=1e-12)
     assert stored.sum() == pytest.approx(energy["stored_energy_change_J"], abs=1e-12)
-    # The error of the integration; its sign is not stored, because several runs would cancel.
-    missed = (work - stored).sum() - energy["contact_loss_J"] - energy["friction_loss_J"]
+    # The error of the integration; its sign is not stored, because several runs would
+    # cancel.
+    missed = (
+        (work - stored).sum() - energy["contact_loss_J"] - energy["friction_loss_J"]
+    )
     assert abs(missed) == pytest.approx(abs(energy["energy_residual_J"]), abs=1e-12)
     assert abs(missed) < 1e-6 * energy["drive_exchange_J"]
     estimate = stage.statistics.drive_work_per_cycle

@@ -161,14 +161,20 @@ def test_run_ideal_and_report(tmp_path: Path, command: Command) -> None:
 
 
 @pytest.mark.parametrize("is_verbose", [True, False])
-def test_verbose_logs_the_stages(is_verbose: bool, capsys: pytest.CaptureFixture[str]) -> None:
+def test_verbose_logs_the_stages(
+    is_verbose: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
     with logging_to_stderr(is_verbose):
         campaign.run(replace(pw.scenes.ideal(), cycles=1, engine="dae"))
     lines = capsys.readouterr().err.splitlines()
     assert bool(lines) == is_verbose
     assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
-    for words in ("stage 0 begins: no wear", "stage 0 ends: completed, 1 cycles")[: len(lines)]:
-        assert len([line for line in lines if f".campaign.campaign: {words}" in line]) == 1
+    for words in ("stage 0 begins: no wear", "stage 0 ends: completed, 1 cycles")[
+        : len(lines)
+    ]:
+        assert (
+            len([line for line in lines if f".campaign.campaign: {words}" in line]) == 1
+        )
     assert not logging.getLogger("presswear").handlers
     for words in ("-v list ideal", "list ideal --verbose", "list ideal"):
         arguments = parser_for(words.split()).parse_args(words.split())
@@ -176,7 +182,9 @@ def test_verbose_logs_the_stages(is_verbose: bool, capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize("name", ["", *COMMANDS])
-def test_every_help_has_an_example(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_help_has_an_example(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as ended:
         main([*name.split(), "--help"])
     assert ended.value.code == 0
@@ -203,7 +211,11 @@ sys.exit(main(["list"]))
 def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
     command = [sys.executable, "-c", INTERRUPTED % module]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "presswear: interrupted\n")
+    assert (ended.returncode, ended.stdout, ended.stderr) == (
+        130,
+        "",
+        "presswear: interrupted\n",
+    )
 
 
 def test_memory_that_runs_out_is_one_line(
@@ -216,7 +228,9 @@ def test_memory_that_runs_out_is_one_line(
     assert command("list", 1) == "presswear: memory ran out\n"
 
 
-def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+def test_interrupt_that_became_error(
+    monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
     def listed(arguments: object, console: object) -> int:
         try:
             signal.raise_signal(signal.SIGTERM)
@@ -233,7 +247,11 @@ def test_interrupt_that_became_error(monkeypatch: pytest.MonkeyPatch, command: C
 
 @pytest.mark.parametrize(("kind", "key"), [("press", "length_2"), ("points", "cycle")])
 def test_a_new_file_is_listed_drawn_and_run(
-    kind: str, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+    kind: str,
+    key: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: Command,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert f"wrote {kind}.toml" in command(f"new {kind}")
@@ -261,7 +279,9 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
     law = "def soft(penetration):\n    return 1e7 * penetration\n"
     Path("laws.py").write_text(law)
     changed = 'wear_updates = 0\nnormal_law = "laws.py:soft"'
-    Path("mine.toml").write_text(example_file("four-bar").replace("wear_updates = 1", changed))
+    Path("mine.toml").write_text(
+        example_file("four-bar").replace("wear_updates = 1", changed)
+    )
     scene = scene_from(Path("mine.toml"))
     with ResultFolder(Path("out"), scene) as folder:
         folder.interrupt()
@@ -311,21 +331,38 @@ def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) 
             pipes: dict[str, Any] = {"stdout": full, "stderr": subprocess.PIPE}
             done = subprocess.run(words, env=environment, text=True, **pipes)
         assert done.returncode == 2
-        output = "presswear: standard output cannot be written: No space left on device\n"
+        output = (
+            "presswear: standard output cannot be written: No space left on device\n"
+        )
         assert done.stderr == output
 
 
 def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    file.write_text(example_file("four-bar").replace("My four-bar", "Ø 30 µm ±"), encoding="utf-8")
+    file.write_text(
+        example_file("four-bar").replace("My four-bar", "Ø 30 µm ±"), encoding="utf-8"
+    )
     words = [sys.executable, "-m", "presswear", "run", "mine.toml", "--out", "out"]
-    words += ["--engine", "dae", "--cycles", "1", "--wear-updates", "0", "--set", "joints=none"]
+    words += [
+        "--engine",
+        "dae",
+        "--cycles",
+        "1",
+        "--wear-updates",
+        "0",
+        "--set",
+        "joints=none",
+    ]
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=False)
+    done = subprocess.run(
+        words, cwd=tmp_path, env=environment, capture_output=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert b"\\xd8 30 \\xb5m \\xb1" in done.stdout
     words[-1] = "joints=µ"
-    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=False)
+    done = subprocess.run(
+        words, cwd=tmp_path, env=environment, capture_output=True, check=False
+    )
     assert done.returncode == 2
     assert b"joints = '\\xb5'" in done.stderr
 
@@ -343,7 +380,9 @@ def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> Non
     assert "plain: the life needs about " in first
     assert "add --resume" in command(f"{line} --out {out}", 2)
     again = command(f"{line} --out {out} --resume")
-    lines = [line for line in first.splitlines() if line.startswith(("plain: ", "wear_"))]
+    lines = [
+        line for line in first.splitlines() if line.startswith(("plain: ", "wear_"))
+    ]
     lines = [line for line in lines if "needs about" not in line]
     assert len(lines) == 2
     assert all(line in again for line in lines)
@@ -363,7 +402,13 @@ def test_a_quick_life_has_two_rates(tmp_path: Path, command: Command) -> None:
 def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -> None:
     pw.run(pw.scenes.slider_crank(cycles=4), tmp_path / "run", engine="dae", jobs=1)
     output = command(f"dynamics {tmp_path / 'run'}")
-    for word in ("free flight", "impact", "sustained contact", "sticking", "no period within 1 %"):
+    for word in (
+        "free flight",
+        "impact",
+        "sustained contact",
+        "sticking",
+        "no period within 1 %",
+    ):
         assert word in output
     assert "largest Lyapunov exponent" in command("dynamics slider-crank --exponent 3")
     line = f"dynamics {tmp_path / 'run'} --over 'clearance=0.01:0.02:2 mm'"
@@ -373,13 +418,20 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
     assert (tmp_path / "d" / "diagram.png").stat().st_size > 10_000
 
 
-def test_final_motions_of_a_scene_over_a_parameter(tmp_path: Path, command: Command) -> None:
+def test_final_motions_of_a_scene_over_a_parameter(
+    tmp_path: Path, command: Command
+) -> None:
     line = f"dynamics settle slider-crank --starts 2 --cycles 20 --jobs 1 --out {tmp_path / 's'}"
     output = command(f"{line} --over 'speed=100:200:2 rad/s'")
     for speed in (100, 200):
-        assert f"speed = {speed} rad/s: none of 2 starts settled in 20 cycles: half-life" in output
+        assert (
+            f"speed = {speed} rad/s: none of 2 starts settled in 20 cycles: half-life"
+            in output
+        )
     lines = (tmp_path / "s" / "half-life.csv").read_text().splitlines()
-    assert lines[0].startswith("speed (rad/s),starts,settled,irregular,failed,half_life (cycles)")
+    assert lines[0].startswith(
+        "speed (rad/s),starts,settled,irregular,failed,half_life (cycles)"
+    )
     assert [line.split(",")[:5] for line in lines[1:]] == [
         ["100.0", "2", "0", "2", "0"],
         ["200.0", "2", "0", "2", "0"],
@@ -400,7 +452,9 @@ echo "${COMPREPLY[@]}"
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is missing")
-def test_completion_of_commands_options_and_names(tmp_path: Path, command: Command) -> None:
+def test_completion_of_commands_options_and_names(
+    tmp_path: Path, command: Command
+) -> None:
     assert command("completion zsh").startswith("#compdef presswear\n")
     (tmp_path / "script.sh").write_text(command("completion bash"))
     (tmp_path / "first").mkdir()
@@ -413,7 +467,9 @@ def test_completion_of_commands_options_and_names(tmp_path: Path, command: Comma
         "report f": {"first"},
     }.items():
         call = ["bash", "-c", _TRY, "bash", "presswear", *line.split()]
-        output = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=True)
+        output = subprocess.run(
+            call, cwd=tmp_path, capture_output=True, text=True, check=True
+        )
         assert set(output.stdout.split()) == words, line
         assert not output.stderr
 

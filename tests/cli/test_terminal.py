@@ -20,7 +20,12 @@ from rich.progress import Progress as ProgressBar
 from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run
 from presswear.cli.run import RunObserver, step_text
-from presswear.cli.terminal import load_result, named_progress, print_lines, progress_bar
+from presswear.cli.terminal import (
+    load_result,
+    named_progress,
+    print_lines,
+    progress_bar,
+)
 from presswear.recording.observer import COMPILING, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import JointStatistics, StageResult, StageStatistics
@@ -45,13 +50,19 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 def console_of(width: int, clock: Clock, is_terminal: bool = True) -> Console:
-    look: dict[str, Any] = {"force_terminal": is_terminal, "legacy_windows": False, "record": True}
+    look: dict[str, Any] = {
+        "force_terminal": is_terminal,
+        "legacy_windows": False,
+        "record": True,
+    }
     return Console(width=width, file=io.StringIO(), get_time=clock.perf_counter, **look)
 
 
 def stage_of(statistics: StageStatistics, simulated: float, wall: float) -> StageResult:
     model: Any = {"model": "an open tree", "solver": "DOPRI5"}
-    return StageResult(0, "completed", "", None, 1e6, (), simulated, wall, model, statistics)
+    return StageResult(
+        0, "completed", "", None, 1e6, (), simulated, wall, model, statistics
+    )
 
 
 def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
@@ -79,12 +90,15 @@ def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> No
 def in_terminal(words: list[str], folder: Path) -> str:
     """Return what Python writes to a pseudo-terminal.
 
-    It has 70 columns, because the time left of a short run is shorter than "12.7 minutes left".
+    It has 70 columns, because the time left of a short run is shorter than "12.7
+    minutes left".
     """
     ours, theirs = pty.openpty()
     termios.tcsetwinsize(theirs, (24, 70))
     streams: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
-    environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")}
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("COLUMNS", "NO_COLOR")
+    }
     environment |= {"TERM": "xterm"}
     command = [sys.executable, *words]
     with subprocess.Popen(command, cwd=folder, env=environment, **streams) as process:
@@ -102,10 +116,17 @@ def in_terminal(words: list[str], folder: Path) -> str:
 def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> None:
     update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None, 2)
     assert update is not None
-    labels = ["cycle 1999 of 2000", update.label, "life, refinement 12, 990 million strokes"]
+    labels = [
+        "cycle 1999 of 2000",
+        update.label,
+        "life, refinement 12, 990 million strokes",
+    ]
     texts = [step_text(SCENE, stage, label) for label in labels]
     bar = progress_bar(console_of(80, clock))
-    tasks = [bar.add_task(text, total=1.0) for text in [*texts, "sweep: 1234 of 2000, 12 failed"]]
+    tasks = [
+        bar.add_task(text, total=1.0)
+        for text in [*texts, "sweep: 1234 of 2000, 12 failed"]
+    ]
     clock.now += 0.5 * 762.0
     for task in tasks:
         bar.update(task, completed=1.0 / 3.0)
@@ -114,7 +135,9 @@ def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> N
     assert all(line.endswith("33% 12.7 minutes left") for line in lines)
 
 
-def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(tmp_path: Path) -> None:
+def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
+    tmp_path: Path,
+) -> None:
     """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
     (tmp_path / "four-bar.toml").write_text(example_file("four-bar"))
     line = "life four-bar.toml --cycles 1 --until B.depth>4um --tolerance 1 --no-report"
@@ -142,7 +165,11 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
 def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> None:
     console = console_of(80, clock)
     with run._several_runs(console, "improve", tmp_path, 2) as (show, _):
-        show("bush replaced_ A@2500000, B@4000000", 0.5, "applying the first wear in 128 steps")
+        show(
+            "bush replaced_ A@2500000, B@4000000",
+            0.5,
+            "applying the first wear in 128 steps",
+        )
         show("plain", 1.0, "completed")
     assert "finished plain: completed" in (text := console.export_text())
     assert "improve: 1 of 2 finished " in text.splitlines()[-1]
@@ -155,7 +182,10 @@ def test_steps_are_described() -> None:
     update = "first wear in 12 steps"
     assert step_text(SCENE, 0, update) == f"applying the {update}"
     assert step_text(SCENE, 1, words) == f"after the first wear: {words}"
-    assert step_text(SCENE, 0, "life, refinement 1, 2 strokes") == "life, refinement 1, 2 strokes"
+    assert (
+        step_text(SCENE, 0, "life, refinement 1, 2 strokes")
+        == "life, refinement 1, 2 strokes"
+    )
 
 
 def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
@@ -171,7 +201,10 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     observer.on_progress(Progress(0, 0.1, 0.1, "", linkage))
     assert lines_of(bar, 80, clock)[0].startswith("no wear")
     observer.on_stage(stage)
-    assert "1 cycle of all replicates, 3.00 s per simulated second" in console.export_text()
+    assert (
+        "1 cycle of all replicates, 3.00 s per simulated second"
+        in console.export_text()
+    )
     observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
     clock.now += 8.0
     observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))
@@ -184,7 +217,9 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> 
     observer = RunObserver(progress_bar(console), SCENE)
     for k in range(1, 13):
         clock.now += 10.5
-        observer.on_progress(Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5", SCENE.linkage()))
+        observer.on_progress(
+            Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5", SCENE.linkage())
+        )
     assert console.export_text().splitlines() == [
         "no wear: cycle 2 of 5, 24 % 3.33 minutes left",
         "no wear: cycle 2 of 5, 48 % 2.27 minutes left",
@@ -241,7 +276,9 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
 def test_names_are_no_markup(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     result: Any = Namespace(stages=["first"])
     monkeypatch.setattr("presswear.results.result.load", lambda _path: result)
-    monkeypatch.setattr("presswear.results.result.unfinished", lambda _: "the run in a[/red]b")
+    monkeypatch.setattr(
+        "presswear.results.result.unfinished", lambda _: "the run in a[/red]b"
+    )
     console = console_of(80, clock)
     assert load_result(Path(), console) is result
     assert "a[/red]b: only these are used" in console.export_text()

@@ -44,5 +44,7 @@ def test_unknown_command_is_refused() -> None:
 @pytest.mark.parametrize("page", sorted(PAGES), ids=lambda page: page.stem)
 def test_every_formula_of_a_page_is_converted(page: Path) -> None:
     prose = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(), flags=re.DOTALL)
-    for block, formula in re.findall(r"\$\$(.*?)\$\$|\$([^$\n]+?)\$", prose, flags=re.DOTALL):
+    for block, formula in re.findall(
+        r"\$\$(.*?)\$\$|\$([^$\n]+?)\$", prose, flags=re.DOTALL
+    ):
         assert mathml_of(block or formula, bool(block))

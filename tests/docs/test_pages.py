@@ -47,7 +47,11 @@ def test_commands_are_found() -> None:
 
 
 @pytest.mark.parametrize(
-    "line", [pytest.param(line, id=f"{page.stem}: {line[:40]}") for page, line in COMMAND_LINES]
+    "line",
+    [
+        pytest.param(line, id=f"{page.stem}: {line[:40]}")
+        for page, line in COMMAND_LINES
+    ],
 )
 def test_command_line_is_valid(line: str) -> None:
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
@@ -67,12 +71,18 @@ def test_nothing_is_installed_by_the_name_of_the_package() -> None:
     """It is not on PyPI; an extra is installed from the folder of the sources."""
     for file in [*PAGES, *(ROOT / "presswear").rglob("*.py")]:
         if file.name != "CHANGELOG.md":
-            assert not re.search(r"pip install \S*presswear\b|presswear\[", file.read_text()), file
+            assert not re.search(
+                r"pip install \S*presswear\b|presswear\[", file.read_text()
+            ), file
 
 
 def test_scripts_for_slurm_pass_the_cores_on() -> None:
     """``srun`` has not inherited ``--cpus-per-task`` since Slurm 22.05."""
-    lines = [line for page in PAGES for line in re.findall(r"(?m)^srun .*$", page.read_text())]
+    lines = [
+        line
+        for page in PAGES
+        for line in re.findall(r"(?m)^srun .*$", page.read_text())
+    ]
     assert lines
     assert all("--cpus-per-task=$SLURM_CPUS_PER_TASK" in line for line in lines)
 
@@ -97,14 +107,20 @@ def test_the_build_runs_all_other_commands() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_names_imported_by_a_page_exist(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_names_imported_by_a_page_exist(
+    page: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for folder in (ROOT / "tests", ROOT / "tests" / "literature"):
         monkeypatch.syspath_prepend(folder)
-    for cell in re.findall(r"(?s)```\{code-cell\} ipython3\n(?!%%)(.*?)```", page.read_text()):
+    for cell in re.findall(
+        r"(?s)```\{code-cell\} ipython3\n(?!%%)(.*?)```", page.read_text()
+    ):
         for node in ast.walk(ast.parse(re.sub(r"^:tags.*\n", "", cell))):
             if isinstance(node, ast.ImportFrom) and node.module:
                 module = import_module(node.module)
-                assert all(hasattr(module, item.name) for item in node.names), node.module
+                assert all(hasattr(module, item.name) for item in node.names), (
+                    node.module
+                )
 
 
 def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
@@ -124,10 +140,16 @@ def test_tutorial_links_to_its_notebook(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES_WITH_CODE, ids=lambda page: page.stem)
 def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
-    cells = re.findall(r"(?s)```\{code-cell\} ipython3\n(?::tags:.*?\n)?(.*?)```", page.read_text())
-    file = DOCS / "outputs" / "-".join(page.relative_to(DOCS).with_suffix(".ipynb").parts)
+    cells = re.findall(
+        r"(?s)```\{code-cell\} ipython3\n(?::tags:.*?\n)?(.*?)```", page.read_text()
+    )
+    file = (
+        DOCS / "outputs" / "-".join(page.relative_to(DOCS).with_suffix(".ipynb").parts)
+    )
     stored = json.loads(file.read_text())["cells"]
-    assert ["".join(cell["source"]) for cell in stored] == [cell.strip() for cell in cells]
+    assert ["".join(cell["source"]) for cell in stored] == [
+        cell.strip() for cell in cells
+    ]
     assert any(cell["outputs"] for cell in stored)
 
 
@@ -151,7 +173,9 @@ def test_functions_named_in_the_theory_exist(page: Path) -> None:
 
 
 def test_theory_names_functions_of_every_room() -> None:
-    named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
+    named = {
+        name.partition(".")[0] for page in THEORY for name in functions_named(page)
+    }
     assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
 
 
@@ -169,7 +193,12 @@ def test_sources_with_a_year_are_in_the_references() -> None:
             rf"([A-Z]\w\w+){between}((?:18|19|20)\d\d)\b", plain(source.read_text())
         )
     }
-    listed = {pair for pair in cited for text in references if all(part in text for part in pair)}
+    listed = {
+        pair
+        for pair in cited
+        for text in references
+        if all(part in text for part in pair)
+    }
     assert len(cited) > 20
     assert sorted(cited - listed) == []
 
@@ -183,9 +212,18 @@ def numbers_explained() -> str:
 
 def test_key_numbers_of_a_report_have_a_formula() -> None:
     life = LifeResult("at_most", "", 1e6, None, None, 0.0, (), (), ())
-    settings = {"conventions": "refined", "cycles": 4, "replicates": 2, "wear_updates": 0}
+    settings = {
+        "conventions": "refined",
+        "cycles": 4,
+        "replicates": 2,
+        "wear_updates": 0,
+    }
     result = pw.run(pw.scenes.press_blanking(**settings, engine="dae"))
-    names = {one.name for each in (result, replace(result, life=life)) for one in key_numbers(each)}
+    names = {
+        one.name
+        for each in (result, replace(result, life=life))
+        for one in key_numbers(each)
+    }
     assert len(names) == 11
     assert [name for name in names if name not in numbers_explained()] == []
 
@@ -197,8 +235,16 @@ def test_rows_of_a_report_have_a_formula() -> None:
     content = tomllib.loads(re.sub(r"\{\{.*?\}\}", "…", text))
     names = "joints", "bottom", "tonnage", "drives", "growth", "motion"
     rows = [row for name in names for lines in content[name].values() for row in lines]
-    rows += [row for name in ("endings", "limits", "phases") for row in content["columns"][name]]
-    parts = {part.strip() for label, *_ in rows for part in re.split(r"…|, |: | \(|\)", label)}
+    rows += [
+        row
+        for name in ("endings", "limits", "phases")
+        for row in content["columns"][name]
+    ]
+    parts = {
+        part.strip()
+        for label, *_ in rows
+        for part in re.split(r"…|, |: | \(|\)", label)
+    }
     known = {part for part in parts if len(part) > 2}
     assert len(known) > 60
     assert [part for part in sorted(known) if part not in numbers_explained()] == []
@@ -228,7 +274,10 @@ def texts(tree: ast.AST) -> Iterator[str]:
     """Yield the texts in a module; values in them are the character 0."""
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr):
-            parts = [part.value if isinstance(part, ast.Constant) else "\0" for part in node.values]
+            parts = [
+                part.value if isinstance(part, ast.Constant) else "\0"
+                for part in node.values
+            ]
             yield "".join(map(str, parts))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield node.value
@@ -263,10 +312,14 @@ def test_arrays_on_the_page_are_those_of_a_stage() -> None:
                 assert size == expected or word == "columns", f"{name}: {word}"
     assert listed == set(stage.arrays)
     names = {column.name for column in (*CYCLE, *JOINT_CYCLE, *DRIVE_CYCLE)}
-    assert names <= set(re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :]))
+    assert names <= set(
+        re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :])
+    )
 
 
-def test_examples_of_the_reference_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_examples_of_the_reference_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Every public name is in an example."""
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"(?s)```python\n(.*?)```", (DOCS / "api.md").read_text())
@@ -283,7 +336,9 @@ def estimates(text: str) -> dict[str, list[float]]:
 
 def test_table_in_the_readme_is_that_of_a_run() -> None:
     """Intervals overlap, those of a shorter run being wider."""
-    (text,) = re.findall(r"(?s)<!-- result -->(.*)<!-- end -->", (ROOT / "README.md").read_text())
+    (text,) = re.findall(
+        r"(?s)<!-- result -->(.*)<!-- end -->", (ROOT / "README.md").read_text()
+    )
     stored, computed = estimates(text), estimates(result_table(cycles=8))
     assert list(stored) == list(computed)
     assert len(stored) == 7
@@ -297,17 +352,23 @@ def test_times_in_the_readme_are_those_of_the_benchmark() -> None:
     """A method has the name of the other page, and what the reader of one page needs after it."""
     pages = [ROOT / "README.md", DOCS / "validation" / "cost.md"]
     readme, cost = (
-        re.findall(r"(?m)^\| ([^|]+)((?: \| [\d.-]+){3}) \|$", page.read_text()) for page in pages
+        re.findall(r"(?m)^\| ([^|]+)((?: \| [\d.-]+){3}) \|$", page.read_text())
+        for page in pages
     )
     assert len(readme) == 5
     for method, times in readme:
-        assert [name for name, same in cost if same == times and method.startswith(name)], method
+        assert [
+            name for name, same in cost if same == times and method.startswith(name)
+        ], method
 
 
-def test_mechanism_in_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mechanism_in_the_readme_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     (code,) = re.findall(
-        r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+", (ROOT / "README.md").read_text()
+        r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+",
+        (ROOT / "README.md").read_text(),
     )
     names: dict[str, Any] = {}
     exec(textwrap.dedent(code), names)

@@ -17,7 +17,10 @@ Family = Callable[[Random], list[str]]  # draws a command line of a kind
 
 FILE, FOLDER = "../a-file", "../a-folder"  # the folder is not empty
 _PRESS, _CRANK = wear_times(), slider_crank()
-_KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
+_KEYS = {
+    scene.name: {setting.key for setting in settings_of(scene)}
+    for scene in (_PRESS, _CRANK)
+}
 # Units that do not belong to a dimension.
 NOT_UNITS_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
@@ -73,7 +76,9 @@ no{text}|{command} no{text}|{command} --x{word}|{command} --x{word}={text}
 
 def _text(draw: Random) -> str:
     alphabets = (_ALPHABETS[0], *_ALPHABETS)
-    return "".join(chr(draw.choice(draw.choice(alphabets))) for _ in range(draw.randrange(40)))
+    return "".join(
+        chr(draw.choice(draw.choice(alphabets))) for _ in range(draw.randrange(40))
+    )
 
 
 def _wild(draw: Random) -> str:
@@ -101,7 +106,9 @@ def _filled(draw: Random) -> list[str]:
     return [word.format(**fills) for word in draw.choice(_LINES).split()]
 
 
-def _of_setting(kind: type, text: Callable[[Random, Any], str], is_whole: bool = False) -> Family:
+def _of_setting(
+    kind: type, text: Callable[[Random, Any], str], is_whole: bool = False
+) -> Family:
     """Return a family of lines with a bad text for a quantity or choice of a scene."""
     settings = [
         (scene, setting)
@@ -147,7 +154,9 @@ def _beyond(draw: Random, meaning: Quantity) -> str:
 
 
 def _no_choice(draw: Random, choice: Choice) -> str:
-    text = draw.choice(("", "Paper", "PAPER", "paper ,", "all", "0", "on;off", _wild(draw)))
+    text = draw.choice(
+        ("", "Paper", "PAPER", "paper ,", "all", "0", "on;off", _wild(draw))
+    )
     return text if text.strip() not in choice.words else f"no {text}"
 
 
@@ -159,8 +168,12 @@ def _unknown_key(draw: Random) -> list[str]:
     while True:
         name = draw.choice(all_keys)
         place = draw.randrange(len(name))
-        misspelt = name[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + name[place + 1 :]
-        key = draw.choice((_text(draw), misspelt, name, name.upper(), draw.choice(strange)))
+        misspelt = (
+            name[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + name[place + 1 :]
+        )
+        key = draw.choice(
+            (_text(draw), misspelt, name, name.upper(), draw.choice(strange))
+        )
         if key.partition("=")[0].strip() not in here:
             return ["run", scene.name, f"--set={key}=1"]
 

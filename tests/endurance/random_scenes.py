@@ -1,8 +1,9 @@
 """Random scenes, and how each ends in an engine.
 
-Every quantity is drawn over its whole range, by its logarithm where that spans decades. Links
-are drawn around a geometry that assembles, all of one scale: independent links never would.
-Inertias fit the masses and lengths of the links; bearings are no larger than the shortest link.
+Every quantity is drawn over its whole range, by its logarithm where that spans decades.
+Links are drawn around a geometry that assembles, all of one scale: independent links
+never would. Inertias fit the masses and lengths of the links; bearings are no larger
+than the shortest link.
 """
 
 import itertools
@@ -18,7 +19,13 @@ from presswear.engines.base import Plan
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE, Materials
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.packed import mass_of
-from presswear.scene.bearing import LEAST_RAMP, LEAST_RELAXATION, LEAST_SLIP, Bearing, Conventions
+from presswear.scene.bearing import (
+    LEAST_RAMP,
+    LEAST_RELAXATION,
+    LEAST_SLIP,
+    Bearing,
+    Conventions,
+)
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
@@ -27,15 +34,21 @@ from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of
 from presswear.validation.cases import ENERGY, sound
 
-# Coarsest tolerances at which statistics are usable for wear; coarser ones are reported by energy.
+# Coarsest tolerances at which statistics are usable for wear; coarser ones are reported
+# by energy.
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
-FINEST = 1e-11  # of the in-house solver: below, a stiff damper on a light link ends in round-off
+# of the in-house solver: below, a stiff damper on a light link ends in round-off
+FINEST = 1e-11
 GYRATION = (0.01, 10.0)  # radius of gyration of a link, part of its length
-MISSING = 1e-2  # energy that may be missing at any tolerance, part of the exchanged energy
-# Part of the kinetic energy that counts as exchanged: a run of a few steps exchanges hardly any.
+MISSING = (
+    1e-2  # energy that may be missing at any tolerance, part of the exchanged energy
+)
+# Part of the kinetic energy that counts as exchanged: a run of a few steps exchanges
+# hardly any.
 UNEXCHANGED = 1e-7
-# Part of the kinetic energy that Newton's method leaves open: ten times its tolerance of 1e-9.
-# Measured: 8e-9 in 2,853 steps of free flight, and a tenth of it with a tolerance of 1e-10.
+# Part of the kinetic energy that Newton's method leaves open: ten times its tolerance
+# of 1e-9. Measured: 8e-9 in 2,853 steps of free flight, and a tenth of it with a
+# tolerance of 1e-10.
 UNSOLVED = 1e-8
 STEPS_BETWEEN_REPORTS = {"dae": 2000, "exudyn-tree": 512, "exudyn-joints": 512}
 _ENDS = 0.08  # part of all draws that are an end of their range
@@ -111,7 +124,9 @@ def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
     for item in fields(owner):
         meaning = meaning_of(item)
         if item.name.startswith(_LENGTHS) and isinstance(meaning, Quantity):
-            length = scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
+            length = (
+                scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
+            )
             results[item.name] = min(max(length, meaning.low), meaning.high)
     return results
 
@@ -135,7 +150,9 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
     if draw.random() < 0.5:
         crank = SliderCrank()
         links = _links(draw, crank, scale)
-        weights = _weights(draw, crank, (("rod_inertia", "rod_mass", links["rod_length"]),))
+        weights = _weights(
+            draw, crank, (("rod_inertia", "rod_mass", links["rod_length"]),)
+        )
         return SliderCrank(**(_drawn(draw, crank, _NOT_DRAWN) | weights | links))
     press = Press(geometry=draw.choice(list(GEOMETRIES.values())))
     geometry = press.geometry
@@ -143,7 +160,9 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
     placed = replace(geometry, **moved, **_links(draw, geometry, scale))
     links = _links(draw, press, scale)
     lengths = {3: links["length_3"], 4: placed.side_bd, 5: links["length_5"]}
-    turning = tuple((f"inertia_{k}", f"mass_{k}", length) for k, length in lengths.items())
+    turning = tuple(
+        (f"inertia_{k}", f"mass_{k}", length) for k, length in lengths.items()
+    )
     values = _drawn(draw, press, _NOT_DRAWN) | _weights(draw, press, turning) | links
     return Press(geometry=placed, **values)
 
@@ -164,11 +183,15 @@ def scene_of(draw: Random) -> Scene:
     mechanism = _mechanism(draw)
     base = wear_times() if isinstance(mechanism, Press) else slider_crank()
     conventions = Conventions(**_drawn(draw, Conventions()))
-    lengths = [item.name for item in fields(mechanism) if item.name.startswith(_LENGTHS)]
+    lengths = [
+        item.name for item in fields(mechanism) if item.name.startswith(_LENGTHS)
+    ]
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5, elasticity="auto")
-    joints = draw.choice([*mechanism.allowed_joints, ",".join(mechanism.allowed_joints), "none"])
+    joints = draw.choice(
+        [*mechanism.allowed_joints, ",".join(mechanism.allowed_joints), "none"]
+    )
     parts: dict[str, Any] = {
         "mechanism": mechanism,
         "bearings": bearings,
@@ -188,7 +211,9 @@ def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
                 scene = scene_of(draw)
                 scene.check()
             except InputError as error:
-                if not isinstance(error, AssemblyError) and "triangle" not in str(error):
+                if not isinstance(error, AssemblyError) and "triangle" not in str(
+                    error
+                ):
                     raise
                 refused += 1
             else:
@@ -201,10 +226,14 @@ class Ended:
     """Outcome of a scene in an engine."""
 
     part: float  # of a cycle that was run
-    residual: float = math.nan  # energy that is missing, part of what the drives exchanged
+    residual: float = (
+        math.nan
+    )  # energy that is missing, part of what the drives exchanged
     bound: float = 0.0
     failure: str = ""
-    is_outside: bool = False  # the penetration exceeds the pin radius: no contact law covers it
+    is_outside: bool = (
+        False  # the penetration exceeds the pin radius: no contact law covers it
+    )
 
     @property
     def passed(self) -> bool:
@@ -236,7 +265,11 @@ def run_part(scene: Scene, part: float, most: int) -> float:
     run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
         raise OutsideError(run.message)
-    numbers = {name: value for name, value in sound(run, plan).diagnostics.items() if "_J" in name}
+    numbers = {
+        name: value
+        for name, value in sound(run, plan).diagnostics.items()
+        if "_J" in name
+    }
     # Where weights fall, their energy turns into heat without the drives.
     dissipated = float(numbers["contact_loss_J"]) + float(numbers["friction_loss_J"])
     exchanged = max(float(numbers["drive_exchange_J"]), dissipated)
@@ -250,8 +283,9 @@ def run_part(scene: Scene, part: float, most: int) -> float:
 def ended(scene: Scene, most: int) -> Ended:
     """Run a cycle of a scene, or the part of it that a number of steps reaches.
 
-    A run that ends with the advice to set a smaller tolerance runs again as advised. A slow scene
-    that draws the coarsest tolerance is advised twice: its drives exchange little energy.
+    A run that ends with the advice to set a smaller tolerance runs again as advised. A
+    slow scene that draws the coarsest tolerance is advised twice: its drives exchange
+    little energy.
     """
     result = _ended(scene, most)
     for _ in range(2):
@@ -281,8 +315,12 @@ def _ended(scene: Scene, most: int) -> Ended:
             part = 0.9 * reached.done
             residual = run_part(scene, part, 2 * most)
     except (InputError, RunFailed, ArithmeticError) as error:
-        return Ended(part, failure=f"{error}", is_outside=isinstance(error, OutsideError))
-    return Ended(part, residual, min(ENERGY[scene.solver.word] * coarser(scene), MISSING))
+        return Ended(
+            part, failure=f"{error}", is_outside=isinstance(error, OutsideError)
+        )
+    return Ended(
+        part, residual, min(ENERGY[scene.solver.word] * coarser(scene), MISSING)
+    )
 
 
 def coarser(scene: Scene) -> float:
@@ -296,5 +334,7 @@ def coarser(scene: Scene) -> float:
     if word == "exudyn-tree":
         return max(1.0, numerics.tree.tolerance / usual.tree.tolerance)
     steps = ("steps_per_contact", "steps_sustained", "free_steps")
-    ratios = (getattr(usual.joints, name) / getattr(numerics.joints, name) for name in steps)
+    ratios = (
+        getattr(usual.joints, name) / getattr(numerics.joints, name) for name in steps
+    )
     return max(1.0, *ratios) ** 2

@@ -1,8 +1,9 @@
 """Comparison of two result folders: equal except for wall times and dates.
 
-Arrays are compared bit for bit, and numbers of ``result.json`` as stored. Fields ``wall_*``
-(times), ``started`` and ``resumed`` (dates), and digests of files that hold these are skipped; so
-is the revision, which git does not always tell in time on a busy machine.
+Arrays are compared bit for bit, and numbers of ``result.json`` as stored. Fields
+``wall_*`` (times), ``started`` and ``resumed`` (dates), and digests of files that hold
+these are skipped; so is the revision, which git does not always tell in time on a busy
+machine.
 """
 
 import json
@@ -33,7 +34,9 @@ def _contents(folder: Path) -> dict[str, dict[str, Any]]:
     contents: dict[str, dict[str, Any]] = {"result.json": dict(_items(document))}
     for name in document["files"]:
         with np.load(folder / name) as arrays:
-            contents[name] = {k: (a.dtype, a.shape, a.tobytes()) for k, a in arrays.items()}
+            contents[name] = {
+                k: (a.dtype, a.shape, a.tobytes()) for k, a in arrays.items()
+            }
     return contents
 
 
@@ -43,7 +46,9 @@ def folder_differences(first: Path, second: Path) -> list[str]:
         left, right = _contents(first), _contents(second)
     except InputError as error:
         return [f"{error}"]
-    differences = [f"{name} is in one only" for name in sorted(left.keys() ^ right.keys())]
+    differences = [
+        f"{name} is in one only" for name in sorted(left.keys() ^ right.keys())
+    ]
     for name in sorted(left.keys() & right.keys()):
         for key in dict.fromkeys([*left[name], *right[name]]):
             if key not in left[name] or key not in right[name]:

@@ -16,7 +16,8 @@ from presswear.results.folder import read_stored
 from presswear.tools.files import holder, read_checked
 
 SEED = 20240131  # of all random moments, positions and scenes of the full trials
-PATIENCE = 60.0  # s of wall time, after which a command line that must be refused counts as hung
+# s of wall time, after which a command line that must be refused counts as hung
+PATIENCE = 60.0
 # As ``python -m presswear``; a shell's background jobs have SIGINT ignored.
 _PROGRAM = """
 import signal, sys
@@ -49,7 +50,10 @@ class Trial:
 
 
 def is_one_line(output: str) -> bool:
-    return output.startswith("presswear: ") and len(output.removesuffix("\n").splitlines()) == 1
+    return (
+        output.startswith("presswear: ")
+        and len(output.removesuffix("\n").splitlines()) == 1
+    )
 
 
 @dataclass(frozen=True)
@@ -142,7 +146,11 @@ _CRANK = ("cycles_per_update=2e4", "steps_per_contact=20", "steps_sustained=5")
 TREE = Subject("exudyn-tree", "wear-times", (*_PRESS, "cycles=2"))
 IN_HOUSE = Subject("dae", "wear-times", (*_PRESS, "cycles=2", "replicates=2"))
 JOINTS = Subject("exudyn-joints", "slider-crank", (*_CRANK, "cycles=1"))
-SUBJECTS = (TREE, IN_HOUSE, JOINTS)  # several cycles, replicates and wear steps, some seconds each
+SUBJECTS = (
+    TREE,
+    IN_HOUSE,
+    JOINTS,
+)  # several cycles, replicates and wear steps, some seconds each
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,9 @@ def refuse(trial: Trial, here: Path, count: int, seed: int, in_processes: int) -
         wrong = [answer.problem for answer in answers if not answer.is_refusal]
         if list(here.iterdir()) or len(list((here / FOLDER).iterdir())) != 1:
             wrong.append("something was written")
-        trial.add(f"case {place} of seed {seed}: {line!r:.300}: {wrong[0]}" if wrong else "")
+        trial.add(
+            f"case {place} of seed {seed}: {line!r:.300}: {wrong[0]}" if wrong else ""
+        )
     trial.check()
 
 

@@ -23,8 +23,19 @@ Runs = Callable[[subject.Subject], subject.Alone]
 def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
     """Mount a file system of some bytes; skip the test where that is not allowed."""
     folder.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", f"size={size}{options}", "tmpfs", str(folder)]
-    if not shutil.which("mount") or subprocess.run(command, capture_output=True).returncode:
+    command = [
+        "mount",
+        "-t",
+        "tmpfs",
+        "-o",
+        f"size={size}{options}",
+        "tmpfs",
+        str(folder),
+    ]
+    if (
+        not shutil.which("mount")
+        or subprocess.run(command, capture_output=True).returncode
+    ):
         pytest.skip("no file system can be mounted")
     try:
         yield folder
@@ -33,7 +44,9 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 
 
 @pytest.mark.endurance
-def test_disk_full(trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+def test_disk_full(
+    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
+) -> None:
     whole = alone(subject.TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
         with small_disk(tmp_path / size, size) as disk:
@@ -43,7 +56,9 @@ def test_disk_full(trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: 
             if answer.code not in (1, 2) or not described:
                 problems.append(answer.problem)
             subprocess.run(["mount", "-o", "remount,size=200m", str(disk)], check=True)
-            answer = subject.TREE.finish(disk / "out", *subject.resume_option(disk / "out"))
+            answer = subject.TREE.finish(
+                disk / "out", *subject.resume_option(disk / "out")
+            )
             if answer.code != 0:
                 problems.append(f"resumed, {answer.problem}")
             else:
@@ -67,7 +82,9 @@ def test_read_only_folder(trial: subject.Trial, tmp_path: Path) -> None:
 
 
 @pytest.mark.endurance
-def test_folder_deleted_while_running(trial: subject.Trial, tmp_path: Path, is_quick: bool) -> None:
+def test_folder_deleted_while_running(
+    trial: subject.Trial, tmp_path: Path, is_quick: bool
+) -> None:
     wait = Random(subject.SEED)
     for k in range(1 if is_quick else 5):
         out = tmp_path / f"out-{k}"
@@ -108,7 +125,9 @@ def missed(check: Callable[[Path], object], file: Path) -> str:
 
 
 @pytest.mark.endurance
-def test_damaged_files(trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+def test_damaged_files(
+    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
+) -> None:
     """Every file of data is cut off, changed in a bit, and removed."""
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     shutil.copytree(alone(subject.TREE).folder, whole)
@@ -117,7 +136,9 @@ def test_damaged_files(trial: subject.Trial, alone: Runs, tmp_path: Path, is_qui
     process.kill()
     subject.end(process)
     files = [*whole.glob("*.json"), *sorted(whole.glob("*.npz"))]
-    cases: list[tuple[Callable[[Path], object], Path]] = [(load, file) for file in files]
+    cases: list[tuple[Callable[[Path], object], Path]] = [
+        (load, file) for file in files
+    ]
     checkpoint = subject.checkpoint_of(stopped)
     assert checkpoint is not None
     cases.append((subject.check_checkpoint, checkpoint))
@@ -129,7 +150,9 @@ def test_damaged_files(trial: subject.Trial, alone: Runs, tmp_path: Path, is_qui
             flipped = bytes([data[place] ^ (1 << chance.randrange(8))])
             altered = data[:place] + flipped + data[place + 1 :]
             # result.json holds the digests of the arrays and has none of its own.
-            for bad in [data[:place]] + ([altered] if file.name != "result.json" else []):
+            for bad in [data[:place]] + (
+                [altered] if file.name != "result.json" else []
+            ):
                 file.write_bytes(bad)
                 wrong = missed(check, file)
                 trial.add(f"{file.name}, byte {place}: {wrong}" if wrong else "")

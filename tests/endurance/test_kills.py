@@ -32,7 +32,9 @@ Runs = Callable[[Subject], Alone]
 STOPS = 4  # of one run, at most
 
 
-def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> str | None:
+def stop(
+    subject: Subject, out: Path, number: signal.Signals, after: float
+) -> str | None:
     """Stop a run after a time, s; return the problem, or None if it ended before."""
     process = subject.start(out, *resume_option(out))
     with contextlib.suppress(subprocess.TimeoutExpired):
@@ -50,7 +52,9 @@ def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> s
     return "" if is_expected else f"stopped, {answer.problem}"
 
 
-def kill(trial: Trial, number: signal.Signals, count: int, alone: Runs, folder: Path) -> None:
+def kill(
+    trial: Trial, number: signal.Signals, count: int, alone: Runs, folder: Path
+) -> None:
     """Stop runs of all engines in turn, ``count`` times in all; each is resumed until its end."""
     wait = Random(SEED)
     longest: dict[Subject, float] = {}
@@ -76,7 +80,9 @@ def kill(trial: Trial, number: signal.Signals, count: int, alone: Runs, folder: 
             # The undisturbed run may have waited for the compiler.
             longest[subject] = min(most, time.monotonic() - began)
             continue
-        wrong = [text for text in problems if text] or folder_differences(whole.folder, out)[:3]
+        wrong = [text for text in problems if text] or folder_differences(
+            whole.folder, out
+        )[:3]
         trial.add(f"{subject.engine}: {'; '.join(wrong)}" if wrong else "", stops)
     trial.check()
     assert trial.attempts == count, f"only {trial.attempts} stops"
@@ -108,6 +114,8 @@ def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:
     answer = end(process)
     assert answer.code == 143, answer.problem
     assert is_one_line(answer.errors)
-    assert f"continue with: presswear run wear-times --resume --out {out}" in answer.errors
+    assert (
+        f"continue with: presswear run wear-times --resume --out {out}" in answer.errors
+    )
     assert json.loads((out / "result.json").read_text())["status"] == "interrupted"
     assert not (out / "lock").exists()

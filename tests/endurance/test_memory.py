@@ -10,8 +10,8 @@ import pytest
 from endurance.subject import Trial, end, start_process
 
 ALLOWED = 0.1  # part by which the longer run may take more
-# Both runs write checkpoints and continue from stored states, whatever their length; their peak is
-# printed, because ``getrusage`` would begin with the peak of the parent.
+# Both runs write checkpoints and continue from stored states, whatever their length;
+# their peak is printed, because ``getrusage`` would begin with the peak of the parent.
 _PROGRAM = """
 import re, sys
 from presswear.results import folder
@@ -40,13 +40,19 @@ def size_of(engine: str, cycles: int, out: Path) -> tuple[float, float]:
 
 
 @pytest.mark.endurance
-@pytest.mark.skipif(sys.platform != "linux", reason="peak memory is read from Linux's /proc")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="peak memory is read from Linux's /proc"
+)
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_ten_times_the_cycles(engine: str, trial: Trial, tmp_path: Path, is_quick: bool) -> None:
+def test_ten_times_the_cycles(
+    engine: str, trial: Trial, tmp_path: Path, is_quick: bool
+) -> None:
     few, many = (60, 600) if is_quick else (200, 2000)
     # Where nothing was compiled before, the compiler needs more than a run.
     size_of(engine, 1, tmp_path / "compiled")
-    short, long = (size_of(engine, cycles, tmp_path / f"{cycles}") for cycles in (few, many))
+    short, long = (
+        size_of(engine, cycles, tmp_path / f"{cycles}") for cycles in (few, many)
+    )
     memory, files = long[0] / short[0], long[1] / short[1]
     trial.note = (
         f"peak {short[0]:.0f} and {long[0]:.0f} MB ({memory:.3f}), "

@@ -20,7 +20,9 @@ def run_scenes(trial: Trial, count: int, seed: int) -> None:
         if trial.attempts == count:
             break
         refused += before
-        results = {engine: ended(replace(scene, engine=engine), STEPS) for engine in ENGINES}
+        results = {
+            engine: ended(replace(scene, engine=engine), STEPS) for engine in ENGINES
+        }
         if any(one.is_outside for one in results.values()):
             outside += 1
             continue

@@ -36,12 +36,15 @@ def run_scene(
 def residual(run: Run) -> float:
     """Residual of the energy balance over what the drives exchanged."""
     missing, exchanged = (
-        float(run.diagnostics[f"{name}_J"]) for name in ("energy_residual", "drive_exchange")
+        float(run.diagnostics[f"{name}_J"])
+        for name in ("energy_residual", "drive_exchange")
     )
     return abs(missing) / exchanged
 
 
-def in_all_coordinates(linkage: Linkage, alpha: float = 0.0, beta: float = 0.0) -> System:
+def in_all_coordinates(
+    linkage: Linkage, alpha: float = 0.0, beta: float = 0.0
+) -> System:
     """Return the equations of a linkage with multipliers; coefficients of Baumgarte in 1/s."""
     packed, count = pack(linkage), len(linkage.clearances)
     forces = write_body_forces(linkage, packed)

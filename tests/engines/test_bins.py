@@ -14,7 +14,11 @@ from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 
-ENGINES = [ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-11), ExudynJoints()]
+ENGINES = [
+    ExudynTree(tree_tolerance=1e-11),
+    InHouse(integration_tolerance=1e-11),
+    ExudynJoints(),
+]
 COARSE, FINE = 64, 256
 PART = 0.05
 """Of a cycle: three touches at either joint."""
@@ -57,7 +61,9 @@ def test_each_joint_counts_its_wear_in_its_own_bins(engine: Engine) -> None:
             means = alike.reshape(2, 2, COARSE, -1).mean(axis=3)
     # Behind a joint's own bins there is nothing.
     assert not mixed[1, :, COARSE:].any()
-    np.testing.assert_allclose(mixed[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max())
+    np.testing.assert_allclose(
+        mixed[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max()
+    )
 
 
 @each
@@ -67,6 +73,8 @@ def test_worn_joints_with_different_bins_converge_to_alike_ones(engine: Engine) 
     for joint in "AC":
         few, some = (
             np.abs(ran(engine, bins, worn=True).end.position - alike.end.position).max()
-            for bins in ({"A": FINE, "C": FINE, joint: n} for n in (COARSE // 4, COARSE))
+            for bins in (
+                {"A": FINE, "C": FINE, joint: n} for n in (COARSE // 4, COARSE)
+            )
         )
         assert some < 5e-8 < 2e-7 < few

@@ -13,7 +13,9 @@ from presswear.tools.arrays import Array
 def bottoms(scene: Scene, engine: Engine, cycles: int) -> Array:
     """Height and time of each stroke's bottom, shape (cycles, 2)."""
     plan = RunSpec(cycles).plan(scene)
-    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    run = engine.for_cycle(scene.mechanism.period).simulate(
+        scene.linkage(), start_of(scene), plan
+    )
     assert run.status == "completed", run.message
     return np.column_stack(
         [run.recorder.each_cycle(f"bottom_{name}") for name in ("height", "time")]

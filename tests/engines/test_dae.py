@@ -39,7 +39,9 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
     right = gamma - 40.0 * phi_t - 400.0 * phi
     size = constraints.rows
-    matrix = np.block([[np.diag(packed.mass), jacobian.T], [jacobian, np.zeros((size, size))]])
+    matrix = np.block(
+        [[np.diag(packed.mass), jacobian.T], [jacobian, np.zeros((size, size))]]
+    )
     exact = np.linalg.solve(matrix, np.concatenate([packed.weight, right]))
     # The displaced pins must not touch: no contact force enters here.
     system = in_all_coordinates(replace(linkage, clearances=()), 20.0, 20.0)
@@ -49,11 +51,15 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     assert system.held is not None
     evaluate_held(system, system.held, 0.1, y, out, END)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
-    np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("joints", ["none", "A", "AC"])
-def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(joints: str) -> None:
+def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
+    joints: str,
+) -> None:
     """In all levels; the change is of forces that do no work on what is free."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
@@ -76,7 +82,9 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(joints: 
     for level, before in zip((q, v, a), given, strict=True):
         forces = mass * (level - before)
         assert np.abs(free.T @ forces).max(initial=0.0) < 1e-6 * np.abs(forces).max()
-    np.testing.assert_allclose(-jacobian.T @ added, mass * (a - given[2]), rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(
+        -jacobian.T @ added, mass * (a - given[2]), rtol=1e-6, atol=1e-12
+    )
 
 
 def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
@@ -84,7 +92,9 @@ def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
 
     def end(coordinates: str, tolerance: float) -> Array:
         engine = InHouse(integration_tolerance=tolerance, coordinates=coordinates)
-        return engine.simulate(PRESS.linkage(), start_of(PRESS), Plan(0.05, 1)).end.position
+        return engine.simulate(
+            PRESS.linkage(), start_of(PRESS), Plan(0.05, 1)
+        ).end.position
 
     exact = end("all", 1e-12)
     assert np.abs(end("fewest", 1e-12) - exact).max() < 1e-10
@@ -96,7 +106,9 @@ def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
 
 def test_equal_steps_in_a_contact_are_counted_once() -> None:
     step = 2e-6
-    records = run_scene(wear_times(), InHouse("rk4", equal_step=step), 0.04).recorder.records
+    records = run_scene(
+        wear_times(), InHouse("rk4", equal_step=step), 0.04
+    ).recorder.records
     contacts = records.stored_contacts[0][: records.counters[0]["rows"]]
     assert len(contacts) > 1
     duration = contacts["separation"] - contacts["touchdown"]
@@ -107,7 +119,9 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
     scene = ideal()
     errors = []
     for projection in ("on", "off"):
-        engine = InHouse("rk4", equal_step=1e-3, alpha=0.0, beta=0.0, projection=projection)
+        engine = InHouse(
+            "rk4", equal_step=1e-3, alpha=0.0, beta=0.0, projection=projection
+        )
         plan = Plan(scene.mechanism.period, 3)
         run = engine.simulate(scene.linkage(), start_of(scene), plan)
         errors.append(float(run.diagnostics["constraint_error_m"]))
@@ -118,7 +132,9 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
 @pytest.mark.slow
 def test_no_drift_over_200_cycles() -> None:
     scene = ideal()
-    run = InHouse().simulate(scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 200))
+    run = InHouse().simulate(
+        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 200)
+    )
     assert float(run.diagnostics["constraint_error_m"]) < 1e-11
     exact = scene.ideal.at(np.array([run.time])).position[0]
     assert np.abs(run.end.position - exact).max() < 1e-9
@@ -134,7 +150,9 @@ def test_a_start_that_violates_a_joint_is_refused_by_name() -> None:
     faster = start.velocity.copy()
     faster[2] += 0.5
     with pytest.raises(InputError, match="velocity"):
-        InHouse().simulate(scene.linkage(), Start(start.position, faster), Plan(0.01, 1))
+        InHouse().simulate(
+            scene.linkage(), Start(start.position, faster), Plan(0.01, 1)
+        )
 
 
 def test_a_singular_position_is_refused_by_name() -> None:
@@ -144,7 +162,9 @@ def test_a_singular_position_is_refused_by_name() -> None:
         (
             Revolute("O", Attachment("frame", 0.0, 0.0), Attachment("left", -0.5, 0.0)),
             Revolute("P", Attachment("frame", 2.0, 0.0), Attachment("right", 0.5, 0.0)),
-            Revolute("middle", Attachment("left", 0.5, 0.0), Attachment("right", -0.5, 0.0)),
+            Revolute(
+                "middle", Attachment("left", 0.5, 0.0), Attachment("right", -0.5, 0.0)
+            ),
         ),
         output=OutputPoint("left"),
     )
@@ -157,9 +177,12 @@ def test_touches_on_steep_walls_are_located_inside_their_steps() -> None:
     """Newton's method alone strays from a notch's wall to steps that nothing has checked."""
     depth = np.where(np.arange(360) % 30 == 0, 1e-4, 0.0)
     surfaces = (Surface(depth), Surface())
-    # Later the notches make more energy than is lost in a third of all starts, and the run ends.
+    # Later the notches make more energy than is lost in a third of all starts, and the
+    # run ends.
     duration = 0.2 * PRESS.mechanism.period
-    run = run_scene(PRESS, InHouse(), duration, PRESS.linkage({"A": surfaces, "C": surfaces}))
+    run = run_scene(
+        PRESS, InHouse(), duration, PRESS.linkage({"A": surfaces, "C": surfaces})
+    )
     assert residual(run) < 1e-4
     for k in range(2):
         onset, end = run.recorder.stored_contacts(k)[:, :2].T
@@ -191,8 +214,12 @@ def test_events_of_two_joints_in_one_step_are_taken_in_their_order() -> None:
     assert residual(run) < 1e-4
 
 
-@pytest.mark.parametrize(("integrator", "ends_there"), [("dop853", True), ("dopri5", False)])
-def test_steps_of_order_8_end_at_friction_corners(integrator: Integrator, ends_there: bool) -> None:
+@pytest.mark.parametrize(
+    ("integrator", "ends_there"), [("dop853", True), ("dopri5", False)]
+)
+def test_steps_of_order_8_end_at_friction_corners(
+    integrator: Integrator, ends_there: bool
+) -> None:
     """Nearly all other steps past one are sent back by their error, but not all."""
     scene = speed_high()
     engine = InHouse(integrator, 1e-10, free_step=6e-5)
@@ -209,13 +236,19 @@ def test_steps_of_order_8_end_at_friction_corners(integrator: Integrator, ends_t
         beyond = ((off[1:] > 0.0) != (off[:-1] > 0.0)) & ~there[1:] & ~there[:-1]
         passed += int(beyond[closed[1:] & closed[:-1]].sum())
         ended += int(there.any(axis=1).sum())
-    assert (passed, ended > 10) == (0, True) if ends_there else (passed > 10, ended) == (True, 0)
+    assert (
+        (passed, ended > 10) == (0, True)
+        if ends_there
+        else (passed > 10, ended) == (True, 0)
+    )
 
 
 def test_a_parting_as_slow_as_round_off_is_located() -> None:
     """The start of a run whose pin at C left at 4 um/s, where Newton's method does not settle."""
     scene = replace(PRESS, conventions=CONVENTIONS["refined"])
-    start = disturbed(scene.linkage(), start_of(scene), (3.0 + 10.0 * GOLDEN % 1.0) * 1e-5)
+    start = disturbed(
+        scene.linkage(), start_of(scene), (3.0 + 10.0 * GOLDEN % 1.0) * 1e-5
+    )
     assert start is not None
     plan = Plan(scene.mechanism.period, 1, 1)
     run = InHouse("dopri5", 1e-6).simulate(scene.linkage(), start, plan)

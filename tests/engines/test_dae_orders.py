@@ -20,10 +20,17 @@ FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 def oscillator() -> Linkage:
     """A mass on a spring along x: x = A cos(w t)."""
     spring = Spring(
-        "spring", Attachment(GROUND, -1.0, 0.0), Attachment("mass", 0.0, 0.0), FREQUENCY**2, 1.0
+        "spring",
+        Attachment(GROUND, -1.0, 0.0),
+        Attachment("mass", 0.0, 0.0),
+        FREQUENCY**2,
+        1.0,
     )
     return assemble(
-        (Body("mass", 1.0, 1.0),), output=OutputPoint("mass"), gravity=0.0, springs=(spring,)
+        (Body("mass", 1.0, 1.0),),
+        output=OutputPoint("mass"),
+        gravity=0.0,
+        springs=(spring,),
     )
 
 
@@ -42,7 +49,10 @@ def oscillator_error(accuracy: Engine, duration: float = DURATION) -> tuple[floa
 def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
     """The error goes with the tolerance, and with the eighth power of the mean step."""
     tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
-    found = [oscillator_error(InHouse(integration_tolerance=tolerance)) for tolerance in tolerances]
+    found = [
+        oscillator_error(InHouse(integration_tolerance=tolerance))
+        for tolerance in tolerances
+    ]
     errors = [error for error, _ in found]
     assert 0.85 < order_of(tolerances, errors) < 1.1
     assert 7.3 < order_of([DURATION / steps for _, steps in found], errors) < 8.7

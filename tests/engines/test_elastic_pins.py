@@ -56,10 +56,16 @@ def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
 
 def test_momentum_of_two_blocks_stays() -> None:
     """Linear and angular, where neither block is held."""
-    blocks = [pw.Body("one", 1.0, 1e-2), pw.Body("two", 3.0, 2e-2, {"tip": (0.1, 0.02)})]
+    blocks = [
+        pw.Body("one", 1.0, 1e-2),
+        pw.Body("two", 3.0, 2e-2, {"tip": (0.1, 0.02)}),
+    ]
     pin = pw.Pin("P", "one.centre", "two.tip", STIFFNESS, RATIO)
     linkage = pw.assemble(blocks, [pin], output="one", gravity=0.0, cycle=0.1)
-    start = Start(np.array([0.0, 0.0, 0.0, -0.1, 0.01, 0.0]), np.array([1.0, 0.2, 3, 0.0, 0.5, -1]))
+    start = Start(
+        np.array([0.0, 0.0, 0.0, -0.1, 0.01, 0.0]),
+        np.array([1.0, 0.2, 3, 0.0, 0.5, -1]),
+    )
     run = simulated(ENGINES[0], linkage, start, 0.05)
 
     def momentum(state: Start) -> np.ndarray:
@@ -78,7 +84,11 @@ def test_a_block_hangs_lower_by_its_weight_over_the_stiffness() -> None:
 
 
 def four_bar(stiffness: float | None) -> pw.Linkage:
-    bodies = [pw.Bar("crank", 0.05, 0.4), pw.Bar("coupler", 0.2, 0.5), pw.Bar("rocker", 0.12, 0.4)]
+    bodies = [
+        pw.Bar("crank", 0.05, 0.4),
+        pw.Bar("coupler", 0.2, 0.5),
+        pw.Bar("rocker", 0.12, 0.4),
+    ]
     joints = [
         pw.Pin("O", (0.0, 0.0), "crank.tail"),
         pw.Pin("A", "crank.head", "coupler.tail"),

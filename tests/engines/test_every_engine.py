@@ -16,7 +16,10 @@ from presswear.scene.catalog import ideal, slider_crank, wear_times
 
 SCENE = wear_times()
 NUMERICS = SCENE.numerics
-EXUDYN = [engine.for_cycle(SCENE.mechanism.period) for engine in (NUMERICS.tree, NUMERICS.joints)]
+EXUDYN = [
+    engine.for_cycle(SCENE.mechanism.period)
+    for engine in (NUMERICS.tree, NUMERICS.joints)
+]
 
 
 @pytest.mark.parametrize("engine", EXUDYN, ids=lambda engine: engine.word)
@@ -29,7 +32,9 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> No
     assert "t = " in run.message
 
 
-@pytest.mark.parametrize("engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word)
+@pytest.mark.parametrize(
+    "engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word
+)
 def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
     def interrupt(part: float, recorder: object) -> None:
         raise KeyboardInterrupt
@@ -53,7 +58,9 @@ def test_without_gravity_a_turned_slider_crank_moves_alike(engine: str) -> None:
 
 
 @pytest.mark.parametrize(("purpose", "fewest"), [("wear", 8), ("forces", 15)])
-@pytest.mark.parametrize("engine", [NUMERICS.tree, NUMERICS.dae], ids=lambda engine: engine.word)
+@pytest.mark.parametrize(
+    "engine", [NUMERICS.tree, NUMERICS.dae], ids=lambda engine: engine.word
+)
 def test_contacts_get_as_many_steps_as_the_purpose_needs(
     engine: Engine, purpose: Purpose, fewest: int
 ) -> None:
@@ -70,7 +77,10 @@ def test_contacts_get_as_many_steps_as_the_purpose_needs(
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 @pytest.mark.parametrize(
     ("engine", "least", "errors"),
-    [(NUMERICS.joints, 1000, (1e-6, 1e-5, 1e-2)), (NUMERICS.dae, 400, (1e-10, 1e-9, 1e-8))],
+    [
+        (NUMERICS.joints, 1000, (1e-6, 1e-5, 1e-2)),
+        (NUMERICS.dae, 400, (1e-10, 1e-9, 1e-8)),
+    ],
     ids=lambda value: value.word if isinstance(value, Engine) else "",
 )
 def test_ideal_press_follows_the_closed_form(
@@ -79,7 +89,9 @@ def test_ideal_press_follows_the_closed_form(
     """Position, velocity and acceleration of the slider in every row, and all bodies at the end."""
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
     period = scene.mechanism.period
-    run = engine.for_cycle(period).simulate(scene.linkage(), start_of(scene), Plan(period, 1))
+    run = engine.for_cycle(period).simulate(
+        scene.linkage(), start_of(scene), Plan(period, 1)
+    )
     rows = run.recorder.rows
     assert len(rows) > least
     apart = np.abs(rows[:, 1:4] - scene.ideal_slider(rows[:, 0])).max(axis=0)

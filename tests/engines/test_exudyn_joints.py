@@ -38,7 +38,9 @@ def momenta(linkage: Linkage, state: Start) -> NDArray[np.float64]:
     return np.array([px.sum(), py.sum(), np.sum(x * py - y * px + spin)])
 
 
-def free_pair(friction: float, bearing: tuple[float, float], pin: tuple[float, float]) -> Linkage:
+def free_pair(
+    friction: float, bearing: tuple[float, float], pin: tuple[float, float]
+) -> Linkage:
     """Two free bodies that meet off their mass centres."""
     linkage = references.Impact(0.9).linkage
     ends: dict[str, Any] = {"bearing": Attachment("ring", *bearing)}
@@ -67,7 +69,11 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     assert errors[50] < 1e-10
     assert errors[400] < 1e-10 * abs(before[2])
     assert errors[50] / errors[100] > 3.0
-    exact = InHouse(integration_tolerance=1e-11).simulate(linkage, start, Plan(0.001, 1)).end
+    exact = (
+        InHouse(integration_tolerance=1e-11)
+        .simulate(linkage, start, Plan(0.001, 1))
+        .end
+    )
     change = np.abs(exact.velocity - start.velocity).max()
     assert change > 1.0
     assert np.abs(run.end.velocity - exact.velocity).max() < 3e-6 * change
@@ -108,8 +114,12 @@ def test_load_distance_is_that_of_the_inhouse_engine() -> None:
 CHAIN = "crank 2, crank 7, plate 4 and rod 3"
 
 
-@pytest.mark.parametrize(("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)])
-def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: str) -> None:
+@pytest.mark.parametrize(
+    ("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)]
+)
+def test_bodies_that_are_left_out_move_and_bear_the_same(
+    joints: str, omitted: str
+) -> None:
     scene = replace(wear_times(), joints=joints)
     accuracy = scene.numerics.joints.for_cycle(scene.mechanism.period)
     fine = replace(
@@ -130,6 +140,8 @@ def test_bodies_that_are_left_out_move_and_bear_the_same(joints: str, omitted: s
     for name in ("drive_work_J", "contact_loss_J"):
         exchanged = float(reference.diagnostics["drive_exchange_J"])
         expected_work = float(reference.diagnostics[name])
-        assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
+        assert ours.diagnostics[name] == pytest.approx(
+            expected_work, abs=5e-6 * exchanged
+        )
     rows = ours.recorder.rows
     assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2

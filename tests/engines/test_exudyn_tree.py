@@ -30,13 +30,17 @@ def accuracy(tolerance: float) -> ExudynTree:
     return ExudynTree(tolerance, 1e-3)
 
 
-def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> tuple[Run, Run]:
+def both(
+    scene: Scene, linkage: Linkage, tolerance: float, end: float = END
+) -> tuple[Run, Run]:
     """The same linkage from the same start: tree, then in-house at a tight tolerance."""
     plan = Plan(end, 1)
     start = start_of(scene)
     return (
         accuracy(tolerance).simulate(linkage, start, plan),
-        InHouse(integration_tolerance=1e-12, coordinates="all").simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
+            linkage, start, plan
+        ),
     )
 
 
@@ -61,7 +65,9 @@ def test_advice_is_a_tolerance_that_is_allowed(tolerance: float, remedy: str) ->
     scene, plan = wear_times(), Plan(END, 1)
     linkage, start = scene.linkage(), start_of(scene)
     recorder = recorder_of(linkage, start, plan)
-    running = engine.prepare(linkage, start, accuracy(tolerance).resolved(), plan, recorder)
+    running = engine.prepare(
+        linkage, start, accuracy(tolerance).resolved(), plan, recorder
+    )
     assert running.remedy == remedy
 
 
@@ -81,9 +87,15 @@ def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
     scene = replace(scene, conventions=replace(scene.conventions, slip=slip))
     ours, reference = both(scene, scene.linkage(), TIGHT)
     # A peak is that of the accepted states.
-    for name, allowed in {"load_distance": error, "force_max": 0.01, "contacts": 0.0}.items():
+    for name, allowed in {
+        "load_distance": error,
+        "force_max": 0.01,
+        "contacts": 0.0,
+    }.items():
         for k in range(2):
-            mine, expected = (run.recorder.each_cycle(name, k)[0] for run in (ours, reference))
+            mine, expected = (
+                run.recorder.each_cycle(name, k)[0] for run in (ours, reference)
+            )
             assert mine == pytest.approx(expected, rel=allowed, abs=0.0), name
 
 
@@ -114,13 +126,27 @@ def test_every_touch_is_landed_on_and_resolved() -> None:
 
 
 @pytest.mark.parametrize("opened", [(), ("N",)], ids=["branching", "loose"])
-def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(opened: Any) -> None:
+def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(
+    opened: Any,
+) -> None:
     """The slider's frame is turned against its guide, and a pendulum hangs from it."""
     linkage = replace(
         without(branching(), *opened),
         springs=(
-            Spring("soft", Attachment("far", 0.1, 0.0), Attachment("slider", 0.0, 0.1), 40.0, 0.1),
-            Spring("grip", Attachment("crank", 0.0, 0.0), Attachment("near", 0.0, 0.0), 30.0, 0.2),
+            Spring(
+                "soft",
+                Attachment("far", 0.1, 0.0),
+                Attachment("slider", 0.0, 0.1),
+                40.0,
+                0.1,
+            ),
+            Spring(
+                "grip",
+                Attachment("crank", 0.0, 0.0),
+                Attachment("near", 0.0, 0.0),
+                30.0,
+                0.2,
+            ),
         ),
         loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
     )
@@ -148,14 +174,19 @@ def test_a_linkage_with_a_loop_is_refused_by_name() -> None:
         accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
 
 
-def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_that_is_sent_back_for_ever_ends_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Exudyn itself repeats one at the shortest step without end."""
-    # Seven calls make a step: one that is sent back once counts as one sent back for ever.
+    # Seven calls make a step: one that is sent back once counts as one sent back for
+    # ever.
     monkeypatch.setattr(engine, "MOST_CALLS", 10)
     scene = wear_times()
     run = accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
     assert run.status == "failed"
-    assert run.message.startswith("the solver found no solution at the shortest step (t = 0.0")
+    assert run.message.startswith(
+        "the solver found no solution at the shortest step (t = 0.0"
+    )
     assert 0.0 < run.time < END
     assert np.all(np.isfinite(run.end.position))
 

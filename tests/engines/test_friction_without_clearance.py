@@ -93,15 +93,21 @@ def test_drives_of_a_run_give_the_ideal_torque_with_friction(
     rubbed = needed_torques(linkage, scene.ideal, time, linkage.bushings)[:, 0]
     free = needed_torques(linkage, scene.ideal, time)[:, 0]
     assert np.abs(rubbed - free).max() > 0.2 * np.abs(rubbed).max()
-    np.testing.assert_allclose(torque, rubbed, rtol=0.0, atol=error * np.abs(rubbed).max())
+    np.testing.assert_allclose(
+        torque, rubbed, rtol=0.0, atol=error * np.abs(rubbed).max()
+    )
     assert residual(run) < 1e-6
-    loss, work = (float(run.diagnostics[f"{name}_J"]) for name in ("friction_loss", "drive_work"))
+    loss, work = (
+        float(run.diagnostics[f"{name}_J"]) for name in ("friction_loss", "drive_work")
+    )
     if run_up == 0:  # after a cycle everything else is as before
         assert loss == pytest.approx(work, rel=1e-9)
     assert loss > 0.1 * float(run.diagnostics["drive_exchange_J"])
 
 
-@pytest.mark.parametrize("bearings", [{"O": RUBS, "A": RUBS, "B": LOOSE}, {"O": RUBS, "A": LOOSE}])
+@pytest.mark.parametrize(
+    "bearings", [{"O": RUBS, "A": RUBS, "B": LOOSE}, {"O": RUBS, "A": LOOSE}]
+)
 def test_engines_agree_with_clearance_beside_rigid_joints_that_rub(
     bearings: dict[str, pw.Bearing],
 ) -> None:
@@ -113,11 +119,17 @@ def test_engines_agree_with_clearance_beside_rigid_joints_that_rub(
     fine = ExudynJoints(free_steps=40_000, steps_per_contact=800, steps_sustained=40)
     exudyn = run_scene(scene, fine, end)
     for run, distance, energy in ((other, 1e-9, 1e-7), (exudyn, 1e-5, 1e-4)):
-        np.testing.assert_allclose(run.end.position, exact.end.position, rtol=0.0, atol=distance)
+        np.testing.assert_allclose(
+            run.end.position, exact.end.position, rtol=0.0, atol=distance
+        )
         for name in ("friction_loss_J", "drive_work_J"):
-            assert run.diagnostics[name] == pytest.approx(exact.diagnostics[name], rel=energy)
+            assert run.diagnostics[name] == pytest.approx(
+                exact.diagnostics[name], rel=energy
+            )
         assert residual(run) < 1e-5
-    plain = replace(scene, bearings={name: one for name, one in bearings.items() if one is LOOSE})
+    plain = replace(
+        scene, bearings={name: one for name, one in bearings.items() if one is LOOSE}
+    )
     without = run_scene(plain, InHouse(), end)
     losses = [float(one.diagnostics["friction_loss_J"]) for one in (exact, without)]
     assert losses[0] > 1.5 * losses[1]
@@ -130,7 +142,9 @@ def test_the_open_tree_refuses_rigid_joints_that_rub() -> None:
     with pytest.raises(pw.InputError, match=f"exudyn-tree.*{says}.*exudyn-joints, dae"):
         replace(scene, engine="exudyn-tree").check()
     with pytest.raises(pw.InputError, match=says):
-        ExudynTree().simulate(scene.linkage(), Start(np.zeros(9), np.zeros(9)), Plan(1.0, 1))
+        ExudynTree().simulate(
+            scene.linkage(), Start(np.zeros(9), np.zeros(9)), Plan(1.0, 1)
+        )
     assert replace(scene, engine="exudyn").solver.word == "exudyn-joints"
 
 

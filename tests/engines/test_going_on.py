@@ -31,7 +31,10 @@ class Case:
     cycles: int
 
     def run(self, resume: State | None, *observers: Observer) -> Run:
-        scene, accuracy = self.scene, self.scene.solver.for_cycle(self.scene.mechanism.period)
+        scene, accuracy = (
+            self.scene,
+            self.scene.solver.for_cycle(self.scene.mechanism.period),
+        )
         plan = replace(
             RunSpec(self.cycles).plan(scene),
             recorded_cycles=RECORDED,
@@ -48,27 +51,46 @@ CASES = {
     "open tree with a loose rod": Case(replace(slider_crank(), joints="AB"), 3),
     "in-house, order 8": Case(changed(wear_times(), {**FAST, "engine": "dae"}), 4),
     "in-house, equal steps": Case(
-        changed(wear_times(), {**FAST, "engine": "dae", "integrator": "rk4", "equal_step": "2us"}),
+        changed(
+            wear_times(),
+            {**FAST, "engine": "dae", "integrator": "rk4", "equal_step": "2us"},
+        ),
         3,
     ),
     "bodies and joints, a crank left out": Case(
-        changed(wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
+        changed(
+            wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}
+        ),
+        2,
     ),
     "bodies and joints, a plate left out": Case(
-        changed(clearance_c(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
+        changed(
+            clearance_c(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}
+        ),
+        2,
     ),
-    "in-house, rigid joints that rub": Case(replace(slider_crank(), bearings=RUBBING), 3),
+    "in-house, rigid joints that rub": Case(
+        replace(slider_crank(), bearings=RUBBING), 3
+    ),
     "bodies and joints, rigid joints that rub": Case(
-        changed(replace(slider_crank(), bearings=RUBBING), {"engine": "exudyn-joints", **COARSE}), 2
+        changed(
+            replace(slider_crank(), bearings=RUBBING),
+            {"engine": "exudyn-joints", **COARSE},
+        ),
+        2,
     ),
-    "bodies and joints": Case(changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2),
+    "bodies and joints": Case(
+        changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2
+    ),
 }
 
 
 def told(run: Run) -> dict[str, Any]:
     """Everything of a run but wall times, ready to be compared bit for bit."""
     diagnostics = {
-        key: value for key, value in run.diagnostics.items() if not key.startswith("wall_")
+        key: value
+        for key, value in run.diagnostics.items()
+        if not key.startswith("wall_")
     }
     arrays = {
         **run.recorder.save(),

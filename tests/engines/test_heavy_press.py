@@ -14,7 +14,11 @@ from presswear.scene.settings import changed
 FILE = Path(__file__).parents[2] / "scenarios" / "press-250kN.toml"
 SCENE = scene_from(FILE)
 ENGINES = "exudyn-tree", "dae"
-STOP = {"process": "coining", "process.stiffness": "4e8 N/m", "process.height": "0.6 mm"}
+STOP = {
+    "process": "coining",
+    "process.stiffness": "4e8 N/m",
+    "process.height": "0.6 mm",
+}
 """A stop under the first stroke, within the horizon; a sheet comes with the second."""
 UNTIL = 0.105
 """s; bottom dead centre, where the stop bears most."""

@@ -74,12 +74,17 @@ def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
     return run
 
 
-@pytest.mark.parametrize("settings", SETTINGS, ids=lambda own: ",".join(map(str, own.values())))
-def test_engines_agree_and_keep_the_energy(settings: dict[str, object], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "settings", SETTINGS, ids=lambda own: ",".join(map(str, own.values()))
+)
+def test_engines_agree_and_keep_the_energy(
+    settings: dict[str, object], tmp_path: Path
+) -> None:
     """Over the first touches of the press; the law makes a difference by then."""
     scene = with_laws(settings, tmp_path)
     scene.check_user_laws()
-    # Quadratures of energies are not under the control of the error: they need it finer.
+    # Quadratures of energies are not under the control of the error: they need it
+    # finer.
     engines = InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-12)
     one, other = (run_for(scene, engine, 0.03) for engine in engines)
     assert sum(contacts_of(one, k)["touchdown"].size for k in range(2)) >= 4
@@ -103,7 +108,8 @@ def test_a_force_that_jumps_acts_from_the_touchdown_on(seed: int) -> None:
 def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     """Ten touchdowns of a four-bar with soft bristles, which bend during all of a contact.
 
-    Bristles that bent before the touchdown too gave a friction loss off by 4e-3 at any step.
+    Bristles that bent before the touchdown too gave a friction loss off by 4e-3 at any
+    step.
     """
     scene = changed(
         Scene(mechanism=FOUR_BAR, joints="AB", wear_updates=0),
@@ -111,7 +117,11 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
             **{"clearance": 5e-4, "friction": 0.1, "B.elasticity": "foundation"},
             "conventions": "standard",
             **{"A.normal_law": "herbert-mcwhannell", "A.restitution": 0.8},
-            **{"A.friction_law": "lugre", "A.static_friction": 0.15, "A.bristle_stiffness": 1e3},
+            **{
+                "A.friction_law": "lugre",
+                "A.static_friction": 0.15,
+                "A.bristle_stiffness": 1e3,
+            },
             **{"B.normal_law": "hunt-crossley", "B.restitution": 0.75},
         },
     )
@@ -143,7 +153,9 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
         ("normal_law", "lists", r"A\.normal_law: lists cannot be compiled"),
     ],
 )
-def test_laws_that_make_energy_are_refused(key: str, law: str, words: str, tmp_path: Path) -> None:
+def test_laws_that_make_energy_are_refused(
+    key: str, law: str, words: str, tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match=words) as told:
         pw.run(with_laws({key: law}, tmp_path), tmp_path / "out")
     assert law in str(told.value)
@@ -155,7 +167,9 @@ def mine(penetration: float, rate: float, onset_speed: float) -> float:
     return 1.25e10 * penetration**1.5 * (1.0 + 0.1 * rate / onset_speed)
 
 
-def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(tmp_path: Path) -> None:
+def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(
+    tmp_path: Path,
+) -> None:
     """From Python; reopened without it; another law is refused by name."""
     scene = replace(BASE, bearings=pw.Bearing(normal_law=mine), cycles=1)
     result = pw.run(scene, tmp_path / "out", engine="dae")
@@ -170,16 +184,19 @@ def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(tmp_path: Path
 
 
 @pytest.mark.parametrize("engine", [InHouse(), ExudynTree()])
-def test_a_law_without_a_number_ends_the_run(engine: InHouse | ExudynTree, tmp_path: Path) -> None:
+def test_a_law_without_a_number_ends_the_run(
+    engine: InHouse | ExudynTree, tmp_path: Path
+) -> None:
     """Beyond the places at which it is asked before; nothing passes through its bearing."""
-    text = (
-        "def late(penetration):\n    return 1e7 * penetration if penetration < 9e-6 else math.nan\n"
-    )
+    law = "1e7 * penetration if penetration < 9e-6 else math.nan"
+    text = f"def late(penetration):\n    return {law}\n"
     (tmp_path / "late.py").write_text(text)
     scene = changed(BASE, {"normal_law": f"{tmp_path}/late.py:late"})
     scene.check_user_laws()
     plan = Plan(0.1, 1, recorded_cycles=1)
-    run = engine.for_cycle(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    run = engine.for_cycle(scene.mechanism.period).simulate(
+        scene.linkage(), start_of(scene), plan
+    )
     assert run.status == "failed"
 
 
@@ -190,7 +207,11 @@ def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
     source += "* (1.0 - 0.2 * rate / onset_speed)\n"
     law = NormalLaw(1e10, user_law=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
-    run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
-    lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))
+    run = InHouse().simulate(
+        replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1)
+    )
+    lost, made = (
+        float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J")
+    )
     assert lost < 0.0
     assert made == pytest.approx(-lost, rel=1e-9)

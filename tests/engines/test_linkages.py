@@ -15,7 +15,15 @@ from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
-from presswear.linkage.loads import Force, Harmonics, Load, Moment, OverPosition, OverTime, Spring
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Load,
+    Moment,
+    OverPosition,
+    OverTime,
+    Spring,
+)
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
@@ -58,13 +66,21 @@ UNEVEN = PRESS.changed(
 UP = 0.5 * math.pi
 LOADED = PRESS.changed(
     loads=[
-        Force("slider 6", UP, OverPosition([(-0.6, 5.0), (-0.47, 1.0)], outside="hold")),
+        Force(
+            "slider 6", UP, OverPosition([(-0.6, 5.0), (-0.47, 1.0)], outside="hold")
+        ),
         Force(
             "slider 6",
             UP,
-            OverPosition([(-0.6, 40.0), (-0.57, 20.0), (-0.565, 0.0)], "against", "hold"),
+            OverPosition(
+                [(-0.6, 40.0), (-0.57, 20.0), (-0.565, 0.0)], "against", "hold"
+            ),
         ),
-        Force("slider 6", UP, OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True)),
+        Force(
+            "slider 6",
+            UP,
+            OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True),
+        ),
         Force("plate 4", 0.3, Harmonics(1.0, 40.0, [(2.0, 1.0)])),
         Force("rod 5", 0.3, OverTime([(0.0, 1.0), (0.02, 3.0), (0.03, -2.0)], 0.04)),
         Moment("crank 7", Harmonics(0.0, 1.5, [(0.0, 0.5)])),
@@ -72,7 +88,14 @@ LOADED = PRESS.changed(
 )
 SPRUNG = PUMP.changed(
     springs=[
-        Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1, 0.5)
+        Spring(
+            "s",
+            Attachment("rod", 0.0, 0.0),
+            Attachment("rocker", 0.0, 0.0),
+            200.0,
+            0.1,
+            0.5,
+        )
     ],
     loads=[Load("slider", 3.0, -2.0), Load("rod", 0.0, 1.0, 0.2)],
 )
@@ -84,7 +107,9 @@ SCENES = {
         mechanism=LOADED, joints="A,C", bearings=LOOSE, wear_updates=0
     ),
     "press, C": clearance_c(),
-    "press, C, drives uneven": _scene(mechanism=UNEVEN, joints="C", bearings=LOOSE, wear_updates=0),
+    "press, C, drives uneven": _scene(
+        mechanism=UNEVEN, joints="C", bearings=LOOSE, wear_updates=0
+    ),
     "slider-crank, A and B": slider_crank(
         engine="exudyn",
         joints="AB",
@@ -97,9 +122,15 @@ SCENES = {
     "coupler of a six-bar": _scene(
         mechanism=STEPHENSON, joints="C", bearings=TIGHT, wear_updates=0
     ),
-    "loose rocker": _scene(mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wear_updates=0),
-    "loose pair": _scene(mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wear_updates=0),
-    "four-bar": _scene(mechanism=FOUR_BAR, joints="B", bearings=Bearing(clearance=0.3e-3)),
+    "loose rocker": _scene(
+        mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wear_updates=0
+    ),
+    "loose pair": _scene(
+        mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wear_updates=0
+    ),
+    "four-bar": _scene(
+        mechanism=FOUR_BAR, joints="B", bearings=Bearing(clearance=0.3e-3)
+    ),
     "toggle": changed(
         _scene(mechanism=TOGGLE, joints="KL"),
         {"clearance": 0.2e-3, "K.friction": 0.05, "L.clearance": 0.3e-3},
@@ -112,7 +143,11 @@ TOUCHES = 10
 
 def touchdowns(run: Run, joints: int) -> list[float]:
     """Times of all touches, s, in order."""
-    return sorted(time for k in range(joints) for time in contacts_of(run, k)["touchdown"].tolist())
+    return sorted(
+        time
+        for k in range(joints)
+        for time in contacts_of(run, k)["touchdown"].tolist()
+    )
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -126,7 +161,9 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     duration = 0.5 * (times[TOUCHES - 1] + times[TOUCHES])
     engines = fine, ExudynTree(tree_tolerance=1e-11)
     reference, ours = (run_scene(scene, engine, duration) for engine in engines)
-    one, other = (np.array(touchdowns(run, joints))[: TOUCHES - 1] for run in (reference, ours))
+    one, other = (
+        np.array(touchdowns(run, joints))[: TOUCHES - 1] for run in (reference, ours)
+    )
     np.testing.assert_allclose(one, other, atol=1e-8)
     assert np.abs(ours.end.position - reference.end.position).max() < 1e-8
     exchanged = float(reference.diagnostics["drive_exchange_J"])
@@ -134,7 +171,9 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     torques = reference.recorder.records.torque
     np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
     for work in ("drive_work_J", "load_work_J"):
-        expected = pytest.approx(float(reference.diagnostics[work]), abs=1e-7 * exchanged)
+        expected = pytest.approx(
+            float(reference.diagnostics[work]), abs=1e-7 * exchanged
+        )
         assert ours.diagnostics[work] == expected
 
 
@@ -142,19 +181,26 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
     """The rocker's pivot on the frame is loose: its bearing stands still."""
     scene = SCENES["loose rocker"]
     solvers = [replace(scene, engine=word).solver for word in ("exudyn-joints", "dae")]
-    ends = [run_scene(scene, solver, 0.02).end.position for solver in (*solvers, scene.solver)]
+    ends = [
+        run_scene(scene, solver, 0.02).end.position
+        for solver in (*solvers, scene.solver)
+    ]
     assert np.abs(ends[0] - ends[1]).max() < 1e-5
     assert np.abs(ends[1] - ends[2]).max() < 1e-5
 
 
-@pytest.mark.parametrize("word", ["exudyn-tree", "exudyn-joints", "dae", "dae in all coordinates"])
+@pytest.mark.parametrize(
+    "word", ["exudyn-tree", "exudyn-joints", "dae", "dae in all coordinates"]
+)
 def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
     """The guide keeps the slider from turning, so that its inertia has no effect."""
     crank, ends = SliderCrank(slide_angle=0.0).linkage(), []
     for inertia in (0.0, 1e-3):
         slider = replace(crank.bodies[2], inertia=inertia)
         scene = Scene(crank.changed(bodies=[*crank.bodies[:2], slider]), joints="B")
-        engine = {own.word: own for own in vars(scene.numerics).values()}[word.split()[0]]
+        engine = {own.word: own for own in vars(scene.numerics).values()}[
+            word.split()[0]
+        ]
         if word.endswith("coordinates"):
             engine = replace(engine, coordinates="all")
         run = run_scene(scene, engine, 0.08 * crank.period)
@@ -165,10 +211,14 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
 
 def test_a_body_that_can_turn_needs_inertia() -> None:
     bodies = [*TOGGLE.bodies[:3], Body("lower", 0.5, 0.0), Body("slider", 1.0)]
-    with pytest.raises(InputError, match=r"inertia of lower = 0 kg m\^2: must be 1e-18") as refusal:
+    with pytest.raises(
+        InputError, match=r"inertia of lower = 0 kg m\^2: must be 1e-18"
+    ) as refusal:
         TOGGLE.changed(bodies=bodies)
     assert len(str(refusal.value).splitlines()) == 1
     crank = [Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")]
-    with pytest.raises(InputError, match=r"inertia of crank = 0 kg m\^2: must be 1e-18"):
+    with pytest.raises(
+        InputError, match=r"inertia of crank = 0 kg m\^2: must be 1e-18"
+    ):
         assemble(*crank, [Drive("crank", 1.0)])
     assert assemble(*crank, [Drive("crank")], cycle=1.0).bodies[0].inertia == 0.0

@@ -50,7 +50,13 @@ def guided(law: Law, gravity: float = 0.0, mass: float = 1.0) -> Linkage:
     return assemble(
         [Body("mass", mass, 1.0, {"tip": (0.1, 0.2)})],
         joints=[Guide("guide", "mass", direction=direction)],
-        loads=[Force(Attachment("mass", 0.0, 0.2) if gravity == 0.0 else "mass", direction, law)],
+        loads=[
+            Force(
+                Attachment("mass", 0.0, 0.2) if gravity == 0.0 else "mass",
+                direction,
+                law,
+            )
+        ],
         output=OutputPoint("mass", direction),
         gravity=gravity,
         cycle=1.0,
@@ -58,12 +64,21 @@ def guided(law: Law, gravity: float = 0.0, mass: float = 1.0) -> Linkage:
 
 
 def run(
-    engine: Engine, linkage: Linkage, place: float, speed: float, duration: float, cycles: int = 1
+    engine: Engine,
+    linkage: Linkage,
+    place: float,
+    speed: float,
+    duration: float,
+    cycles: int = 1,
 ) -> Run:
     """Run a guided mass from a place and a speed along its guide."""
-    along = np.array([math.cos(linkage.output.direction), math.sin(linkage.output.direction), 0.0])
+    along = np.array(
+        [math.cos(linkage.output.direction), math.sin(linkage.output.direction), 0.0]
+    )
     start = Start(place * along, speed * along)
-    ran = engine.simulate(linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1))
+    ran = engine.simulate(
+        linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1)
+    )
     assert ran.status == "completed", ran.message
     return ran
 
@@ -114,7 +129,9 @@ def bounced(place: float, speed: float, end: float) -> tuple[float, float]:
 
 
 @EVERY
-def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, within: float) -> None:
+def test_blanking_takes_the_area_under_its_table_and_lets_go(
+    engine: Engine, within: float
+) -> None:
     """Twice through: the second stroke meets it again, once the whole way back is made."""
     table = [(0.0, 0.0), (0.02, -30.0), (0.05, -40.0)]
     law = OverPosition(table, sense="along", release=True)
@@ -123,14 +140,20 @@ def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, wit
     speed = math.sqrt(16.0 - 2.0 * (0.5 * 30.0 * 0.02 + 35.0 * 0.03))
     assert along(ran, linkage)[1] == pytest.approx(speed, abs=10.0 * within)
     # A spring swings it to and fro: three times through the table, twice in its sense.
-    spring = Spring("s", Attachment(GROUND, -3.0, 0.0), Attachment("mass", 0.0, 0.0), 400.0, 3.0)
+    spring = Spring(
+        "s", Attachment(GROUND, -3.0, 0.0), Attachment("mass", 0.0, 0.0), 400.0, 3.0
+    )
     swung = linkage.changed(springs=[spring])
     energy = 0.5 * 400.0 * 0.3**2
     ran = run(engine, swung, -0.3, 0.0, 0.45)
     once = 0.5 * 30.0 * 0.02 + 35.0 * 0.03
     place, speed = along(ran, swung)
-    assert 0.5 * speed**2 + 200.0 * place**2 == pytest.approx(energy - 2.0 * once, abs=20 * within)
-    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(-2.0 * once, abs=20 * within)
+    assert 0.5 * speed**2 + 200.0 * place**2 == pytest.approx(
+        energy - 2.0 * once, abs=20 * within
+    )
+    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(
+        -2.0 * once, abs=20 * within
+    )
 
 
 SHEET = OverPosition(
@@ -139,9 +162,14 @@ SHEET = OverPosition(
 """It yields at 8 N, at 0.1 m, and springs back twice as steeply."""
 
 
-def dented(place: float, speed: float, end: float, g: float = 0.0) -> tuple[float, float, float]:
+def dented(
+    place: float, speed: float, end: float, g: float = 0.0
+) -> tuple[float, float, float]:
     """Place and speed of a mass of 1 kg that falls into the sheet, and its deepest place."""
-    table, accuracy = np.array(SHEET.table).T, {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
+    table, accuracy = (
+        np.array(SHEET.table).T,
+        {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14},
+    )
 
     def first(_: float, y: Array) -> list[float]:
         return [y[1], g + float(np.interp(y[0], *table))]
@@ -155,7 +183,9 @@ def dented(place: float, speed: float, end: float, g: float = 0.0) -> tuple[floa
     vars(turns).update(terminal=True, direction=-1.0)
     down = solve_ivp(first, (0.0, end), (place, speed), events=turns, **accuracy)
     deepest = float(down.y[0, -1])
-    place, speed = solve_ivp(later, (down.t[-1], end), (deepest, 0.0), **accuracy).y[:, -1]
+    place, speed = solve_ivp(later, (down.t[-1], end), (deepest, 0.0), **accuracy).y[
+        :, -1
+    ]
     return place, speed, deepest
 
 
@@ -170,18 +200,24 @@ def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> N
     free = deepest - 8.0 / SHEET.unloading
     stored = 0.5 * SHEET.unloading * max(place - free, 0.0) ** 2
     taken = 8.0 * (deepest - 0.05) - 32.0 / SHEET.unloading + stored
-    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(-taken, abs=40.0 * within)
+    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(
+        -taken, abs=40.0 * within
+    )
     assert residual(ran) < max(1e-12, 40.0 * within)
 
 
 @EVERY
-def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within: float) -> None:
+def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(
+    engine: Engine, within: float
+) -> None:
     """Where it is loaded first, on the elastic line, and behind it."""
     linkage = guided(SHEET)
     kept: list[State] = []
     start = Start(np.array([-0.5, 0.0, 0.0]), np.array([2.0, 0.0, 0.0]))
     plan = Plan(0.1, 8, recorded_cycles=8)
-    whole = engine.simulate(linkage, start, replace(plan, observers=(Keeps(kept.append),)))
+    whole = engine.simulate(
+        linkage, start, replace(plan, observers=(Keeps(kept.append),))
+    )
     gates = [int(state["recorder/modes"]["branch"][0]) for state in kept]
     assert gates == [WHOLE] * 5 + [ELASTIC] + [OFF] * 2
     for cycle in (4, 6, 7):
@@ -193,7 +229,9 @@ def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within: f
             assert resumed.diagnostics[name] == whole.diagnostics[name]
 
 
-def errors(engines: list[Engine], law: OverPosition, exact: tuple[float, float]) -> list[float]:
+def errors(
+    engines: list[Engine], law: OverPosition, exact: tuple[float, float]
+) -> list[float]:
     """Errors of a mass that comes to a law."""
     linkage = guided(law)
     runs = [run(engine, linkage, -0.5, 2.0, 1.1) for engine in engines]
@@ -210,7 +248,11 @@ def errors(engines: list[Engine], law: OverPosition, exact: tuple[float, float])
     [("rk4", (107, 211, 419, 839), 4.0), ("trapezoidal", (501, 1003, 2001), 2.0)],
 )
 def test_a_bend_costs_no_order(
-    kind: str, counts: tuple[int, ...], order: float, law: OverPosition, exact: tuple[float, float]
+    kind: str,
+    counts: tuple[int, ...],
+    order: float,
+    law: OverPosition,
+    exact: tuple[float, float],
 ) -> None:
     steps = [1.1 / n for n in counts]
     engines: list[Engine] = [
@@ -219,7 +261,9 @@ def test_a_bend_costs_no_order(
         else ExudynJoints(50, 10, free_step=step, newton=1e-12)
         for step in steps
     ]
-    assert order_of(steps, errors(engines, law, exact)) == pytest.approx(order, abs=0.35)
+    assert order_of(steps, errors(engines, law, exact)) == pytest.approx(
+        order, abs=0.35
+    )
 
 
 def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
@@ -228,7 +272,13 @@ def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
     linkage, exact = guided(BUFFER), bounced(-0.5, 2.0, 1.1)
     found, steps = [], []
     for tolerance in tolerances:
-        ran = run(InHouse(integration_tolerance=tolerance, free_step=1.0), linkage, -0.5, 2.0, 1.1)
+        ran = run(
+            InHouse(integration_tolerance=tolerance, free_step=1.0),
+            linkage,
+            -0.5,
+            2.0,
+            1.1,
+        )
         assert ran.diagnostics["events"] == 2
         found.append(math.dist(along(ran, linkage), exact))
         steps.append(int(ran.diagnostics["steps"]))
@@ -237,9 +287,13 @@ def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
 
 
 @EVERY
-def test_what_rests_at_a_change_of_law_stays_there(engine: Engine, within: float) -> None:
+def test_what_rests_at_a_change_of_law_stays_there(
+    engine: Engine, within: float
+) -> None:
     """At rest on a bend: round-off to and fro is no event."""
-    spring = Spring("s", Attachment(GROUND, 0.0, 1.0), Attachment("mass", 0.0, 0.0), 300.0, 0.9)
+    spring = Spring(
+        "s", Attachment(GROUND, 0.0, 1.0), Attachment("mass", 0.0, 0.0), 300.0, 0.9
+    )
     bend = OverPosition([(-0.1, 0.0), (0.0, 20.0), (0.1, 0.0)])
     linkage = guided(bend, gravity=10.0)
     linkage = linkage.changed(springs=[spring])
@@ -251,13 +305,17 @@ def test_what_rests_at_a_change_of_law_stays_there(engine: Engine, within: float
 def test_a_load_on_a_crank_that_is_left_out_is_its_drives() -> None:
     """Held by a clearance joint alone, the crank is no body of Exudyn's."""
     linkage = replace(wear_times(), joints="A").linkage()
-    loaded = linkage.changed(loads=[Moment("crank 2", Harmonics(1.0, 50.0, [(2.0, 0.0)]))])
+    loaded = linkage.changed(
+        loads=[Moment("crank 2", Harmonics(1.0, 50.0, [(2.0, 0.0)]))]
+    )
     start, works = start_of(wear_times()), []
     for engine in (ExudynJoints(50, 10, free_step=1e-5), InHouse()):
         for own in (linkage, loaded):
             ran = engine.simulate(own, start, Plan(0.005, 1, recorded_cycles=1))
             assert ran.status == "completed", ran.message
-            works.append([float(ran.diagnostics[f"{name}_work_J"]) for name in ("drive", "load")])
+            works.append(
+                [float(ran.diagnostics[f"{name}_work_J"]) for name in ("drive", "load")]
+            )
     for without, with_load in (works[:2], works[2:]):
         assert without[1] == 0.0
         assert with_load[1] == pytest.approx(works[3][1], rel=1e-6)
@@ -281,7 +339,9 @@ def test_a_function_of_ones_own_is_a_load(engine: Engine, within: float) -> None
     def rates(t: float, y: Array) -> list[float]:
         return [y[1], wobble(t, *y)]
 
-    exact = solve_ivp(rates, (0.0, 1.3), (-0.5, 1.0), "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    exact = solve_ivp(
+        rates, (0.0, 1.3), (-0.5, 1.0), "DOP853", rtol=1e-13, atol=1e-14
+    ).y[:, -1]
     assert along(ran, linkage) == pytest.approx(tuple(exact), abs=within)
 
 
@@ -298,7 +358,9 @@ def brake(time: float, position: float, speed: float) -> float:
     ],
     ids=["dae", "exudyn-tree", "exudyn-joints"],
 )
-def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(engine: Engine) -> None:
+def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(
+    engine: Engine,
+) -> None:
     """-3.5 N above zero speed and 5 N below hold 1 kg from 2/7 s on at 1/7 m, up to the creep."""
     check_load("law", UserFunction.read("law", brake))
     linkage = guided(brake)
@@ -312,9 +374,15 @@ def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(engine: En
 @pytest.mark.parametrize(
     ("body", "words"),
     [
-        ("-3.5 if speed > 0.0 else 5.0", "jumps from 5 to -3.5 N or N m at a speed of 0 m/s"),
+        (
+            "-3.5 if speed > 0.0 else 5.0",
+            "jumps from 5 to -3.5 N or N m at a speed of 0 m/s",
+        ),
         ("-math.copysign(1.0, speed)", "jumps from 1 to -1"),
-        ("-speed * (2.0 if speed < 0.3 else 3.0)", "jumps from -0.6 to -0.9 .* speed of 0.3 m/s"),
+        (
+            "-speed * (2.0 if speed < 0.3 else 3.0)",
+            "jumps from -0.6 to -0.9 .* speed of 0.3 m/s",
+        ),
         ("-math.copysign(position, speed)", "jumps from"),
         ("-math.tanh(speed / 1e-9)", "jumps from"),
         ("-math.tanh(speed / 1e-3)", ""),

@@ -28,7 +28,11 @@ def mirrored_cranks(x: float, y: float) -> Linkage:
     for side, name in ((-1.0, "left"), (1.0, "right")):
         crank, rod, slide = (f"{name} {part}" for part in ("crank", "rod", "slide"))
         centre, angle = x + 0.25 * side, 0.0 if side > 0.0 else math.pi
-        bodies += [pw.Bar(crank, 0.05, 0.3), pw.Bar(rod, 0.2, 0.5), pw.Body(slide, 0.5, 1e-3)]
+        bodies += [
+            pw.Bar(crank, 0.05, 0.3),
+            pw.Bar(rod, 0.2, 0.5),
+            pw.Body(slide, 0.5, 1e-3),
+        ]
         joints += [
             pw.Pin(f"{name} O", (centre, y), f"{crank}.tail"),
             pw.Pin(f"{name} A", f"{crank}.head", f"{rod}.tail"),
@@ -38,7 +42,13 @@ def mirrored_cranks(x: float, y: float) -> Linkage:
         drives.append(pw.Drive(crank, speed=31.4 * side, angle=angle))
         guess[rod] = angle
     return pw.assemble(
-        bodies, joints, drives, guess=guess, output="right slide", gravity=0.0, name="mirrored"
+        bodies,
+        joints,
+        drives,
+        guess=guess,
+        output="right slide",
+        gravity=0.0,
+        name="mirrored",
     )
 
 
@@ -46,9 +56,16 @@ def moved(linkage: Linkage, x: float, y: float) -> Linkage:
     """Return a linkage that is drawn elsewhere."""
 
     def end(point: Attachment) -> Attachment:
-        return replace(point, x=point.x + x, y=point.y + y) if point.body == GROUND else point
+        return (
+            replace(point, x=point.x + x, y=point.y + y)
+            if point.body == GROUND
+            else point
+        )
 
-    pins = [replace(pin, first=end(pin.first), second=end(pin.second)) for pin in linkage.revolutes]
+    pins = [
+        replace(pin, first=end(pin.first), second=end(pin.second))
+        for pin in linkage.revolutes
+    ]
     guides = [replace(guide, x=guide.x + x, y=guide.y + y) for guide in linkage.guides]
     return linkage.changed(joints=[*pins, *guides])
 
@@ -67,17 +84,26 @@ def mirrored_run(x: float, y: float) -> Run:
     return run_of(mirrored_cranks(x, y), "left B, right B", 0.2e-3, 10)
 
 
-@pytest.mark.parametrize("place", [(0.0, 17.0), (33.0, 17.0), (50.0, 0.0), (1000.0, 0.0)])
-def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(place: Place) -> None:
+@pytest.mark.parametrize(
+    "place", [(0.0, 17.0), (33.0, 17.0), (50.0, 0.0), (1000.0, 0.0)]
+)
+def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(
+    place: Place,
+) -> None:
     at_origin, run = mirrored_run(0.0, 0.0), mirrored_run(*place)
     assert run.status == "completed"
     for k in range(2):
         contacts, expected = contacts_of(run, k), contacts_of(at_origin, k)
         assert contacts["touchdown"].size == expected["touchdown"].size > 5
         assert (contacts["release_speed"] < 0.0).all()
-        # Impacts magnify the round-off of a place, 1e-13 m at 1,000 m, some thousand times.
-        np.testing.assert_allclose(contacts["touchdown"], expected["touchdown"], atol=1e-7)
-        np.testing.assert_allclose(contacts["peak_force"], expected["peak_force"], rtol=1e-4)
+        # Impacts magnify the round-off of a place, 1e-13 m at 1,000 m, some thousand
+        # times.
+        np.testing.assert_allclose(
+            contacts["touchdown"], expected["touchdown"], atol=1e-7
+        )
+        np.testing.assert_allclose(
+            contacts["peak_force"], expected["peak_force"], rtol=1e-4
+        )
 
 
 @pytest.mark.parametrize("seed", range(24))
@@ -91,7 +117,9 @@ def test_free_pins_far_from_the_origin_move_on(seed: int) -> None:
     away, across = rng.uniform(0.05, 0.4), rng.uniform(-0.2, 0.2)
     velocity[3:] = -away, across, 0.0, away, across, 0.0
     engine = InHouse(integration_tolerance=1e-9)
-    run = run_sound(linkage, Start(position, velocity), engine, guarded(0.1, patience=20.0))
+    run = run_sound(
+        linkage, Start(position, velocity), engine, guarded(0.1, patience=20.0)
+    )
     for k in range(2):
         contacts = contacts_of(run, k)
         assert (contacts["release_speed"] < 0.0).all()
@@ -113,16 +141,21 @@ def machine_run(name: str, x: float, y: float) -> Run:
 @pytest.mark.parametrize("name", MACHINES)
 @pytest.mark.parametrize("distance", [33.0, 1000.0])
 def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) -> None:
-    # The first contacts lie before the horizon, up to which round-off of 1e-13 m stays small.
+    # The first contacts lie before the horizon, up to which round-off of 1e-13 m stays
+    # small.
     at_origin, run = machine_run(name, 0.0, 0.0), machine_run(name, distance, distance)
     for k in range(len(MACHINES[name][1].split(", "))):
         contacts, expected = contacts_of(run, k), contacts_of(at_origin, k)
         for column, tolerance in (("touchdown", 1e-6), ("closing_speed", 1e-4)):
-            np.testing.assert_allclose(contacts[column][:3], expected[column][:3], rtol=tolerance)
+            np.testing.assert_allclose(
+                contacts[column][:3], expected[column][:3], rtol=tolerance
+            )
 
 
 @pytest.mark.parametrize("name", MACHINES)
-def test_means_beyond_the_horizon_are_those_of_the_machine_at_the_origin(name: str) -> None:
+def test_means_beyond_the_horizon_are_those_of_the_machine_at_the_origin(
+    name: str,
+) -> None:
     linkage, joints = MACHINES[name]
     means, errors = [], []
     for distance in (0.0, 33.0, 1000.0):

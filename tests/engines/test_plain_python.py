@@ -22,18 +22,28 @@ ENGINES = "tree", "joints", "dae"
 
 def end_of_run(engine: str) -> Array:
     """Return steps, positions, velocities and contacts at the end of a short run."""
-    scene = Scene(FourBar(speed=30.0), bearings={"B": Bearing(clearance=1e-4, friction=0.1)})
+    scene = Scene(
+        FourBar(speed=30.0), bearings={"B": Bearing(clearance=1e-4, friction=0.1)}
+    )
     solver: Any = getattr(scene.numerics, engine).for_cycle(scene.mechanism.period)
     run = solver.simulate(scene.linkage(), start_of(scene), Plan(DURATION, 1))
-    numbers = run.end.position, run.end.velocity, run.recorder.stored_contacts(0).ravel()
+    numbers = (
+        run.end.position,
+        run.end.velocity,
+        run.recorder.stored_contacts(0).ravel(),
+    )
     return np.concatenate([[run.diagnostics["steps"]], *numbers])
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_run_in_plain_python_ends_as_a_compiled_one(engine: str, tmp_path: Path) -> None:
+def test_a_run_in_plain_python_ends_as_a_compiled_one(
+    engine: str, tmp_path: Path
+) -> None:
     script = "import sys, numpy, test_plain_python as plain\n"
     script += "numpy.save(sys.argv[1], plain.end_of_run(sys.argv[2]))"
-    path = os.pathsep.join(map(str, (Path(__file__).parent, *Path(__file__).parents[1:3])))
+    path = os.pathsep.join(
+        map(str, (Path(__file__).parent, *Path(__file__).parents[1:3]))
+    )
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
     stored = tmp_path / "end.npy"
     command = [sys.executable, "-c", script, f"{stored}", engine]

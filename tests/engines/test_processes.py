@@ -74,8 +74,12 @@ def check_work(
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
-def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str) -> None:
-    scene = replace(pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2)
+def test_the_ideal_press_works_as_closed_forms_say(
+    process: Process, engine: str
+) -> None:
+    scene = replace(
+        pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2
+    )
     stage = pw.run(scene).stages[0]
     exact = slider(stage.time)
     start = slider(np.zeros(1))[0, 0]
@@ -85,7 +89,9 @@ def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str
 
 def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
     """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
-    scene = pw.scenes.press_blanking(wear_updates=0, replicates=1, cycles=1, steps_per_contact=50)
+    scene = pw.scenes.press_blanking(
+        wear_updates=0, replicates=1, cycles=1, steps_per_contact=50
+    )
     diagnostics = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
     assert scene.process is not None
     exchange = float(diagnostics["drive_exchange_J"] or 0.0)
@@ -96,9 +102,15 @@ def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
-def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:
+def test_energies_balance_with_clearances_and_moments_have_rows(
+    name: str, engine: str
+) -> None:
     scene: Any = replace(
-        getattr(pw.scenes, name)(), engine=engine, wear_updates=0, replicates=1, cycles=2
+        getattr(pw.scenes, name)(),
+        engine=engine,
+        wear_updates=0,
+        replicates=1,
+        cycles=2,
     )
     # A cushion would be held down at the end of a cycle.
     scene = replace(scene, process=replace(scene.process, cushion=0.0))
@@ -107,7 +119,8 @@ def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engin
     assert strokes is not None
     exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
     assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
-    # What is loose in its joints bounces on the work, which gives back what is elastic in it.
+    # What is loose in its joints bounces on the work, which gives back what is elastic
+    # in it.
     work = -float(stage.diagnostics["load_work_J"] or 0.0)
     assert work == pytest.approx(2.0 * scene.process.work, abs=1e-6 * exchange)
     assert len(strokes.contact) == 2
@@ -123,14 +136,19 @@ def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
     """What is freed at the end of a run is not freed when the surfaces change."""
     scene = replace(pw.scenes.clearance_a(), engine="exudyn-joints")
     plan = Plan(1e-4, 3, wear=lambda cycles, added: np.zeros_like(added))
-    assert scene.solver.simulate(scene.linkage(), start_of(scene), plan).status == "completed"
+    assert (
+        scene.solver.simulate(scene.linkage(), start_of(scene), plan).status
+        == "completed"
+    )
 
 
 SERVOS: list[Servo] = [pw.Dwell(law="cycloidal"), pw.Forming(), pw.Pendulum()]
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("process", [PROCESSES[0], PROCESSES[2]], ids=lambda own: own.kind)
+@pytest.mark.parametrize(
+    "process", [PROCESSES[0], PROCESSES[2]], ids=lambda own: own.kind
+)
 @pytest.mark.parametrize("servo", SERVOS, ids=lambda own: own.kind)
 def test_the_ideal_press_with_a_servo_needs_torques_of_virtual_work(
     servo: Servo, process: Process, engine: str

@@ -29,7 +29,9 @@ def floating(*springs: Spring, **rest: Any) -> Linkage:
     """A free body of 2 kg."""
     bodies = [Body("mass", 2.0, 1.0, {"tip": (0.1, 0.0)})]
     output = OutputPoint("mass")
-    return assemble(bodies, output=output, gravity=0.0, springs=springs, cycle=1.0, **rest)
+    return assemble(
+        bodies, output=output, gravity=0.0, springs=springs, cycle=1.0, **rest
+    )
 
 
 def to_centre(length: float, damping: float = 0.0) -> Spring:
@@ -43,7 +45,9 @@ def run(engine: Engine, linkage: Linkage, q: list[float], v: list[float]) -> Run
 
 @EVERY
 @pytest.mark.parametrize("x", [0.0, 1e-7, 0.05])
-def test_a_spring_without_length_is_linear(engine: Engine, within: float, x: float) -> None:
+def test_a_spring_without_length_is_linear(
+    engine: Engine, within: float, x: float
+) -> None:
     """Also where its ends meet; both coordinates swing by themselves."""
     ran = run(engine, floating(to_centre(0.0)), [x, 0.0, 0.0], [0.3, 0.6, 0.0])
     assert ran.status == "completed", ran.message
@@ -62,18 +66,24 @@ def test_a_spring_without_length_is_damped(engine: Engine, within: float) -> Non
     assert ran.status == "completed", ran.message
     damped = math.sqrt(FREQUENCY**2 - decay**2)
     part = math.exp(-decay) * math.sin(damped) / damped
-    assert ran.end.position[:2] == pytest.approx(np.array([0.3, 0.6]) * part, abs=100.0 * within)
+    assert ran.end.position[:2] == pytest.approx(
+        np.array([0.3, 0.6]) * part, abs=100.0 * within
+    )
 
 
 @EVERY
-def test_a_spring_without_length_rests_where_its_ends_meet(engine: Engine, within: float) -> None:
+def test_a_spring_without_length_rests_where_its_ends_meet(
+    engine: Engine, within: float
+) -> None:
     ran = run(engine, floating(to_centre(0.0, 1.0)), [0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     assert ran.status == "completed", ran.message
     assert not ran.end.position.any()
 
 
 @EVERY
-def test_a_spring_with_a_length_needs_a_direction(engine: Engine, within: float) -> None:
+def test_a_spring_with_a_length_needs_a_direction(
+    engine: Engine, within: float
+) -> None:
     with pytest.raises(InputError, match=r"^spring s: .*length = 100 mm"):
         run(engine, floating(to_centre(0.1)), [0.0, 0.0, 0.0], [0.3, 0.0, 0.0])
     ran = run(engine, floating(to_centre(0.1)), [1e-7, 0.0, 0.0], [0.3, 0.0, 0.0])
@@ -94,7 +104,9 @@ def rooted(time: float, position: float, speed: float) -> float:
 @EVERY
 def test_a_law_without_a_finite_force_is_named(engine: Engine, within: float) -> None:
     """Not the tolerance, of which no choice helps."""
-    linkage = floating(loads=[Force("mass.tip", 0.0, 1.0), Force("mass", 0.0, rooted, "pull")])
+    linkage = floating(
+        loads=[Force("mass.tip", 0.0, 1.0), Force("mass", 0.0, rooted, "pull")]
+    )
     ran = run(engine, linkage, [0.0, 0.0, 0.0], [0.3, 0.0, 0.0])
     assert ran.status == "failed"
     assert "force pull" in ran.message

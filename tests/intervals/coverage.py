@@ -34,8 +34,14 @@ def _slider_crank(rpm: float, **settings: Any) -> pw.Scene:
     return pw.Scene(crank, bearings=pw.Bearing(clearance=0.5e-3), **_NEW)
 
 
-_NEW: dict[str, Any] = {"engine": "dae", "replicates": 4, "wear_updates": 0}  # new surfaces
-_FOUR_BAR = pw.Scene(pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), cycles=20, **_NEW)
+_NEW: dict[str, Any] = {
+    "engine": "dae",
+    "replicates": 4,
+    "wear_updates": 0,
+}  # new surfaces
+_FOUR_BAR = pw.Scene(
+    pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), cycles=20, **_NEW
+)
 SUBJECTS = {
     "press": Subject(pw.scenes.wear_times(conventions="refined", **_NEW)),
     "blanking": Subject(pw.scenes.press_blanking(**_NEW), 150),
@@ -49,7 +55,10 @@ SUBJECTS = {
 
 def scenes_of(subject: Subject, tries: int = TRIES) -> dict[str, pw.Scene]:
     """Return the tries of a subject and its long runs, by name."""
-    scenes = {f"try-{k}": pw.changed(subject.scene, {"seed": f"{k}"}) for k in range(1, tries + 1)}
+    scenes = {
+        f"try-{k}": pw.changed(subject.scene, {"seed": f"{k}"})
+        for k in range(1, tries + 1)
+    }
     for k in range(TRIES + 1, TRIES + 1 + LONG_RUNS):
         changes = {"seed": f"{k}", "cycles": f"{subject.cycles}"}
         scenes[f"long-{k}"] = pw.changed(subject.scene, changes)
@@ -76,12 +85,20 @@ def intervals_of(stage: pw.StageResult) -> dict[str, Ends]:
         volume = widened(joint.wear_volume, joint.wear_volume_step_error or 0.0)
         found[f"worn volume {name}, of a cycle"] = volume.scaled(per_cycle)
         for side, peak in joint.wear_peaks.items():
-            found[f"deepest wear {name}, {side}, of a cycle"] = peak.depth.scaled(per_cycle)
-    return {name: _ends(estimate) for name, estimate in found.items() if estimate is not None}
+            found[f"deepest wear {name}, {side}, of a cycle"] = peak.depth.scaled(
+                per_cycle
+            )
+    return {
+        name: _ends(estimate)
+        for name, estimate in found.items()
+        if estimate is not None
+    }
 
 
 def _ends(estimate: pw.Estimate) -> Ends:
-    low, high = (math.nan if end is None else end for end in (estimate.low, estimate.high))
+    low, high = (
+        math.nan if end is None else end for end in (estimate.low, estimate.high)
+    )
     return estimate.mean, low, high
 
 
@@ -164,7 +181,9 @@ def coverages(
         values = np.array([one[quantity][0] for one in long if quantity in one])
         error = half_width(values) or 0.0
         ends = np.array([one.get(quantity, absent) for one in tries]).reshape(-1, 3)
-        yield Coverage(quantity, float(values.mean()), error, ends, np.array(says_mixed, bool))
+        yield Coverage(
+            quantity, float(values.mean()), error, ends, np.array(says_mixed, bool)
+        )
 
 
 HEADER = (
@@ -181,6 +200,8 @@ def table(results: Mapping[str, pw.Result], stage: int) -> list[Coverage]:
         if result.status != "failed" and len(result.stages) > stage
     }
     tries = [one for name, one in finished.items() if name.startswith("try")]
-    long = [intervals_of(one) for name, one in finished.items() if name.startswith("long")]
+    long = [
+        intervals_of(one) for name, one in finished.items() if name.startswith("long")
+    ]
     mixed = [is_mixture(one) for one in tries]
     return list(coverages(long, [intervals_of(one) for one in tries], mixed))

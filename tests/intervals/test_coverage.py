@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from intervals.coverage import HEADER, LONG_RUNS, SUBJECTS, TRIES, coverages, scenes_of, table
+from intervals.coverage import (
+    HEADER,
+    LONG_RUNS,
+    SUBJECTS,
+    TRIES,
+    coverages,
+    scenes_of,
+    table,
+)
 
 FOLDER = Path("results/coverage")  # finished runs in it are not repeated
 FEW = 6  # tries of --quick, which show that the command runs
@@ -15,7 +23,9 @@ FEW = 6  # tries of --quick, which show that the command runs
 
 @pytest.mark.coverage
 @pytest.mark.parametrize("name", SUBJECTS)
-def test_intervals_contain_the_true_value(name: str, request: pytest.FixtureRequest) -> None:
+def test_intervals_contain_the_true_value(
+    name: str, request: pytest.FixtureRequest
+) -> None:
     """Tries with seeds of their own against long runs; the table is printed and stored."""
     is_quick = bool(request.config.getoption("--quick"))
     scenes = scenes_of(SUBJECTS[name], FEW if is_quick else TRIES)

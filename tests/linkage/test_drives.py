@@ -18,11 +18,14 @@ from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
 
-# Greatest velocity and acceleration of a rise by 1 over a length of 1; cam handbooks print 2.0 and
-# 6.28, 1.76 and 5.53, 1.88 and 5.77.
+# Greatest velocity and acceleration of a rise by 1 over a length of 1; cam handbooks
+# print 2.0 and 6.28, 1.76 and 5.53, 1.88 and 5.77.
 FACTORS = {
     "cycloidal": (2.0, TURN),
-    "modified-sine": (4.0 * math.pi / (4.0 + math.pi), 4.0 * math.pi**2 / (4.0 + math.pi)),
+    "modified-sine": (
+        4.0 * math.pi / (4.0 + math.pi),
+        4.0 * math.pi**2 / (4.0 + math.pi),
+    ),
     "3-4-5": (1.875, 10.0 / math.sqrt(3.0)),
 }
 
@@ -41,7 +44,9 @@ def closed_form(law: str, x: Array) -> Array:
 @pytest.mark.parametrize("law", RISES)
 def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
     begin, end, by = 0.7, 2.9, -0.4
-    pieces = pieces_of((), (Rise(begin, end, by, law), Rise(4.0, 5.0, -by, "cycloidal")))
+    pieces = pieces_of(
+        (), (Rise(begin, end, by, law), Rise(4.0, 5.0, -by, "cycloidal"))
+    )
     x = np.linspace(0.0, 1.0, 4001)
     value, slope, bend = pieces.at(begin + (end - begin) * x)
     np.testing.assert_allclose(value, by * closed_form(law, x), atol=1e-15)
@@ -56,11 +61,19 @@ def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
     assert np.abs(dwell[1:]).max() < 1e-15
 
 
-part = st.tuples(st.floats(0.05, 1.0), st.floats(-2.0, 2.0), st.sampled_from(sorted(RISES)))
+part = st.tuples(
+    st.floats(0.05, 1.0), st.floats(-2.0, 2.0), st.sampled_from(sorted(RISES))
+)
 
 
-@given(st.lists(part, min_size=2, max_size=8), st.floats(0.0, 6.0), st.sampled_from([0.5, 1.0]))
-def test_rises_join_smoothly_around_the_cycle(drawn: list[Any], first: float, share: float) -> None:
+@given(
+    st.lists(part, min_size=2, max_size=8),
+    st.floats(0.0, 6.0),
+    st.sampled_from([0.5, 1.0]),
+)
+def test_rises_join_smoothly_around_the_cycle(
+    drawn: list[Any], first: float, share: float
+) -> None:
     """Where one piece ends the next goes on with the same angle, speed and acceleration."""
     parts, ways, laws = zip(*drawn, strict=True)
     ends = first + TURN * np.cumsum([0.0, *parts]) / sum(parts)
@@ -127,7 +140,9 @@ def test_rows_of_four_are_joined_by_polynomials_of_degree_five() -> None:
 
 def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
     """A quarter turn in a part of each cycle: its mean speed is that of the quarter."""
-    drive = Drive("crank", frequency=8.0, angle=0.3, rises=[Rise(0.0, 2.0, 0.25 * TURN, "3-4-5")])
+    drive = Drive(
+        "crank", frequency=8.0, angle=0.3, rises=[Rise(0.0, 2.0, 0.25 * TURN, "3-4-5")]
+    )
     assert drive.mean_speed == pytest.approx(2.0)
     cycle = TURN / 8.0
     dwell = np.array([0.7, 1.7, 2.7, 3.7, 4.7]) * cycle
@@ -142,7 +157,8 @@ def test_a_run_up_is_smooth_and_ends_in_step() -> None:
     time = np.linspace(-0.5, 6.0, 200)
     h = 1e-5
     levels, up, down = (
-        np.transpose([run_up_motion(4.0, t) for t in time + shift]) for shift in (0.0, h, -h)
+        np.transpose([run_up_motion(4.0, t) for t in time + shift])
+        for shift in (0.0, h, -h)
     )
     for level in (0, 1):
         slope = (up[level] - down[level]) / (2.0 * h)
@@ -165,7 +181,9 @@ SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.gen
     st.floats(115.0, 125.0),
     st.sampled_from(["cycloidal", "modified-sine", "3-4-5"]),
 )
-def test_slider_dwells_as_requested(part: float, stroke: float, bottom: float, law: str) -> None:
+def test_slider_dwells_as_requested(
+    part: float, stroke: float, bottom: float, law: str
+) -> None:
     dwell = pw.Dwell(part=part, stroke=stroke, bottom=math.radians(bottom), law=law)
     press = pw.Press(servo=dwell)
     ideal = motion_of(press)
@@ -181,7 +199,9 @@ def test_slider_dwells_as_requested(part: float, stroke: float, bottom: float, l
 
 @SOME
 @given(st.floats(0.05, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
-def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: float) -> None:
+def test_the_speed_is_constant_in_the_work(
+    speed: float, height: float, end: float
+) -> None:
     """Polynomials of degree five join it; near 0.04 m/s some curves are out of reach."""
     forming = pw.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)

@@ -10,7 +10,11 @@ from hypothesis import strategies as st
 from two_bodies import force_of, normal_law
 
 import presswear as pw
-from presswear.linkage.laws import StiffnessReading, delivered_restitution, hertz_stiffness
+from presswear.linkage.laws import (
+    StiffnessReading,
+    delivered_restitution,
+    hertz_stiffness,
+)
 from presswear.physics.friction_and_normal import friction_force, friction_record
 
 
@@ -43,7 +47,9 @@ def test_normal_force_is_equation_8_and_never_pulls(
 @example(-1e-3, 1.0, 0.5, 1e-4)
 @example(9.5e-5, 1.0, 0.5, 1e-4)
 @example(0.0, 1.0, 0.5, 0.0)
-def test_friction_law(speed: float, normal: float, coefficient: float, lower: float) -> None:
+def test_friction_law(
+    speed: float, normal: float, coefficient: float, lower: float
+) -> None:
     """Against sliding, without any up to v_0, full from v_1 on and linear between them."""
     law = friction_record(pw.FrictionLaw(coefficient, lower, 1e-3))
     force = friction_force(speed, normal, law)
@@ -72,7 +78,11 @@ def test_friction_law(speed: float, normal: float, coefficient: float, lower: fl
     ],
 )
 def test_stiffness_as_printed_and_of_a_pin_in_a_hole(
-    pin: float, modulus: float, poisson: float, reading: StiffnessReading, expected: float
+    pin: float,
+    modulus: float,
+    poisson: float,
+    reading: StiffnessReading,
+    expected: float,
 ) -> None:
     stiffness = hertz_stiffness(0.015, pin, 2.0 * (1.0 - poisson**2) / modulus, reading)
     assert stiffness == pytest.approx(expected, rel=1e-7)
@@ -92,7 +102,11 @@ def test_delivered_restitution_for_any_damping(damping: float) -> None:
         def excess(restitution: Decimal) -> Decimal:
             # Beyond the pole of the logarithm there is no force.
             rest = 1 - chi * restitution
-            return (1 + restitution) * chi - ((1 + chi) / rest).ln() if rest > 0 else Decimal(-1)
+            return (
+                (1 + restitution) * chi - ((1 + chi) / rest).ln()
+                if rest > 0
+                else Decimal(-1)
+            )
 
         assert excess(delivered * (1 - Decimal("1e-8"))) > 0
         assert excess(delivered * (1 + Decimal("1e-8"))) < 0

@@ -24,7 +24,9 @@ from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, meaning_of
 
-SHORT = r"rod_length = \S+ mm: with crank_length = 50 mm allowed is 50\.005 mm to 10000 mm"
+SHORT = (
+    r"rod_length = \S+ mm: with crank_length = 50 mm allowed is 50\.005 mm to 10000 mm"
+)
 
 
 PARTS = [
@@ -56,12 +58,27 @@ def test_every_quantity_is_checked(part: Any) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Press(length_3=0.05), r"at crank angle \S+ deg joint \S+ does not close"),
-        (lambda: Press(length_3=2.0), r"at crank angle \S+ deg joint \S+ does not close"),
-        (lambda: Press(geometry=Geometry(hx=5.0)), r"at crank angle \S+ deg joint \S+ does not"),
+        (
+            lambda: Press(length_3=0.05),
+            r"at crank angle \S+ deg joint \S+ does not close",
+        ),
+        (
+            lambda: Press(length_3=2.0),
+            r"at crank angle \S+ deg joint \S+ does not close",
+        ),
+        (
+            lambda: Press(geometry=Geometry(hx=5.0)),
+            r"at crank angle \S+ deg joint \S+ does not",
+        ),
         (lambda: Press(length_5=0.02), "joint (C|E) does not close"),
-        *((lambda rod=rod: SliderCrank(rod_length=rod), SHORT) for rod in (0.01, 0.05, 0.0500001)),
-        (lambda: Press(geometry=Geometry(side_bd=0.5)), r"plate 4 is not a triangle.* 500 mm"),
+        *(
+            (lambda rod=rod: SliderCrank(rod_length=rod), SHORT)
+            for rod in (0.01, 0.05, 0.0500001)
+        ),
+        (
+            lambda: Press(geometry=Geometry(side_bd=0.5)),
+            r"plate 4 is not a triangle.* 500 mm",
+        ),
         # Half a side assembles into links of another length.
         (lambda: Press(geometry=Geometry(side_b=0.5)), "side_b"),
         (lambda: Press(geometry=Geometry(side_c=0.0)), "side_c"),
@@ -81,7 +98,9 @@ def test_a_mechanism_that_does_not_assemble_is_refused(make: Any, message: str) 
         ("lifted", 0.0785, 0.1856, 0.1695, 0.983),
     ],
 )
-def test_press_geometry(name: str, low: float, high: float, start: float, fastest: float) -> None:
+def test_press_geometry(
+    name: str, low: float, high: float, start: float, fastest: float
+) -> None:
     press = Press(geometry=GEOMETRIES[name], speed=3.5 * math.pi)
     motion = motion_of(press).at(np.linspace(0.0, press.period, 20_001))
     i = 3 * Press().linkage().index("slider 6") + 1
@@ -111,7 +130,9 @@ def test_the_press_is_the_papers() -> None:
     starts = math.radians(-119.27), math.radians(-51.18)
     assert drives == {"crank 2": (starts[0], -speed), "crank 7": (starts[1], speed)}
     # Rod 3 carries the hole at A, rod 5 that at C.
-    holes = {joint.name: (joint.first.body, joint.second.body) for joint in linkage.revolutes}
+    holes = {
+        joint.name: (joint.first.body, joint.second.body) for joint in linkage.revolutes
+    }
     assert (holes["A"], holes["C"]) == (("rod 3", "crank 2"), ("rod 5", "plate 4"))
 
 
@@ -129,12 +150,20 @@ def dead_centres(crank: float, rod: float, ground: float, rocker: float) -> list
 @pytest.mark.parametrize("side", ["above", "below"])
 def test_the_four_bar_swings_between_its_dead_centres(side: str) -> None:
     bar = FourBar(side=side)
-    angles = dead_centres(bar.crank_length, bar.coupler_length, bar.frame_length, bar.rocker_length)
-    low, high = (bar.frame_length - bar.rocker_length * math.cos(angle) for angle in angles)
+    angles = dead_centres(
+        bar.crank_length, bar.coupler_length, bar.frame_length, bar.rocker_length
+    )
+    low, high = (
+        bar.frame_length - bar.rocker_length * math.cos(angle) for angle in angles
+    )
     bottom = bottom_of(motion_of(bar))
     assert bottom is not None
     assert (bottom.height, bottom.stroke) == pytest.approx((low, high - low), abs=1e-12)
-    centre = motion_of(bar).at(np.zeros(1)).position[0, 3 * bar.linkage().index("rocker") + 1]
+    centre = (
+        motion_of(bar)
+        .at(np.zeros(1))
+        .position[0, 3 * bar.linkage().index("rocker") + 1]
+    )
     assert (centre > 0.0) == (side == "above")
 
 
@@ -142,7 +171,9 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
     bar = SixBar()
     frame = math.hypot(bar.crank_x, bar.crank_y)
     heights = []
-    for angle in dead_centres(bar.crank_length, bar.rod_length, frame, bar.upper_length):
+    for angle in dead_centres(
+        bar.crank_length, bar.rod_length, frame, bar.upper_length
+    ):
         upper = math.atan2(bar.crank_y, bar.crank_x) + angle
         x, y = bar.upper_length * math.cos(upper), bar.upper_length * math.sin(upper)
         heights.append(y - math.sqrt(bar.lower_length**2 - x**2))
@@ -152,7 +183,9 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
     assert (bottom.height, bottom.stroke) == pytest.approx((low, top - low), abs=1e-12)
     mirrored = bottom_of(motion_of(replace(bar, crank_x=-bar.crank_x)))
     assert mirrored is not None
-    assert (mirrored.height, mirrored.stroke) == pytest.approx((low, top - low), abs=1e-12)
+    assert (mirrored.height, mirrored.stroke) == pytest.approx(
+        (low, top - low), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar, TwoPoint])

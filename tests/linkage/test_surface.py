@@ -18,21 +18,26 @@ ROUND_OFF = 8 * np.finfo(float).eps
 
 # Depths of a worn press span decades; zeros make flats and steps.
 depth_values = st.just(0.0) | st.floats(1e-12, 1e-2)
-depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=depth_values))
+depths = st.integers(1, 40).flatmap(
+    lambda m: arrays(np.float64, m, elements=depth_values)
+)
 
 
 def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
     """Depth, slope and second derivative as the kernels have them."""
     bins = surface.depth.size
     nodes = bins * parts_of(bins) if bins else 0
-    return packed_profile(pack_rows(surface, Surface(), max(bins, 1)), BEARING, nodes, angle)
+    return packed_profile(
+        pack_rows(surface, Surface(), max(bins, 1)), BEARING, nodes, angle
+    )
 
 
 @given(depths)
 def test_passes_through_the_bin_centres(depth: Array) -> None:
     surface, count = Surface(depth), depth.size
     centres = bin_centres(count)
-    # A centre is a rounded angle: its position within the bin is off by an ulp of the turn.
+    # A centre is a rounded angle: its position within the bin is off by an ulp of the
+    # turn.
     tolerance = depth.max() * count * ROUND_OFF
     np.testing.assert_allclose(surface(centres), depth, rtol=0.0, atol=tolerance)
     slopes = [profile(surface, float(angle))[1] for angle in centres]
@@ -47,7 +52,9 @@ def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
     left = math.floor(position)
     # On a knot, rounding may place the angle in either interval.
     is_inside = min(position - left, left + 1 - position) > 1e-9
-    near = [depth[(left + k) % depth.size] for k in ((0, 1) if is_inside else (-1, 0, 1, 2))]
+    near = [
+        depth[(left + k) % depth.size] for k in ((0, 1) if is_inside else (-1, 0, 1, 2))
+    ]
     rounding = ROUND_OFF * max(near)
     assert min(near) - rounding <= value <= max(near) + rounding
 
@@ -86,7 +93,9 @@ def test_halfway_up_a_step_and_at_an_extremum_by_hand() -> None:
     st.floats(0.001, 0.999),
     st.integers(-1000, 1000),
 )
-def test_a_bin_covers_its_part_of_a_turn(count: int, place: float, part: float, turns: int) -> None:
+def test_a_bin_covers_its_part_of_a_turn(
+    count: int, place: float, part: float, turns: int
+) -> None:
     index = int(place * count)
     # An angle of a thousand turns is rounded to 1e-12, a bin may be 6e-5 wide.
     assert bin_of((index + part) * TURN / count + turns * TURN, count) == index
@@ -105,7 +114,13 @@ def test_surfaces_are_read_only_copies() -> None:
 
 
 @pytest.mark.parametrize(
-    "bad", [np.zeros((2, 3)), np.array(1.0), np.array([0.0, math.nan]), np.array([math.inf, 0.0])]
+    "bad",
+    [
+        np.zeros((2, 3)),
+        np.array(1.0),
+        np.array([0.0, math.nan]),
+        np.array([math.inf, 0.0]),
+    ],
 )
 def test_refuses_what_is_no_profile(bad: Array) -> None:
     with pytest.raises(ValueError, match="one-dimensional array of numbers"):

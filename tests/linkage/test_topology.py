@@ -33,13 +33,18 @@ PARENTS = {
 @pytest.mark.parametrize("opened", PARENTS)
 def test_bodies_hang_from_frame_crank_or_each_other(opened: str) -> None:
     result = open_tree(without(PRESS, *opened.split()))
-    parents: dict[str, str | None] = dict.fromkeys(link.body.name for link in result.free)
+    parents: dict[str, str | None] = dict.fromkeys(
+        link.body.name for link in result.free
+    )
     for link in result.free:
         if link.parent is not None and not link.parent.is_prescribed:
             parents[link.body.name] = link.parent.body.name
     assert parents == PARENTS[opened]
     # A body that nothing holds has three coordinates.
-    assert result.size == {"A C": 4, "C": 2, "E": 2, "C E": 4, "A C D": 6, "A B C": 6}[opened]
+    assert (
+        result.size
+        == {"A C": 4, "C": 2, "E": 2, "C E": 4, "A C D": 6, "A B C": 6}[opened]
+    )
 
 
 @pytest.mark.parametrize(
@@ -57,7 +62,10 @@ def test_a_linkage_that_is_no_tree_is_explained(taken_out: str, reason: str) -> 
 
 
 MECHANISMS = {
-    **{name: Press(geometry=geometry).linkage() for name, geometry in GEOMETRIES.items()},
+    **{
+        name: Press(geometry=geometry).linkage()
+        for name, geometry in GEOMETRIES.items()
+    },
     "slider-crank": SliderCrank(slide_angle=0.0).linkage(),
     "four-bar": FOUR_BAR,
     "pump": PUMP,
@@ -67,17 +75,23 @@ MECHANISMS = {
 
 
 @pytest.mark.parametrize("linkage", MECHANISMS.values(), ids=MECHANISMS)
-def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linkage) -> None:
+def test_bodies_without_freedom_are_those_that_the_jacobian_holds(
+    linkage: Linkage,
+) -> None:
     """Every pair of joints opened, against the null space of all rows at an instant."""
     motion = motion_of(linkage).at(np.array([0.123]))
     moving = 0
     allowed = linkage.allowed_joints
     for names in [(), *combinations(allowed, 1), *combinations(allowed, 2)]:
         opened = without(linkage, *names)
-        rows = constraints_of(opened).evaluate(0.123, motion.position[0], motion.velocity[0])[3]
+        rows = constraints_of(opened).evaluate(
+            0.123, motion.position[0], motion.velocity[0]
+        )[3]
         free = np.abs(null_space(rows, rcond=1e-9)).reshape(len(linkage.bodies), -1)
         held = free.max(axis=1, initial=0.0) < 1e-9
-        expected = {body.name for body, item in zip(linkage.bodies, held, strict=True) if item}
+        expected = {
+            body.name for body, item in zip(linkage.bodies, held, strict=True) if item
+        }
         assert prescribed_of(opened) == expected, names
         moving += len(linkage.bodies) - len(expected)
     assert moving > 0
@@ -87,9 +101,14 @@ def test_bodies_without_freedom_are_those_that_the_jacobian_holds(linkage: Linka
 def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
     """Links that Newton's method put on their other side would be wrong without a word."""
     linkage = MECHANISMS[name]
-    prescribed = pack_prescribed(linkage, frozenset(body.name for body in linkage.bodies))
+    prescribed = pack_prescribed(
+        linkage, frozenset(body.name for body in linkage.bodies)
+    )
     generator = np.random.default_rng(2)
-    begins, sizes = generator.uniform(0.0, 1.0, 300), 10.0 ** generator.uniform(-3.0, -0.3, 300)
+    begins, sizes = (
+        generator.uniform(0.0, 1.0, 300),
+        10.0 ** generator.uniform(-3.0, -0.3, 300),
+    )
     refused = 0
     for begin, size in zip(begins, sizes, strict=True):
         ideal = motion_of(linkage).at(linkage.period * np.array([begin, begin + size]))

@@ -1,7 +1,7 @@
 """A block on a floor: SDND100 beside what ``presswear verify`` compares, and LuGre friction.
 
-The floor is a bearing so large that it is flat. LuGre: Canudas de Wit, Olsson, Astrom and
-Lischinsky, 1995.
+The floor is a bearing so large that it is flat. LuGre: Canudas de Wit, Olsson, Astrom
+and Lischinsky, 1995.
 """
 
 import math
@@ -18,7 +18,11 @@ from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
 from presswear.linkage.loads import Force, OverTime
 from presswear.physics.friction_and_normal import friction_record
-from presswear.physics.interactions.lugre import bristle_force, bristle_in_contact, bristle_rate
+from presswear.physics.interactions.lugre import (
+    bristle_force,
+    bristle_in_contact,
+    bristle_rate,
+)
 from presswear.validation import reference_problems as references
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
@@ -28,7 +32,11 @@ FINE = InHouse(integration_tolerance=1e-10)
 
 
 def pulled(
-    pull: float, time: float, law: FrictionLaw = LUGRE, speed: float = 0.0, engine: Engine = FINE
+    pull: float,
+    time: float,
+    law: FrictionLaw = LUGRE,
+    speed: float = 0.0,
+    engine: Engine = FINE,
 ) -> Run:
     """A block of 1 kg pressed on by 10 N, after a while, s, under a pull, N, slowly put on."""
     linkage, start = references.block(0.0, PRESS, law, speed)
@@ -58,7 +66,9 @@ def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other() -> N
     assert abs(pulled(pull, 1.1).end.velocity[0]) < 1e-6
     sliding = pulled(pull, 0.3, speed=0.1)
     # Full of c_f: v = v_0 + (pull - c_f N) t.
-    assert sliding.end.velocity[0] == pytest.approx(0.1 + (pull - DYNAMIC * PRESS) * 0.3, rel=1e-3)
+    assert sliding.end.velocity[0] == pytest.approx(
+        0.1 + (pull - DYNAMIC * PRESS) * 0.3, rel=1e-3
+    )
     assert pulled(1.2 * STATIC * PRESS, 1.2).end.velocity[0] > 0.1
 
 
@@ -95,8 +105,12 @@ def test_bristles_follow_a_changing_speed_at_second_order() -> None:
         held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((v / STRIBECK) ** 2))
         return v - STIFF * abs(v) * z / held
 
-    exact = solve_ivp(rate, (0.0, time), [0.0], "DOP853", rtol=1e-12, atol=1e-20).y[0, -1]
-    coarse, fine = (abs(bristle_after(time, steps, speed) - exact) for steps in (50, 200))
+    exact = solve_ivp(rate, (0.0, time), [0.0], "DOP853", rtol=1e-12, atol=1e-20).y[
+        0, -1
+    ]
+    coarse, fine = (
+        abs(bristle_after(time, steps, speed) - exact) for steps in (50, 200)
+    )
     assert fine < 1e-5 * exact
     assert coarse / fine == pytest.approx(16.0, rel=0.1)
 
@@ -104,14 +118,20 @@ def test_bristles_follow_a_changing_speed_at_second_order() -> None:
 def test_bristles_do_not_oscillate_where_steps_are_long() -> None:
     """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
     law = friction_record(LUGRE)
-    assert bristle_in_contact(0.0, 10.0, 10.0, 1e-3, law) == pytest.approx(DYNAMIC / STIFF)
+    assert bristle_in_contact(0.0, 10.0, 10.0, 1e-3, law) == pytest.approx(
+        DYNAMIC / STIFF
+    )
 
 
-def greatest_push(coefficient: float, static: float, stribeck: float, damping: float) -> float:
+def greatest_push(
+    coefficient: float, static: float, stribeck: float, damping: float
+) -> float:
     """Return the greatest force along the sliding, N, of bristles bent by 0 to c_s / sigma_0."""
     ramp = coefficient, 0.0, 1e-3
     law = friction_record(
-        FrictionLaw(*ramp, "lugre", None, static, stribeck, STIFF, bristle_damping=damping)
+        FrictionLaw(
+            *ramp, "lugre", None, static, stribeck, STIFF, bristle_damping=damping
+        )
     )
     return max(
         bristle_force(1.0, speed, bristle, bristle_rate(speed, bristle, True, law), law)
@@ -151,7 +171,9 @@ def test_damping_that_drives_the_sliding_is_refused_with_the_greatest() -> None:
         )
 
     assert bearing(10.0).bristle_damping == 10.0
-    with pytest.raises(pw.InputError, match=r"^bristle_damping = 1000 s/m: ") as refusal:
+    with pytest.raises(
+        pw.InputError, match=r"^bristle_damping = 1000 s/m: "
+    ) as refusal:
         bearing(1e3)
     allowed = float(str(refusal.value).split("up to ")[1].split()[0])
     assert allowed == pytest.approx(greatest_bristle_damping(0.1, 0.2, 0.05), rel=2e-3)

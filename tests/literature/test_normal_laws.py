@@ -65,9 +65,15 @@ def kelvin_voigt_restitution(part: float) -> float:
 
 @pytest.mark.parametrize(
     ("law", "nominal", "expected"),
-    [(law, *one) for law, values in references.DELIVERED.items() for one in values.items()],
+    [
+        (law, *one)
+        for law, values in references.DELIVERED.items()
+        for one in values.items()
+    ],
 )
-def test_factors_and_restitution_as_printed(law: str, nominal: float, expected: float) -> None:
+def test_factors_and_restitution_as_printed(
+    law: str, nominal: float, expected: float
+) -> None:
     printed = {
         "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
         "hunt-crossley": 1.5 * (1.0 - nominal),
@@ -85,41 +91,55 @@ def test_restitution_and_depth_hold_for_any_exponent(exponent: float) -> None:
     for damping in (0.0, 0.4):
         law = NormalLaw(1e7 if exponent == 1.0 else STIFFNESS, exponent, damping)
         run = impact(law, ENGINES[0][0])
-        assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=1e-8)
+        assert delivered(run, SPEED) == pytest.approx(
+            delivered_restitution(damping), abs=1e-8
+        )
         depth = run.recorder.series("penetration", 0).max()
         closed = greatest_penetration(MASS, SPEED, law.stiffness, exponent, damping)
         assert depth == pytest.approx(closed, rel=2e-3)
         contact = first_contact(run)
         if exponent == 1.0 and damping == 0.0:
             lasts = math.pi * math.sqrt(MASS / law.stiffness)
-            assert contact["separation"] - contact["touchdown"] == pytest.approx(lasts, rel=1e-8)
+            assert contact["separation"] - contact["touchdown"] == pytest.approx(
+                lasts, rel=1e-8
+            )
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("nominal", [0.0, 0.05, 0.3, 0.9])
 @pytest.mark.parametrize("name", [name for name in DAMPINGS if name != KELVIN_VOIGT])
-def test_laws_have_the_closed_form(name: str, nominal: float, engine: Engine, bound: float) -> None:
+def test_laws_have_the_closed_form(
+    name: str, nominal: float, engine: Engine, bound: float
+) -> None:
     """(1 + e) chi = ln[(1 + chi) / (1 - chi e)], whatever the elastic force."""
     nominal = max(nominal, DAMPINGS[name].least)
     damping = DAMPINGS[name].factor(nominal)
     run = impact(NormalLaw(STIFFNESS, 1.5, damping), engine)
-    assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=bound)
+    assert delivered(run, SPEED) == pytest.approx(
+        delivered_restitution(damping), abs=bound
+    )
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("part", [0.0, 0.1, 0.5, 1.0, 2.0])
-def test_kelvin_and_voigt_have_the_closed_form(part: float, engine: Engine, bound: float) -> None:
+def test_kelvin_and_voigt_have_the_closed_form(
+    part: float, engine: Engine, bound: float
+) -> None:
     stiffness = 1e7
     law = NormalLaw(stiffness, 1.0, viscosity=2.0 * part * math.sqrt(stiffness * MASS))
     run = impact(law, engine)
-    assert delivered(run, SPEED) == pytest.approx(kelvin_voigt_restitution(part), abs=bound)
+    assert delivered(run, SPEED) == pytest.approx(
+        kelvin_voigt_restitution(part), abs=bound
+    )
 
 
 @pytest.mark.parametrize("part", [1e-9, 1e-5, 1e-3, 0.05, 0.5, 3.0])
 def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
     """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
     depth = part * CLEARANCE
-    bearing = Bearing(CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu")
+    bearing = Bearing(
+        CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu"
+    )
     liu = normal_record(bearing.normal(CONVENTIONS["paper"]), CLEARANCE)
     modulus = 1.0 / (0.91 / 206e9 + 0.91 / 110e9)
     printed = 0.5 * math.pi * depth * modulus * 0.03
@@ -153,33 +173,48 @@ def test_small_contacts_have_the_stiffness_of_the_law() -> None:
     press = Bearing(0.8e-3)
     conforming = replace(press, elasticity="liu")
     measured = replace(conforming, contact_stiffness=2e9)
-    assert conforming.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(8.63e10, rel=1e-3)
-    assert press.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(1.25e10, rel=0.01)
+    assert conforming.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(
+        8.63e10, rel=1e-3
+    )
+    assert press.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(
+        1.25e10, rel=0.01
+    )
     assert measured.normal(CONVENTIONS["paper"]).stiffness == 2e9
 
 
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])
 def test_conforming_pins_deliver_the_same_restitution(elasticity: Any) -> None:
     damping = DAMPINGS["lankarani-nikravesh"].factor(0.5)
-    run = impact(NormalLaw(STIFFNESS, 1.5, damping, elasticity=elasticity), ENGINES[0][0])
-    assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=1e-8)
+    run = impact(
+        NormalLaw(STIFFNESS, 1.5, damping, elasticity=elasticity), ENGINES[0][0]
+    )
+    assert delivered(run, SPEED) == pytest.approx(
+        delivered_restitution(damping), abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("worn", [False, True])
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_new_and_worn_surfaces_have_one_law(worn: bool, engine: Engine, bound: float) -> None:
+def test_new_and_worn_surfaces_have_one_law(
+    worn: bool, engine: Engine, bound: float
+) -> None:
     """An elastic impact on a foundation turns at U(delta) = m v^2 / 2, its force at F(delta).
 
-    Round surfaces, whose law is a closed form, and a wear of a femtometre, whose arc is summed.
+    Round surfaces, whose law is a closed form, and a wear of a femtometre, whose arc is
+    summed.
     """
     case = references.Impact(1.0, STIFFNESS, SPEED, CLEARANCE)
-    joint = replace(case.linkage.clearances[0], normal=NormalLaw(STIFFNESS), contact="foundation")
+    joint = replace(
+        case.linkage.clearances[0], normal=NormalLaw(STIFFNESS), contact="foundation"
+    )
     if worn:
         joint = replace(joint, bearing_surface=Surface(np.full(360, 1e-15)))
     run = engine.simulate(replace(case.linkage, clearances=(joint,)), case.start, PLAN)
     law = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
     energy = 0.5 * MASS * SPEED**2
-    deepest = brentq(lambda x: elastic_of(law, x)[1] - energy, 0.0, CLEARANCE, xtol=1e-16)
+    deepest = brentq(
+        lambda x: elastic_of(law, x)[1] - energy, 0.0, CLEARANCE, xtol=1e-16
+    )
     assert delivered(run, SPEED) == pytest.approx(1.0, abs=bound)
     contact = first_contact(run)
     assert contact["peak_force"] == pytest.approx(elastic_of(law, deepest)[0], rel=1e-4)
@@ -197,9 +232,13 @@ def soft(penetration, rate, onset_speed):
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound: float) -> None:
+def test_a_law_of_ones_own_delivers_its_closed_form(
+    engine: Engine, bound: float
+) -> None:
     """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
-    run = impact(NormalLaw(STIFFNESS, user_law=UserFunction("soft", SOFT).trusted()), engine)
+    run = impact(
+        NormalLaw(STIFFNESS, user_law=UserFunction("soft", SOFT).trusted()), engine
+    )
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
 
 
@@ -209,9 +248,15 @@ def test_two_laws_of_one_name_share_nothing() -> None:
     engine = ENGINES[0][0]
     seen = [
         delivered(impact(NormalLaw(STIFFNESS, user_law=own), engine), SPEED)
-        for own in (UserFunction("soft", SOFT).trusted(), other, UserFunction("soft", SOFT))
+        for own in (
+            UserFunction("soft", SOFT).trusted(),
+            other,
+            UserFunction("soft", SOFT),
+        )
     ]
     assert seen[0] == seen[2] == pytest.approx(delivered_restitution(0.4), abs=1e-8)
     assert seen[1] == pytest.approx(delivered_restitution(0.8), abs=1e-8)
     plain = impact(NormalLaw(STIFFNESS, 1.5, 0.3), engine)
-    assert delivered(plain, SPEED) == pytest.approx(delivered_restitution(0.3), abs=1e-8)
+    assert delivered(plain, SPEED) == pytest.approx(
+        delivered_restitution(0.3), abs=1e-8
+    )

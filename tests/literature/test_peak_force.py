@@ -22,7 +22,9 @@ def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -
     linkage, start = impact.linkage, impact.start
     joint = linkage.clearances[0]
     joint = replace(joint, normal=law or joint.normal)
-    guides = tuple(pw.Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies)
+    guides = tuple(
+        pw.Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies
+    )
     start.position[3] = impact.clearance - GAP
     if isinstance(engine, pw.ExudynJoints):
         guides = ()
@@ -37,7 +39,11 @@ def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -
 def peaks(run: Run) -> list[float]:
     recorder = run.recorder
     counts, film = recorder.records.counters, recorder.film
-    found = (recorder.stored_contacts(0)[0, 4], counts["peak_force"][0], film.joints[..., 5].max())
+    found = (
+        recorder.stored_contacts(0)[0, 4],
+        counts["peak_force"][0],
+        film.joints[..., 5].max(),
+    )
     return [*map(float, found), float(recorder.each_cycle("force_max", 0)[0])]
 
 
@@ -62,7 +68,8 @@ def closed_form(impact: Impact) -> float:
     return -float(found.fun)
 
 
-# At these tolerances a contact gets the fewest steps, some 21; the trapezoidal rule is of order 2.
+# At these tolerances a contact gets the fewest steps, some 21; the trapezoidal rule is
+# of order 2.
 ENGINES: list[tuple[Engine, float]] = [
     (pw.InHouse("dop853", 1e-6), 2e-5),
     (pw.ExudynTree(1e-6, 1e-3), 2e-5),
@@ -70,9 +77,15 @@ ENGINES: list[tuple[Engine, float]] = [
 ]
 
 
-@pytest.mark.parametrize(("law", "nominal"), [("lankarani-nikravesh", 1.0), ("flores", 0.5)])
-@pytest.mark.parametrize(("engine", "bound"), ENGINES, ids=lambda value: getattr(value, "word", ""))
-def test_peak_of_impact_is_exact(engine: Engine, bound: float, law: str, nominal: float) -> None:
+@pytest.mark.parametrize(
+    ("law", "nominal"), [("lankarani-nikravesh", 1.0), ("flores", 0.5)]
+)
+@pytest.mark.parametrize(
+    ("engine", "bound"), ENGINES, ids=lambda value: getattr(value, "word", "")
+)
+def test_peak_of_impact_is_exact(
+    engine: Engine, bound: float, law: str, nominal: float
+) -> None:
     impact = Impact(nominal, law=law, speed=0.31)
     run = simulated(impact, engine)
     found = peaks(run)
@@ -81,9 +94,13 @@ def test_peak_of_impact_is_exact(engine: Engine, bound: float, law: str, nominal
     assert found[0] >= run.recorder.series("normal", 0).max()
 
 
-@pytest.mark.parametrize("engine", [engine for engine, _ in ENGINES], ids=lambda own: own.word)
+@pytest.mark.parametrize(
+    "engine", [engine for engine, _ in ENGINES], ids=lambda own: own.word
+)
 @pytest.mark.parametrize("part", [0.1, 2.0])
-def test_a_force_that_begins_with_a_jump_has_no_other_peak(part: float, engine: Engine) -> None:
+def test_a_force_that_begins_with_a_jump_has_no_other_peak(
+    part: float, engine: Engine
+) -> None:
     """Spring and damper: with twice the critical damping the force is greatest at touchdown."""
     stiffness, impact = 1e7, Impact(1.0, speed=0.31)
     damper = 2.0 * part * math.sqrt(stiffness * REDUCED_MASS)

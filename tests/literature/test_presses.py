@@ -44,7 +44,12 @@ def knuckle_joint_press(**slide: Any) -> Linkage:
     a = complex(0.1875)
     b = meeting(a, rocker_at, 0.92, 0.83, side=-1.0)
     end = complex(0.73, b.imag - math.sqrt(0.83**2 - (b.real - 0.73) ** 2))
-    lengths = {"crank": "187.5 mm", "rod": "920 mm", "rocker": "830 mm", "link": "830 mm"}
+    lengths = {
+        "crank": "187.5 mm",
+        "rod": "920 mm",
+        "rocker": "830 mm",
+        "link": "830 mm",
+    }
     return pw.assemble(
         name="knuckle joint",
         bodies=[
@@ -69,7 +74,9 @@ def knuckle_joint_press(**slide: Any) -> Linkage:
     )
 
 
-def meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:
+def meeting(
+    p: complex, q: complex, from_p: float, from_q: float, side: float
+) -> complex:
     """Return the place at two distances, on the left (1) or right (-1) of the line p to q."""
     along = (abs(q - p) ** 2 + from_p**2 - from_q**2) / (2.0 * abs(q - p))
     across = side * math.sqrt(from_p**2 - along**2)
@@ -88,7 +95,9 @@ def test_link_drive_of_2500_t() -> None:
         name="link drive",
         bodies=[
             pw.Bar("crank", "260 mm", **MASS),
-            pw.Body("plate", 500.0, 50.0, {"B": (0.8, 0.0), "C": (corner.real, corner.imag)}),
+            pw.Body(
+                "plate", 500.0, 50.0, {"B": (0.8, 0.0), "C": (corner.real, corner.imag)}
+            ),
             pw.Bar("rocker", "900 mm", **MASS),
             pw.Bar("rod", "1175 mm", **MASS),
             pw.Body("slide", 1000.0),
@@ -137,5 +146,7 @@ def test_the_line_of_a_guide_and_the_slide_are_named() -> None:
     with pytest.raises(pw.InputError, match=message):
         knuckle_joint_press(x=0.0)
     linkage = knuckle_joint_press(x="2 m", centre=None)
-    with pytest.raises(AssemblyError, match=r"the line of guide goes through \(2000, 0\) mm"):
+    with pytest.raises(
+        AssemblyError, match=r"the line of guide goes through \(2000, 0\) mm"
+    ):
         ideal_motion(linkage, linkage.period)

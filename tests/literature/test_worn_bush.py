@@ -1,12 +1,13 @@
 """A pin that turns in a bush wears what the geometry of two circles says, in every engine.
 
-A round pin worn into a bush as far as to the eccentricity e leaves the lens of its own circle
-outside the bush's: to first order in the ratio of clearance c to radius R its depth at an angle is
-e cos - c, over the arc where that is above zero, whatever the depth, far beyond indentation.  Under
-a load of fixed direction the pin loses evenly, and under one that turns with it the bush does.
+A round pin worn into a bush as far as to the eccentricity e leaves the lens of its own
+circle outside the bush's: to first order in the ratio of clearance c to radius R its
+depth at an angle is e cos - c, over the arc where that is above zero, whatever the
+depth, far beyond indentation.  Under a load of fixed direction the pin loses evenly,
+and under one that turns with it the bush does.
 
-The arc of the model is of the bush's radius.  Circles of radii R and r have a lens whose area is
-smaller as sqrt(r / R): by c / 2 R.
+The arc of the model is of the bush's radius.  Circles of radii R and r have a lens
+whose area is smaller as sqrt(r / R): by c / 2 R.
 """
 
 import math
@@ -21,7 +22,8 @@ import presswear as pw
 from presswear.scene.options import Life
 from presswear.tools.arrays import Array
 
-# Direction in which the pin presses on a bush that is pressed down, rad: friction tilts it.
+# Direction in which the pin presses on a bush that is pressed down, rad: friction tilts
+# it.
 TILT = 0.5 * math.pi - math.atan(FRICTION)
 
 
@@ -37,14 +39,23 @@ def volume(radius: float, depth: float, clearance: float = CLEARANCE) -> float:
 def depth(radius: float, worn_volume: float, clearance: float = CLEARANCE) -> float:
     reach = 5.0 * clearance
     return float(
-        brentq(lambda d: volume(radius, d, clearance) - worn_volume, 1e-12, reach, xtol=1e-15)
+        brentq(
+            lambda d: volume(radius, d, clearance) - worn_volume,
+            1e-12,
+            reach,
+            xtol=1e-15,
+        )
     )
 
 
-def profile(count: int, direction: float, eccentricity: float, clearance: float) -> Array:
+def profile(
+    count: int, direction: float, eccentricity: float, clearance: float
+) -> Array:
     """Means over bins of what e cos - c leaves above zero, m."""
     half = math.acos(clearance / eccentricity)
-    ends = (np.arange(count + 1) * 2.0 * math.pi / count - direction + math.pi) % (2.0 * math.pi)
+    ends = (np.arange(count + 1) * 2.0 * math.pi / count - direction + math.pi) % (
+        2.0 * math.pi
+    )
     ends -= math.pi
     left = ends[:-1]
     right = left + 2.0 * math.pi / count
@@ -62,7 +73,12 @@ def lens(bearing: float, pin: float, eccentricity: float) -> float:
 
 
 def check_lens(
-    worn_depth: Array, area: float, radius: float, clearance: float, deepest: float, whole: float
+    worn_depth: Array,
+    area: float,
+    radius: float,
+    clearance: float,
+    deepest: float,
+    whole: float,
 ) -> float:
     """Check largest depth and profile (rms) relative to the lens of equal volume."""
     angles = (np.arange(worn_depth.size) + 0.5) * 2.0 * math.pi / worn_depth.size
@@ -99,7 +115,9 @@ def test_a_bush_alone_is_worn_as_two_circles_say(alone: Worn) -> None:
 
 def test_the_deepest_place_lies_where_friction_turns_the_load(alone: Worn) -> None:
     """Off the load by the angle of friction."""
-    angles = (np.arange(alone.bush.shape[1]) + 0.5) * 2.0 * math.pi / alone.bush.shape[1]
+    angles = (
+        (np.arange(alone.bush.shape[1]) + 0.5) * 2.0 * math.pi / alone.bush.shape[1]
+    )
     direction = float(np.angle(alone.bush[-1] @ np.exp(1j * angles)))
     assert direction == pytest.approx(TILT, abs=1e-3)
 
@@ -143,7 +161,11 @@ def test_a_pin_alone_is_worn_evenly() -> None:
     """It turns under a load that does not: V / 2 pi R b everywhere."""
     own = worn(bush(share=0.0), volume(0.02, 0.1 * CLEARANCE), 60)
     assert uneven(own.pin[-1]) < 1e-3
-    even = COEFFICIENT * float(own.load_distance @ own.strokes) / (2.0 * math.pi * 0.02 * WIDTH)
+    even = (
+        COEFFICIENT
+        * float(own.load_distance @ own.strokes)
+        / (2.0 * math.pi * 0.02 * WIDTH)
+    )
     assert own.pin[-1].mean() == pytest.approx(even, rel=1e-9, abs=0.0)
     assert not own.bush.any()
 
@@ -151,7 +173,9 @@ def test_a_pin_alone_is_worn_evenly() -> None:
 @pytest.mark.parametrize("turns", ["bush", "load"])
 def test_a_bush_is_worn_evenly(turns: Any) -> None:
     """It turns under a load that does not, or the load turns."""
-    settings: dict[str, Any] = {"load": 1e3, "stiffness": 1e10} if turns == "load" else {}
+    settings: dict[str, Any] = (
+        {"load": 1e3, "stiffness": 1e10} if turns == "load" else {}
+    )
     own = worn(bush(turns=turns, **settings), volume(0.02, 0.05 * CLEARANCE), 60)
     assert uneven(own.bush[-1]) < 1e-3
     assert not own.pin.any()
@@ -182,7 +206,9 @@ def test_any_ratio_of_radii(radius: float) -> None:
     pin = radius - CLEARANCE
     exact = WIDTH * lens(radius, pin, eccentricity)
     ratio = CLEARANCE / radius
-    assert lost / exact == pytest.approx(math.sqrt(radius / pin), rel=1e-3 + 0.2 * ratio**2)
+    assert lost / exact == pytest.approx(
+        math.sqrt(radius / pin), rel=1e-3 + 0.2 * ratio**2
+    )
 
 
 @pytest.mark.slow
@@ -192,7 +218,9 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
     part, count = 0.3, 120
     goal = part * CLEARANCE
     life = Life(until=f"B.depth > {goal!r} m", at_most=1e12)
-    scene = bush(life=life, engine=engine, replicates=2, wear_updates=1, cycles=8, tolerance=0.1)
+    scene = bush(
+        life=life, engine=engine, replicates=2, wear_updates=1, cycles=8, tolerance=0.1
+    )
     result = pw.run(scene)
     found = result.life
     assert found is not None

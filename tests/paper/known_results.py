@@ -25,7 +25,11 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
     """Return a row per cycle: peaks scatter by a tenth, with seven contacts in each cycle."""
     draw = np.random.default_rng(seed)
     columns = {name: np.zeros(CYCLES) for name in names_of(CYCLE)}
-    peaks = {"displacement": (0.107, 1e-4), "velocity": (0.99, 1e-3), "acceleration": (1e3, 0.1)}
+    peaks = {
+        "displacement": (0.107, 1e-4),
+        "velocity": (0.99, 1e-3),
+        "acceleration": (1e3, 0.1),
+    }
     for name, (mean, part) in peaks.items():
         columns[f"{name}_max"] = mean * (1.0 + part * draw.normal(size=CYCLES))
     for joint, mean in force.items():
@@ -64,13 +68,21 @@ def stage(
     }
     turn = 6.0 * np.pi * time / time[-1]
     away = (np.arange(BINS)[:, np.newaxis] - (18, 38) + BINS // 2) % BINS - BINS // 2
-    for joint, depth, bell in zip(JOINTS, peak, np.exp(-0.5 * (away.T / 4.0) ** 2), strict=True):
-        draw = np.random.default_rng([seed, ord(joint)]).normal(size=(count * (CYCLES - 1), 1, 1))
+    for joint, depth, bell in zip(
+        JOINTS, peak, np.exp(-0.5 * (away.T / 4.0) ** 2), strict=True
+    ):
+        draw = np.random.default_rng([seed, ord(joint)]).normal(
+            size=(count * (CYCLES - 1), 1, 1)
+        )
         batches = np.repeat(0.5 * depth * bell * (1.0 + 0.05 * draw), 2, axis=1)
         arrays[f"{joint}_wear_batches"] = batches
         arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wear_updates)
-        arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
-        arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
+        arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack(
+            [np.cos(turn), np.sin(turn)]
+        )
+        arrays[f"{joint}_force"] = np.column_stack(
+            [100.0 * np.cos(turn) ** 8, 0.0 * turn]
+        )
         for side, mean in zip(("bearing", "pin"), batches.mean(axis=0), strict=True):
             arrays[f"{joint}_wear_{side}"] = mean
             arrays[f"{joint}_depth_{side}"] = np.zeros(BINS)
@@ -78,18 +90,38 @@ def stage(
 
 
 def result(
-    setting: str, stages: Sequence[dict[str, Array]], status: str = "completed", **changes: Any
+    setting: str,
+    stages: Sequence[dict[str, Array]],
+    status: str = "completed",
+    **changes: Any,
 ) -> pw.Result:
     """Return a result of some stages of a setting; a failed one ends in its last stage."""
     scene = replace(base_scene(setting), **changes)
     for before, after in pairwise(stages):
-        for name in [f"{joint}_{{}}_{side}" for joint in JOINTS for side in ("bearing", "pin")]:
-            after[name.format("depth")] = before[name.format("depth")] + before[name.format("wear")]
+        for name in [
+            f"{joint}_{{}}_{side}" for joint in JOINTS for side in ("bearing", "pin")
+        ]:
+            after[name.format("depth")] = (
+                before[name.format("depth")] + before[name.format("wear")]
+            )
     listed = []
     for k, arrays in enumerate(stages):
         ended = "failed" if status == "failed" and k == len(stages) - 1 else "enough"
-        numbers = StageStatistics(len(arrays["cycles"]), energy_residual=1e-9, energy_exchanged=1.0)
-        first: Any = (k, ended, "", None, 1e5, (), 1.0, 2.0, {"model": "made up"}, numbers)
+        numbers = StageStatistics(
+            len(arrays["cycles"]), energy_residual=1e-9, energy_exchanged=1.0
+        )
+        first: Any = (
+            k,
+            ended,
+            "",
+            None,
+            1e5,
+            (),
+            1.0,
+            2.0,
+            {"model": "made up"},
+            numbers,
+        )
         last: Any = (arrays, scene.clearance_joints)
         listed.append(pw.StageResult(*first, *last))
     origin = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
@@ -102,7 +134,10 @@ def every_result() -> dict[str, pw.Result]:
     for seed, (name, case) in enumerate(CASES.items()):
         for setting in case.settings:
             last = min(base_scene(setting).wear_updates, case.wear_updates)
-            seeds, force = range(100 * seed + 1, 100 * seed + 99, 10), [EVEN] * case.replicates
+            seeds, force = (
+                range(100 * seed + 1, 100 * seed + 99, 10),
+                [EVEN] * case.replicates,
+            )
             stages = [stage(setting, k, seeds[k], force) for k in range(last + 1)]
             results[run_name(name, setting)] = result(setting, stages)
     return results

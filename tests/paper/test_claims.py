@@ -45,21 +45,30 @@ def test_known_depths_give_known_verdicts() -> None:
             assert words == {"no effect"}
 
 
-def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction() -> None:
+def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction() -> (
+    None
+):
     wheres = [claim.where.split(", Fig. ") for claim in CLAIMS]
     sections = {"5.3.1", "5.3.2", "5.3.3", "5.4.1", "5.4.2", "5.4.3", "6"}
     assert {section for section, _ in wheres} == sections
     figures = {int(number) for _, some in wheres for number in re.findall(r"\d+", some)}
     assert figures == set(range(8, 26))
     assert {int(number.figure[:-1]) for number in PRINTED} <= figures
-    for part in (p for claim in CLAIMS if claim.where.startswith("5.4.2") for p in claim.parts):
+    for part in (
+        p for claim in CLAIMS if claim.where.startswith("5.4.2") for p in claim.parts
+    ):
         if len(part.over) == 1:
-            assert (part.under[0].setting, part.over[0].setting) == (FRICTION, HIGH_FRICTION)
+            assert (part.under[0].setting, part.over[0].setting) == (
+                FRICTION,
+                HIGH_FRICTION,
+            )
 
 
 def test_comparisons_use_what_the_paper_prints() -> None:
     second, first = Place("wear-times", 2, "A"), Place("wear-times", 1, "A")
-    assert Comparison("depth", (second,), (first,)).printed == pytest.approx(1.178e-3 / 1.221e-6)
+    assert Comparison("depth", (second,), (first,)).printed == pytest.approx(
+        1.178e-3 / 1.221e-6
+    )
     angle = Comparison("angle", (second,), (first,)).printed
     assert angle == pytest.approx(math.radians(132.7 - 100.7))
     assert Comparison("velocity_off", (second,), (first,)).printed is None
@@ -77,11 +86,15 @@ def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
     names = {name.partition("--")[0]: scene for name, scene in scenes.items()}
     assert names.keys() >= {*settings.GEOMETRIES, *settings.SENSITIVITIES}
     for case in settings.SENSITIVITIES:
-        changed = {key for key, value in names[case].as_dict().items() if value != base[key]}
+        changed = {
+            key for key, value in names[case].as_dict().items() if value != base[key]
+        }
         changed -= {"origins", "tolerance", "wear_updates", "replicates"}
         assert 1 <= len(changed) <= 2, case
     quick = make_scenes("dae", quick=True)
-    assert {scene.engine for name, scene in quick.items() if "other" not in name} == {"dae"}
+    assert {scene.engine for name, scene in quick.items() if "other" not in name} == {
+        "dae"
+    }
 
 
 def estimate(mean: float, half: float) -> pw.Estimate:
@@ -93,7 +106,9 @@ def test_the_interval_of_a_ratio_covers_it() -> None:
     inside = 0
     for _ in range(400):
         samples = [generator.normal(mean, 0.3 * mean, 40) for mean in (3.0, 2.0)]
-        over, under = (estimate(s.mean(), 2.02 * s.std(ddof=1) / math.sqrt(40)) for s in samples)
+        over, under = (
+            estimate(s.mean(), 2.02 * s.std(ddof=1) / math.sqrt(40)) for s in samples
+        )
         one = verdicts.ratio([over], [under])
         inside += (one.low or math.inf) <= 1.5 <= (one.high or 0.0)
     assert 0.92 <= inside / 400 <= 0.98
@@ -104,7 +119,9 @@ def test_widened_intervals_of_many_means_hold_together(freedom: float) -> None:
     """All of 20 intervals of 95 % hold in 36 % of the tries, the widened ones in 95 %."""
     count, size, tries = 20, int(freedom) + 1, 2000
     samples = np.random.default_rng(4).normal(size=(tries, count, size))
-    halves = pw.statistics.quantile(freedom) * samples.std(axis=2, ddof=1) / math.sqrt(size)
+    halves = (
+        pw.statistics.quantile(freedom) * samples.std(axis=2, ddof=1) / math.sqrt(size)
+    )
     off = np.abs(samples.mean(axis=2)) / halves
     together = (off <= verdicts.widening(freedom, count)).all(axis=1).mean()
     assert (off <= 1.0).all(axis=1).mean() < 0.5
@@ -149,7 +166,11 @@ def test_a_verdict_needs_the_whole_interval(
 @pytest.mark.parametrize(
     ("parts", "word"),
     [
-        *zip(("h", "hh", "hf", "ff", "fo", "ho", "oo", "hm", "mm"), "hhpffoohm", strict=True),
+        *zip(
+            ("h", "hh", "hf", "ff", "fo", "ho", "oo", "hm", "mm"),
+            "hhpffoohm",
+            strict=True,
+        ),
         *zip(("n", "hn", "fn", "no"), "npfn", strict=True),
     ],
 )

@@ -23,7 +23,9 @@ BODY = replace(CONVENTIONS["standard"], map_frame="body")
 body_maps = partial(evidence_of, SETTING, conventions=BODY)
 
 
-def measured(evidence: Evidence, quantity: str, wear_updates: int = 0, joint: str = "") -> Measured:
+def measured(
+    evidence: Evidence, quantity: str, wear_updates: int = 0, joint: str = ""
+) -> Measured:
     result = evidence.measured(BASE, Place(SETTING, wear_updates, joint), quantity)
     assert result is not None
     return result
@@ -61,7 +63,8 @@ def test_depths_add_up_over_wears() -> None:
     assert value("added_depth", 2) == pytest.approx(30e-6, rel=0.05)
     assert value("depth", 2, "C") == pytest.approx(12e-6, rel=0.05)
     assert value("angle", 1) == pytest.approx(2.0 * math.pi * 18.5 / BINS)
-    # A bell of standard deviation 4 bins is at least a twentieth deep within 2.45 of those.
+    # A bell of standard deviation 4 bins is at least a twentieth deep within 2.45 of
+    # those.
     assert value("range", 1) == pytest.approx(2.0 * math.pi * 19 / BINS, rel=0.06)
     worn = evidence.wear_map(BASE, Place(SETTING, 2, "A"))
     assert worn is not None
@@ -73,8 +76,12 @@ def test_after_a_wear_the_replicates_alone_give_the_interval() -> None:
     """The value is of the runs on common surfaces; the others say how far it may be off."""
     force = [EVEN] * 2 + [{name: 1.5 * value for name, value in EVEN.items()}] * 2
     second = one(1, 2, force=force)
-    result = measured(evidence_of(SETTING, one(0, 1), second, replicates=2), "force", 1, "A")
-    each = second["cycles"].reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE].mean(axis=1)
+    result = measured(
+        evidence_of(SETTING, one(0, 1), second, replicates=2), "force", 1, "A"
+    )
+    each = (
+        second["cycles"].reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE].mean(axis=1)
+    )
     assert result.estimate.mean == pytest.approx(each[:2].mean())
     half = math.hypot(half_width(each[2:]) or 0.0, each[:2].mean() - each[2:].mean())
     assert result.estimate.half_width == pytest.approx(half)
@@ -89,7 +96,9 @@ def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing() 
     assert estimate.mean == pytest.approx(20e-6, rel=0.05)
     assert estimate.low is None
     for wear_updates, quantity in ((1, "force"), (2, "depth"), (0, "depth")):
-        assert evidence.measured(BASE, Place(SETTING, wear_updates, "A"), quantity) is None
+        assert (
+            evidence.measured(BASE, Place(SETTING, wear_updates, "A"), quantity) is None
+        )
     assert evidence.measured("swapped", Place(SETTING, 0, "A"), "force") is None
     failed = evidence_of(SETTING, one(0, 1), status="failed")
     assert failed.measured(BASE, Place(SETTING, 0, "A"), "force") is None
@@ -98,12 +107,16 @@ def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing() 
 def test_every_quantity_can_be_measured() -> None:
     for quantity in QUANTITIES:
         joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
-        assert math.isfinite(measured(every_evidence(), quantity, 1, joint).estimate.mean)
+        assert math.isfinite(
+            measured(every_evidence(), quantity, 1, joint).estimate.mean
+        )
 
 
 def test_maps_that_turn_with_the_bodies_are_not_added_up_by_their_angles() -> None:
     arrays = one(0, 1)
-    arrays["A_wear_batches"][:, 1] = np.roll(arrays["A_wear_batches"][:, 1], 30, axis=-1)
+    arrays["A_wear_batches"][:, 1] = np.roll(
+        arrays["A_wear_batches"][:, 1], 30, axis=-1
+    )
     arrays["A_wear_pin"] = np.roll(arrays["A_wear_pin"], 30)
     fixed = measured(evidence_of(SETTING, arrays), "depth", 1, "A").estimate.mean
     turned = measured(body_maps(arrays), "depth", 1, "A").estimate.mean
@@ -111,6 +124,8 @@ def test_maps_that_turn_with_the_bodies_are_not_added_up_by_their_angles() -> No
     place = Place(SETTING, 1, "A")
     assert body_maps(arrays).measured(BASE, place, "angle") is None
     # A jump after the last stage says nothing of wear in steps.
-    assert body_maps(one(0, 1), wear_updates=0).measured(BASE, place, "depth") is not None
+    assert (
+        body_maps(one(0, 1), wear_updates=0).measured(BASE, place, "depth") is not None
+    )
     stepped = body_maps(one(0, 1), wear_updates=0, extrapolation="steps")
     assert stepped.measured(BASE, place, "depth") is None

@@ -23,7 +23,9 @@ def test_half_the_chord_belongs_to_the_pin() -> None:
     )
     printed = contact_area(penetration, e, radius, pin, bearing.width)
     assert pin == pytest.approx(radius - bearing.clearance)
-    assert printed / (2.0 * bearing.width * half) == pytest.approx(radius / pin, rel=1e-9)
+    assert printed / (2.0 * bearing.width * half) == pytest.approx(
+        radius / pin, rel=1e-9
+    )
     assert errors.chord_ratio(base_scene(WEAR)) == pytest.approx(1.0563, abs=1e-4)
 
 
@@ -34,7 +36,9 @@ def test_every_effect_is_computed() -> None:
     effects = {row[0]: row[-1] for row in rows}
     assert effects["26"] == "5.63"
     for place in ("24", "30, 31", "section 5.1"):
-        assert abs(float(effects[place].split()[0].replace("\N{MINUS SIGN}", "-"))) < 5.0
+        assert (
+            abs(float(effects[place].split()[0].replace("\N{MINUS SIGN}", "-"))) < 5.0
+        )
     cases = [name.partition("--")[0] for name in errors.RUNS[1:]]
     assert set(cases) <= set(SENSITIVITIES)
     ((_, rows),) = errors.error_table(Evidence({})).groups

@@ -23,7 +23,9 @@ from presswear.tools.numbers import readable
 
 def text_of(evidence: Evidence) -> str:
     sections = report.page_sections(evidence, judge(evidence))
-    page = html.unescape(re.sub(r"<[^>]*>", " ", render_page("", FirstScreen(), sections)))
+    page = html.unescape(
+        re.sub(r"<[^>]*>", " ", render_page("", FirstScreen(), sections))
+    )
     return re.sub(r"\s+", " ", page)
 
 
@@ -42,18 +44,26 @@ def test_the_answer_counts_right_and_findings_follow_the_numbers() -> None:
     assert held + part + failed + same + rest == claims == len(CLAIMS)
     assert inside + above + below == peaks
     assert len(report.findings(evidence, {"paper-step": "it blew up"})) == 6
-    assert "the depth does not grow by orders" in " ".join(report.findings(evidence, {}))
+    assert "the depth does not grow by orders" in " ".join(
+        report.findings(evidence, {})
+    )
     deep = [stage(WEAR, k, k + 1, peak=(20e-6 * 20**k, 8e-6)) for k in range(3)]
-    strong = [stage(WEAR, k, k + 1, [{"A": 1e5, "C": 1e5} if k else EVEN]) for k in range(3)]
+    strong = [
+        stage(WEAR, k, k + 1, [{"A": 1e5, "C": 1e5} if k else EVEN]) for k in range(3)
+    ]
     lower = r", [1-9]\d* are lower "
     for stages, words in ((deep, "the depth grows by orders"), (strong, lower)):
-        assert re.search(words, " ".join(report.findings(evidence_of(WEAR, *stages), {})))
+        assert re.search(
+            words, " ".join(report.findings(evidence_of(WEAR, *stages), {}))
+        )
 
 
 def test_tables_show_ours_beside_the_paper() -> None:
     """The depth at A is 20 um after each wear, so 40 um after two and a ratio of two."""
     rows = {
-        row[0]: row for _, group in report.number_table(every_evidence()).groups for row in group
+        row[0]: row
+        for _, group in report.number_table(every_evidence()).groups
+        for row in group
     }
     assert len(rows) == len(PRINTED) + 6  # six are compared at two stages
     depth = rows["3.5π: deepest wear, joint A, after the second wear (µm), Fig. 8a"]
@@ -85,7 +95,11 @@ def test_a_computed_sentence_holds_for_every_depth_of_its_table() -> None:
     evidence = every_evidence()
     factors = report.depth_factors(evidence, BASE)
     best, typical, largest = report.fit(factors)
-    off = [max(one / best, best / one) for place, one in factors.items() if place not in DOUBTFUL]
+    off = [
+        max(one / best, best / one)
+        for place, one in factors.items()
+        if place not in DOUBTFUL
+    ]
     assert max(off) == pytest.approx(largest)
     assert typical < largest
     text = " ".join(report.findings(evidence, {}))
@@ -123,7 +137,9 @@ def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
     np.testing.assert_allclose(curve[is_worn], 1e6 * worn.mean[is_worn])
 
 
-def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main([str(tmp_path / "paper"), "--engine", "exudyntree"]) == 2
     assert "did you mean exudyn-tree" in capsys.readouterr().err
 

@@ -47,7 +47,9 @@ class End(NamedTuple):
 class Forces:
     """Forces, contacts and rates of the integrals of a linkage in a state."""
 
-    def __init__(self, linkage: Linkage, packed: Packed, t: float, q: Array, v: Array) -> None:
+    def __init__(
+        self, linkage: Linkage, packed: Packed, t: float, q: Array, v: Array
+    ) -> None:
         self.linkage, self.packed, self.t, self.q, self.v = linkage, packed, t, q, v
         self.force = packed.weight.copy()
         self.supplied = self.contact_loss = self.friction_loss = self.made = 0.0
@@ -71,7 +73,9 @@ class Forces:
     @property
     def energies(self) -> Array:
         """Powers of loads, contacts and friction, W, in the order of ENERGIES."""
-        return np.array([self.supplied, self.contact_loss, self.friction_loss, self.made])
+        return np.array(
+            [self.supplied, self.contact_loss, self.friction_loss, self.made]
+        )
 
     def _end(self, point: Attachment) -> End:
         local = np.array([point.x, point.y])
@@ -81,9 +85,13 @@ class Forces:
         c, s = math.cos(self.q[i + 2]), math.sin(self.q[i + 2])
         arm = np.array([[c, -s], [s, c]]) @ local
         velocity = self.v[i : i + 2] + self.v[i + 2] * across(arm)
-        return End(i, self.q[i : i + 2] + arm, velocity, arm, self.q[i + 2], self.v[i + 2])
+        return End(
+            i, self.q[i : i + 2] + arm, velocity, arm, self.q[i + 2], self.v[i + 2]
+        )
 
-    def _push(self, end: End, force: Array, arm: Array | None = None, couple: float = 0.0) -> None:
+    def _push(
+        self, end: End, force: Array, arm: Array | None = None, couple: float = 0.0
+    ) -> None:
         if end.body >= 0:
             moment = moment_of(end.arm if arm is None else arm, force) + couple
             self.force[end.body : end.body + 3] += *force, moment
@@ -139,7 +147,9 @@ class Forces:
             self._round(joint, contact, e, rate_of_e)
         normal = np.array([contact.normal_x, contact.normal_y])
         slip = across(normal) @ rate_of_e
-        contact.sliding = slip + pin.spin * contact.pin_arm - bearing.spin * contact.bearing_arm
+        contact.sliding = (
+            slip + pin.spin * contact.pin_arm - bearing.spin * contact.bearing_arm
+        )
 
     def _round(self, joint: Records, contact: Any, e: Array, rate_of_e: Array) -> None:
         size = contact.eccentricity
@@ -150,9 +160,13 @@ class Forces:
         indentation = 0.5 * max(contact.penetration, 0.0)
         contact.pin_arm = joint["pin_radius"] - indentation
         contact.bearing_arm = joint["bearing_radius"] + indentation
-        contact.elastic, contact.energy = elastic_of(joint["normal"], contact.penetration)
+        contact.elastic, contact.energy = elastic_of(
+            joint["normal"], contact.penetration
+        )
 
-    def _contact_forces(self, k: int, contact: Any, onset: float, bearing: End, pin: End) -> None:
+    def _contact_forces(
+        self, k: int, contact: Any, onset: float, bearing: End, pin: End
+    ) -> None:
         joint, is_closed = self.packed.joints[k], contact.penetration > 0.0
         law = joint["friction"]
         if law["bristle_stiffness"] > 0.0:
@@ -163,7 +177,9 @@ class Forces:
             return
         onset = max(onset if onset > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
         depth, closing = contact.penetration, contact.closing
-        contact.normal = normal_force(joint["normal"], contact.elastic, depth, closing, onset)
+        contact.normal = normal_force(
+            joint["normal"], contact.elastic, depth, closing, onset
+        )
         if law["bristle_stiffness"] > 0.0:
             motion = contact.sliding, bristle, rate
             contact.tangential = bristle_force(contact.normal, *motion, law)

@@ -26,7 +26,11 @@ def four_bar(
     crank: float = 0.05, coupler: float = 0.20, rocker: float = 0.12, base: float = 0.18
 ) -> Linkage:
     return assemble(
-        bodies=[Bar("crank", crank, 0.3), Bar("coupler", coupler, 0.3), Bar("rocker", rocker, 0.3)],
+        bodies=[
+            Bar("crank", crank, 0.3),
+            Bar("coupler", coupler, 0.3),
+            Bar("rocker", rocker, 0.3),
+        ],
         joints=[
             Pin("O", (0.0, 0.0), "crank.tail"),
             Pin("A", "crank.head", "coupler.tail"),
@@ -42,9 +46,13 @@ def four_bar(
 def agree(result: Motion, exact: Motion, speed: float) -> None:
     """To 1e-12 m and rad, and accelerations to 1e-10 of their greatest."""
     np.testing.assert_allclose(result.position, exact.position, atol=1e-12)
-    np.testing.assert_allclose(result.velocity / speed, exact.velocity / speed, atol=1e-11)
+    np.testing.assert_allclose(
+        result.velocity / speed, exact.velocity / speed, atol=1e-11
+    )
     most = np.abs(exact.acceleration).max()
-    np.testing.assert_allclose(result.acceleration, exact.acceleration, atol=1e-10 * most)
+    np.testing.assert_allclose(
+        result.acceleration, exact.acceleration, atol=1e-10 * most
+    )
 
 
 @given(
@@ -52,20 +60,27 @@ def agree(result: Motion, exact: Motion, speed: float) -> None:
     st.floats(0.1 * math.pi, 40.0 * math.pi),
     st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=50),
 )
-def test_the_press_moves_as_in_closed_form(name: str, speed: float, cycles: list[float]) -> None:
+def test_the_press_moves_as_in_closed_form(
+    name: str, speed: float, cycles: list[float]
+) -> None:
     press = Press(geometry=GEOMETRIES[name], speed=speed)
     time = press.period * np.array(cycles)
     exact = press_motion(press, np.append(0.0, time))
     result = motion_of(press).at(np.append(0.0, time))
-    # The closed form makes angles continuous from one instant to the next, whatever lies between.
+    # The closed form makes angles continuous from one instant to the next, whatever
+    # lies between.
     turns = np.round((exact.position - result.position)[:, 2::3] / (2.0 * math.pi))
     exact.position[:, 2::3] -= 2.0 * math.pi * turns
     agree(result, exact, speed)
 
 
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
-def test_the_slider_crank_moves_as_in_closed_form(crank: float, ratio: float, speed: float) -> None:
-    mechanism = SliderCrank(crank, min(ratio * crank, 10.0), slide_angle=0.0, speed=speed)
+def test_the_slider_crank_moves_as_in_closed_form(
+    crank: float, ratio: float, speed: float
+) -> None:
+    mechanism = SliderCrank(
+        crank, min(ratio * crank, 10.0), slide_angle=0.0, speed=speed
+    )
     time = np.linspace(0.0, 2.0 * mechanism.period, 97)
     agree(motion_of(mechanism).at(time), slider_crank_motion(mechanism, time), speed)
 
@@ -77,7 +92,8 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
     _, coupler, rocker = ideal_motion(four_bar(), PERIOD).at(time).position[:, 2::3].T
     a, b, c, d = 0.05, 0.20, 0.12, 0.18
     k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)
-    # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's line.
+    # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's
+    # line.
     left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
     np.testing.assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
     tip = a * np.exp(1j * crank) + b * np.exp(1j * coupler)
@@ -87,7 +103,11 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
 def test_rows_are_those_of_the_engines() -> None:
     """Phi, its derivatives and its Jacobian, far from any assembled position."""
     generator = np.random.default_rng(2)
-    for linkage in (Press().linkage(), SliderCrank(slide_angle=0.0).linkage(), four_bar()):
+    for linkage in (
+        Press().linkage(),
+        SliderCrank(slide_angle=0.0).linkage(),
+        four_bar(),
+    ):
         rows, constraints = Rows(linkage), constraints_of(linkage)
         assert rows.names == constraints.names
         shape = 5, rows.bodies, 3
@@ -96,10 +116,14 @@ def test_rows_are_those_of_the_engines() -> None:
         errors = rows.errors(time, q, v, a)
         jacobian = rows.jacobian(q)
         for k, t in enumerate(time):
-            phi, phi_t, gamma, dense = constraints.evaluate(float(t), q[k].ravel(), v[k].ravel())
+            phi, phi_t, gamma, dense = constraints.evaluate(
+                float(t), q[k].ravel(), v[k].ravel()
+            )
             np.testing.assert_allclose(errors[0][k], phi, atol=1e-12)
             np.testing.assert_allclose(errors[1][k], phi_t, atol=1e-12)
-            np.testing.assert_allclose(errors[2][k], dense @ a[k].ravel() - gamma, atol=1e-12)
+            np.testing.assert_allclose(
+                errors[2][k], dense @ a[k].ravel() - gamma, atol=1e-12
+            )
             np.testing.assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
@@ -154,12 +178,14 @@ REFUSED = {
     "free to move: .* hold 8, 1 more are needed$": four_bar().changed(drives=[]),
     "overconstrained: .* 1 too many": four_bar().changed(drives=TWICE),
     # The crank is too long to turn all around: the links stretch at B on the way.
-    r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(crank=0.15),
+    r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(
+        crank=0.15
+    ),
     # The rods never meet.
     "joint [ABOP] does not close or is at a dead point$": four_bar(coupler=0.02),
-    "joint . does not close .*; guess has no angle of coupler, rocker": four_bar(0.02, 0.1).changed(
-        guess={}
-    ),
+    "joint . does not close .*; guess has no angle of coupler, rocker": four_bar(
+        0.02, 0.1
+    ).changed(guess={}),
     "guess of coupler = 149 deg: .* right angle": four_bar().changed(
         guess={"coupler": 2.6, "rocker": 1.4}
     ),
@@ -200,7 +226,9 @@ def test_a_truss_stands_still_or_is_refused() -> None:
     np.testing.assert_allclose(motion.position[:, 2], math.pi / 3.0, rtol=1e-13)
     assert not motion.velocity.any()
     for base in (0.4, 0.5):
-        with pytest.raises(AssemblyError, match=r"over the cycle: joint \S does not close"):
+        with pytest.raises(
+            AssemblyError, match=r"over the cycle: joint \S does not close"
+        ):
             motion_of(truss(base))
 
 
@@ -240,14 +268,20 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
         assert abs(level(edge, 0) - half) < np.abs(speed).max() * press.period / 1440
 
 
-@pytest.mark.parametrize(("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)])
-def test_slider_crank_is_lowest_in_line(direction: float, part: float, sign: float) -> None:
+@pytest.mark.parametrize(
+    ("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)]
+)
+def test_slider_crank_is_lowest_in_line(
+    direction: float, part: float, sign: float
+) -> None:
     """In the opposite direction the bottom falls on the boundary of two cycles."""
     mechanism = SliderCrank(slide_angle=0.0)
     linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))
     bottom = bottom_of(motion_of(linkage))
     assert bottom is not None
-    assert bottom.time == pytest.approx(part * mechanism.period, abs=1e-12 * mechanism.period)
+    assert bottom.time == pytest.approx(
+        part * mechanism.period, abs=1e-12 * mechanism.period
+    )
     height = sign * mechanism.rod_length - mechanism.crank_length
     assert bottom.height == pytest.approx(height, abs=1e-15)
     # The window lies on both sides.
@@ -255,9 +289,13 @@ def test_slider_crank_is_lowest_in_line(direction: float, part: float, sign: flo
     assert min(end - bottom.time, bottom.time - begin) > 0.1 * mechanism.period
 
 
-@pytest.mark.parametrize(("angle", "place"), [(0.0, 0.75), (0.4, 0.75 - 0.4 / math.tau)])
+@pytest.mark.parametrize(
+    ("angle", "place"), [(0.0, 0.75), (0.4, 0.75 - 0.4 / math.tau)]
+)
 @pytest.mark.parametrize("run_up", [0, 2])
-def test_bar_is_lowest_at_three_quarters(angle: float, place: float, run_up: int) -> None:
+def test_bar_is_lowest_at_three_quarters(
+    angle: float, place: float, run_up: int
+) -> None:
     linkage = bar(angle, run_up=run_up)
     result = bottom_of(motion_of(linkage))
     assert result is not None
@@ -265,7 +303,9 @@ def test_bar_is_lowest_at_three_quarters(angle: float, place: float, run_up: int
     assert result.time == pytest.approx((place - back) * linkage.period, abs=1e-13)
     assert result.height == pytest.approx(-0.2, abs=1e-15)
     assert result.first == int(back)
-    late = result.delay(linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9]))
+    late = result.delay(
+        linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9])
+    )
     assert late[:2] == pytest.approx(0.0, abs=1e-13)
     assert late[2] == pytest.approx((0.9 - place) * linkage.period, abs=1e-13)
 

@@ -7,12 +7,25 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from two_bodies import JOINT, Pair, force_of, gap_of, normal_law, placed, turned, worn_joint
+from two_bodies import (
+    JOINT,
+    Pair,
+    force_of,
+    gap_of,
+    normal_law,
+    placed,
+    turned,
+    worn_joint,
+)
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
 from presswear.physics.contact import direction_of
-from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR, friction_force, friction_record
+from presswear.physics.friction_and_normal import (
+    ONSET_SPEED_FLOOR,
+    friction_force,
+    friction_record,
+)
 from presswear.tools.arrays import Array
 
 EPS = float(np.finfo(float).eps)
@@ -65,7 +78,9 @@ def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     contact, load = pair.contact(), pair.load(0.5)
     law = normal_law(1.25e10, 1.5, pair.joint.normal.damping)
     assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
-    friction = friction_force(contact.sliding, load.normal, friction_record(FrictionLaw(0.1)))
+    friction = friction_force(
+        contact.sliding, load.normal, friction_record(FrictionLaw(0.1))
+    )
     assert load.tangential == friction
     n = np.array([contact.normal_x, contact.normal_y])
     t = np.array([-n[1], n[0]])
@@ -84,10 +99,14 @@ def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
 
 @given(joints, st.floats(-4e-4, 1e-4), directions, angle_pairs)
 def test_penetration_is_measured_from_the_worn_gap(
-    joint: ClearanceJoint, penetration: float, direction: float, angles: tuple[float, float]
+    joint: ClearanceJoint,
+    penetration: float,
+    direction: float,
+    angles: tuple[float, float],
 ) -> None:
     contact = placed(joint, penetration, direction, angles=angles).contact()
-    # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that angle.
+    # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that
+    # angle.
     assert contact.penetration == pytest.approx(penetration, abs=8.0 * EPS)
     eccentricity = penetration + gap_of(joint, direction, *angles)
     assert contact.eccentricity == pytest.approx(eccentricity, abs=8.0 * EPS)
@@ -115,7 +134,8 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
     ahead = pair.after(step).contact().penetration
     behind = pair.after(-step).contact().penetration
     # Positions rounded to 1e-16 m over 2e-7 s; curvature of the worn profile (at most
-    # 12 depth / width^2 = 0.02 m) times (250 rad/s)^2 times the step where a knot is crossed.
+    # 12 depth / width^2 = 0.02 m) times (250 rad/s)^2 times the step where a knot is
+    # crossed.
     contact = pair.contact()
     turning = abs(contact.turning) + 0.3
     curvature = 0.0 if pair.joint is JOINT else 0.02 * turning**2 * step
@@ -126,24 +146,28 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
     width = 2.0 * math.pi / max(int(pair.packed.joints[0]["surface_bins"]), 1)
-    places = direction_of(pair.contact()) - (pair.joint.map_frame == "body") * pair.q[2::3]
+    places = (
+        direction_of(pair.contact()) - (pair.joint.map_frame == "body") * pair.q[2::3]
+    )
     positions = places / width - 0.5
     return bool(np.any(np.abs(positions - np.round(positions)) * width <= span))
 
 
 @given(pairs(st.floats(-5e-4, 1e-4), 0.1, 3.0), rates(1e2, 1e3))
-def test_penetration_acceleration_is_a_derivative(pair: Pair, acceleration: Array) -> None:
+def test_penetration_acceleration_is_a_derivative(
+    pair: Pair, acceleration: Array
+) -> None:
     eccentricity = pair.contact().eccentricity
-    # Centres move at up to 1.5 m/s against each other: a small part of the time in which
-    # the pin would cross the joint.
+    # Centres move at up to 1.5 m/s against each other: a small part of the time in
+    # which the pin would cross the joint.
     speed = 1.5
     step = 2e-5 * eccentricity / speed
     assume(pair.joint is JOINT or not _knot_is_near(pair, 4e-5))
     ahead = pair.after(step, acceleration).contact().rate
     behind = pair.after(-step, acceleration).contact().rate
     centripetal = speed**2 / eccentricity
-    # Truncation is (2e-5)^2 of it but for a small factor; positions rounded to 2e-16 m turn
-    # the normal by 2e-16 / e, and worn slopes (to 1e-3 m/rad) with it.
+    # Truncation is (2e-5)^2 of it but for a small factor; positions rounded to 2e-16 m
+    # turn the normal by 2e-16 / e, and worn slopes (to 1e-3 m/rad) with it.
     noise = 8e-16 / eccentricity * speed / step * (1.0 + 1e-2 * speed / eccentricity)
     expected = pytest.approx(
         (ahead - behind) / (2.0 * step), abs=1e-8 * (centripetal + 2e3) + noise
@@ -172,7 +196,9 @@ def test_first_step_of_a_contact_uses_its_own_rate() -> None:
     assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
     elastic = 1.25e10 * 1e-6**1.5
     assert pair.load(0.0).normal == pytest.approx(elastic * 1.1425, rel=1e-8)
-    assert pair.load(0.8).normal == pytest.approx(elastic * (1.0 + 0.1425 * 0.5), rel=1e-8)
+    assert pair.load(0.8).normal == pytest.approx(
+        elastic * (1.0 + 0.1425 * 0.5), rel=1e-8
+    )
     slow = pair.after(0.0)
     slow.v[3] = 1e-9
     floored = elastic * (1.0 + 0.1425 * 1e-9 / ONSET_SPEED_FLOOR)
@@ -180,9 +206,13 @@ def test_first_step_of_a_contact_uses_its_own_rate() -> None:
 
 
 @given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
-def test_a_bearing_on_the_frame_is_at_rest(penetration: float, direction: float, v: Array) -> None:
+def test_a_bearing_on_the_frame_is_at_rest(
+    penetration: float, direction: float, v: Array
+) -> None:
     fixed = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
-    free = placed(replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0)), penetration, direction)
+    free = placed(
+        replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0)), penetration, direction
+    )
     free.q[2] = 0.0
     free.v[3:] = v[3:]
     alone = Pair(fixed, free.q[3:], free.v[3:])

@@ -19,7 +19,12 @@ from sub_chains import ARM, PUMP, STEPHENSON
 
 import presswear as pw
 from presswear.linkage.elements import ClearanceJoint, WearLaw
-from presswear.linkage.laws import FRICTION_PARAMETERS, NORMAL_PARAMETERS, FrictionLaw, NormalLaw
+from presswear.linkage.laws import (
+    FRICTION_PARAMETERS,
+    NORMAL_PARAMETERS,
+    FrictionLaw,
+    NormalLaw,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
@@ -50,7 +55,8 @@ def loose(linkage: Linkage, *names: str, **laws: Any) -> Linkage:
     laws = dict[str, Any](normal=LAW, friction=RAMP, wear=WEAR) | laws
     pins = [joint for joint in linkage.revolutes if joint.name in names]
     joints = tuple(
-        ClearanceJoint(pin.name, pin.first, pin.second, 0.015, 1e-4, 0.02, **laws) for pin in pins
+        ClearanceJoint(pin.name, pin.first, pin.second, 0.015, 1e-4, 0.02, **laws)
+        for pin in pins
     )
     rest = tuple(joint for joint in linkage.joints if joint not in pins)
     return replace(linkage, joints=rest, clearances=joints)
@@ -85,7 +91,9 @@ class Subject:
         self.states[:] = 1e-6 * generator.standard_normal(self.states.size)
         self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
         contacts = np.zeros(len(self.packed.joints), CONTACT)
-        self.model = model_of(linkage, self.equations, self.packed, self.onset, contacts)
+        self.model = model_of(
+            linkage, self.equations, self.packed, self.onset, contacts
+        )
         begin_motion(self.model.prescribed, TIME, motion.position[0])
         if self.packed.loads is not None:
             place_loads(self.packed.loads, motion.position[0], motion.velocity[0])
@@ -108,7 +116,9 @@ class Subject:
         solution = np.linalg.solve(matrix, np.concatenate([found.force, gamma]))
         multipliers = solution[q.size :]
         drives = constraints.records["drive"]
-        torques = np.array([-multipliers[drives == k][0] for k in range(len(self.linkage.drives))])
+        torques = np.array(
+            [-multipliers[drives == k][0] for k in range(len(self.linkage.drives))]
+        )
         speeds = v[packed.driven]
         acceleration = solution[: q.size]
         return Expected(speeds, phi, phi_t, acceleration, torques, found)
@@ -128,7 +138,9 @@ def near(value: Array, expected: Array, relative: float) -> None:
     np.testing.assert_allclose(value, expected, rtol=relative, atol=relative * scale)
 
 
-def push(penetration: float, rate: float, onset_speed: float, stiffness: float) -> float:
+def push(
+    penetration: float, rate: float, onset_speed: float, stiffness: float
+) -> float:
     return stiffness * penetration**1.5 * (1.0 + 2.0 * rate / onset_speed)
 
 
@@ -150,7 +162,9 @@ def four_bars(count: int) -> Linkage:
     bodies, joints, drives = list[Any](), list[Any](), list[Any]()
     guess = dict[str, float]()
     for k in range(count):
-        bodies += [pw.Bar(f"{name} {k}", size, 0.3 + size) for name, size in lengths.items()]
+        bodies += [
+            pw.Bar(f"{name} {k}", size, 0.3 + size) for name, size in lengths.items()
+        ]
         joints += [
             pw.Pin(f"O{k}", (0.3 * k, 0.0), f"crank {k}.tail"),
             pw.Pin(f"A{k}", f"crank {k}.head", f"coupler {k}.tail"),
@@ -164,7 +178,11 @@ def four_bars(count: int) -> Linkage:
 
 def rubbing(joint: Any) -> Any:
     """Return a rigid pin with friction."""
-    return replace(joint, bearing_radius=0.01, friction=RAMP) if joint.name == "B" else joint
+    return (
+        replace(joint, bearing_radius=0.01, friction=RAMP)
+        if joint.name == "B"
+        else joint
+    )
 
 
 PRESS = pw.Press().linkage()
@@ -177,7 +195,10 @@ LOADS = (
     pw.Load("coupler", 3.0, -2.0, 0.4),
     pw.Force("coupler", 0.7, pw.Harmonics(10.0, 40.0, [(3.0, 4.0)]), "beat"),
     pw.Force(
-        "rocker", -1.0, pw.OverPosition([(-2.0, 30.0), (2.0, -20.0)], outside="hold"), "table"
+        "rocker",
+        -1.0,
+        pw.OverPosition([(-2.0, 30.0), (2.0, -20.0)], outside="hold"),
+        "table",
     ),
     pw.Force("coupler", 0.1, gust, "gust"),
     pw.Moment("crank", pw.OverTime([(0.0, 1.0), (0.1, 2.0)], period=0.2)),
@@ -212,9 +233,17 @@ CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
         {"friction": FrictionLaw(), "normal": NormalLaw(1e9, 1.3), "wear": None},
     ),
     "liu": (FOUR_BAR, "B", {"normal": replace(LAW, elasticity="liu")}),
-    "kelvin-voigt": (FOUR_BAR, "B", {"normal": replace(LAW, damping=0.0, viscosity=100.0)}),
+    "kelvin-voigt": (
+        FOUR_BAR,
+        "B",
+        {"normal": replace(LAW, damping=0.0, viscosity=100.0)},
+    ),
     "round foundation": (FOUR_BAR, "B", {"contact": "foundation"}),
-    "wear over the arc": (FOUR_BAR, "B", {"wear": replace(WEAR, wear_distribution="arc")}),
+    "wear over the arc": (
+        FOUR_BAR,
+        "B",
+        {"wear": replace(WEAR, wear_distribution="arc")},
+    ),
     "slip by angle": (FOUR_BAR, "B", {"wear": replace(WEAR, slip="angle")}),
     "worn foundation": (PRESS, "A C", {"contact": "foundation", **WORN}),
     "worn radial": (PRESS, "A C", WORN),
@@ -232,7 +261,8 @@ CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
 }
 
 
-# Of worn surfaces the position is known to 1e-16 m, which is more beside a slight penetration.
+# Of worn surfaces the position is known to 1e-16 m, which is more beside a slight
+# penetration.
 WITHIN = {name: 1e-10 for name in CASES if name.startswith("worn")}
 
 
@@ -244,7 +274,10 @@ def subject_of(name: str, seed: int = 0) -> Subject:
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("seed", range(3))
 def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
-    subject, close = subject_of(name, seed), partial(near, relative=WITHIN.get(name, 1e-11))
+    subject, close = (
+        subject_of(name, seed),
+        partial(near, relative=WITHIN.get(name, 1e-11)),
+    )
     subject.run()
     expected = subject.expected()
     n, out = subject.equations.chain.size, subject.out
@@ -281,7 +314,9 @@ def test_forces_on_all_bodies_agree_with_vectors(name: str) -> None:
     q, v, *_ = subject.model.bodies
     forces = BodyForces(subject.linkage, subject.packed, subject.onset)
     forces.states[:] = subject.states
-    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(subject.onset, subject.states)
+    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(
+        subject.onset, subject.states
+    )
     close(forces(TIME, q, v) + subject.packed.weight, found.force)
     for energy, reference in zip(forces.energies[2:], found.energies, strict=True):
         close(energy, reference)
@@ -289,7 +324,9 @@ def test_forces_on_all_bodies_agree_with_vectors(name: str) -> None:
         close(forces.contacts[field], found.contacts[field])
 
 
-@pytest.mark.parametrize("name", ["press", "lugre", "loads", "user laws", "worn foundation"])
+@pytest.mark.parametrize(
+    "name", ["press", "lugre", "loads", "user laws", "worn foundation"]
+)
 def test_equations_run_in_plain_python(name: str) -> None:
     subject = subject_of(name)
     expected = subject.run().copy()
@@ -305,7 +342,9 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
     names = function_of(subject.equations.text).py_func.__globals__
     for penetration in (-1e-19, 1e-19):
 
-        def barely(joint: Any, surfaces: Array, contact: Any, depth: float = penetration) -> None:
+        def barely(
+            joint: Any, surfaces: Array, contact: Any, depth: float = penetration
+        ) -> None:
             contact["penetration"] = depth
             contact["elastic"] = contact["couple"] = contact["energy"] = 0.0
 
@@ -336,13 +375,24 @@ def test_equations_run_without_compilation(tmp_path: Path) -> None:
 def test_numbers_are_no_part_of_the_text() -> None:
     """Another clearance, speed, mass or law parameter compiles nothing."""
     one = loose(FOUR_BAR, "B")
-    fast = loose(pw.FourBar(speed=40.0, coupler_mass=0.7).linkage(), "B", friction=FrictionLaw(0.2))
+    fast = loose(
+        pw.FourBar(speed=40.0, coupler_mass=0.7).linkage(),
+        "B",
+        friction=FrictionLaw(0.2),
+    )
     wide = tuple(replace(joint, clearance=3e-4) for joint in fast.clearances)
     first, second = written(one), written(replace(fast, clearances=wide))
     assert first.text == second.text
     assert first.numbers.keys() == second.numbers.keys()
-    changed = {name for name, value in first.numbers.items() if value != second.numbers[name]}
-    assert {"crank_omega", "coupler_mass", "B_clearance", "B_friction_coefficient"} <= changed
+    changed = {
+        name for name, value in first.numbers.items() if value != second.numbers[name]
+    }
+    assert {
+        "crank_omega",
+        "coupler_mass",
+        "B_clearance",
+        "B_friction_coefficient",
+    } <= changed
 
 
 def test_names_of_bodies_and_joints_become_names_of_variables() -> None:
@@ -361,7 +411,9 @@ def test_names_of_bodies_and_joints_become_names_of_variables() -> None:
     ]
     drive = pw.Drive("2 arm", 10.0)
     text = written(pw.assemble(bodies, joints, [drive], output="arm")).text
-    assigned = [line.split(" = ")[0].strip() for line in text.splitlines() if " = " in line]
+    assigned = [
+        line.split(" = ")[0].strip() for line in text.splitlines() if " = " in line
+    ]
     assert len(assigned) == len(set(assigned))
     compile(text, "equations", "exec")
 
@@ -439,5 +491,7 @@ def test_equations_that_other_processes_stored_are_not_mistaken(tmp_path: Path) 
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
     for values in ("1.0",), ("2.0", "1.0"):
         command = [sys.executable, "-c", STORED, *values]
-        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        ran = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        )
         assert ran.stdout.split() == list(values)

@@ -26,7 +26,9 @@ PERIOD = TURN / W
 def curve_of(linkage: Linkage, count: int = 128, later: float = 0.0) -> Any:
     """What a linkage watches over its cycle, with derivatives, as a table of a curve."""
     phase = TURN * np.arange(count) / count
-    place, velocity, acceleration = motion_of(linkage).at(later + phase / W).output(linkage).T
+    place, velocity, acceleration = (
+        motion_of(linkage).at(later + phase / W).output(linkage).T
+    )
     rows = [phase, place - place[0], velocity / W, acceleration / W**2]
     return np.column_stack(rows).tolist()
 
@@ -44,7 +46,8 @@ ANGLE = PRESS.drives[1].angle
     [
         # Crank 7 rocks.
         (Drive("crank 7", 0.0, ANGLE, W, [(0.0, 0.3), (0.02, 0.0)]), 0.0),
-        # Twice in a turn crank 7 does not move the slider: the curve leads through both places.
+        # Twice in a turn crank 7 does not move the slider: the curve leads through both
+        # places.
         (PRESS.drives[1], W),
     ],
     ids=["rocking", "turning"],
@@ -54,7 +57,9 @@ def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed: float) 
     follow = Follow("slider 6.centre", table=curve_of(servo(drive)))
     result = followed(servo(Drive("crank 7", speed, ANGLE, W, follow=follow))).drives[1]
     time = np.linspace(0.0, 2.0 * PERIOD, 701)
-    for k, (one, exact) in enumerate(zip(result.motion(time), drive.motion(time), strict=True)):
+    for k, (one, exact) in enumerate(
+        zip(result.motion(time), drive.motion(time), strict=True)
+    ):
         assert np.abs(one - exact).max() < (1e-11, 1e-8, 1e-5)[k]
 
 
@@ -65,13 +70,28 @@ amplitudes = st.floats(-0.25, 0.25)
 
 
 @settings(max_examples=20)
-@given(st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3), st.integers(0, 2))
-def test_crank_follows_the_law_of_cosines(waves: list[tuple[float, float]], run_up: int) -> None:
+@given(
+    st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3),
+    st.integers(0, 2),
+)
+def test_crank_follows_the_law_of_cosines(
+    waves: list[tuple[float, float]], run_up: int
+) -> None:
     """cos a = (x^2 + r^2 - l^2) / (2 r x) for a slider at x that swings about a = 90 deg."""
     scale = 0.3 * R
-    harmonics = [(scale * a / (k + 1), scale * b / (k + 1)) for k, (a, b) in enumerate(waves)]
-    drive = Drive("crank", 0.0, 0.5 * math.pi, 20.0, follow=Follow("slider.centre", 0.0, harmonics))
-    linkage = CRANK.changed(drives=[drive], run_up=run_up, guess={"rod": -math.asin(R / ROD)})
+    harmonics = [
+        (scale * a / (k + 1), scale * b / (k + 1)) for k, (a, b) in enumerate(waves)
+    ]
+    drive = Drive(
+        "crank",
+        0.0,
+        0.5 * math.pi,
+        20.0,
+        follow=Follow("slider.centre", 0.0, harmonics),
+    )
+    linkage = CRANK.changed(
+        drives=[drive], run_up=run_up, guess={"rod": -math.asin(R / ROD)}
+    )
     solution = followed(linkage)
     time = np.linspace(0.0, linkage.period, 300)
     x = np.full_like(time, math.sqrt(ROD**2 - R**2))
@@ -117,7 +137,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("message", REFUSED, ids=["out of reach", "mean speed", "pieces"])
+@pytest.mark.parametrize(
+    "message", REFUSED, ids=["out of reach", "mean speed", "pieces"]
+)
 def test_a_curve_that_cannot_be_followed_is_refused(message: str) -> None:
     with pytest.raises(AssemblyError, match=message):
         followed(REFUSED[message])

@@ -68,7 +68,11 @@ def arc_of(
     The overlap was greatest ``before`` at an angle of the bearing's map.
     """
     joint = replace(
-        JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation", clearance=C
+        JOINT,
+        bearing_surface=bearing,
+        pin_surface=pin,
+        contact="foundation",
+        clearance=C,
     )
     if not (bearing.is_worn or pin.is_worn):
         joint = replace(joint, wear=WearLaw(1e-15, angles=bearing.depth.size))
@@ -101,7 +105,9 @@ def pin_slopes(bearing: Surface, pin: Surface, *places: float) -> CubicHermiteSp
     return CubicHermiteSpline(nodes, curve(angles, 1), curve(angles, 2))
 
 
-def directly(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> Array:
+def directly(
+    bearing: Surface, pin: Surface, eccentricity: float, *places: float
+) -> Array:
     """Greatest overlap and its integrals by Gauss's rule between all roots and nodes."""
     slopes = pin_slopes(bearing, pin, *places)
     fine = np.linspace(-0.6, 0.6, 40_001)
@@ -114,7 +120,9 @@ def directly(bearing: Surface, pin: Surface, eccentricity: float, *places: float
     roots = [brentq(overlap, fine[k], fine[k + 1], xtol=1e-15) for k in changes]
     near = fine[np.argmax(values)]
     span = (near - 1e-4, near + 1e-4)
-    greatest = minimize_scalar(lambda s: -overlap(s), bounds=span, options={"xatol": 1e-10})
+    greatest = minimize_scalar(
+        lambda s: -overlap(s), bounds=span, options={"xatol": 1e-10}
+    )
     ends = np.sort(np.concatenate([slopes.x[abs(slopes.x) < 0.6], roots]))
     sums = np.zeros(4)
     points, weights = np.polynomial.legendre.leggauss(8)
@@ -166,7 +174,9 @@ def test_no_cubic_of_the_pin_is_below_its_least_depth(offset: float) -> None:
 
 @pytest.mark.parametrize("bins", [9, 63, 90, 720])
 @pytest.mark.parametrize("eccentricity", [1e-9, 4e-4, C + 2e-5])
-def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity: float, bins: int) -> None:
+def test_the_nearest_place_of_a_worn_turn_is_found(
+    eccentricity: float, bins: int
+) -> None:
     """However far round it lies: the pin is near the centre, or presses on a long arc."""
     bearing, pin = rough(4, bins), rough(5, bins)
     s = np.linspace(-math.pi, math.pi, 800_001)
@@ -180,14 +190,21 @@ def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity: float, bins: in
     assert result.square == pytest.approx(square, rel=1e-5, abs=1e-26)
 
 
-@pytest.mark.parametrize("bins", [16, BINS])  # the patch is narrower than a bin, and wider
+@pytest.mark.parametrize(
+    "bins", [16, BINS]
+)  # the patch is narrower than a bin, and wider
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
 def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) -> None:
     """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
     flat = Surface(np.zeros(bins))
-    force = foundation_stiffness(1e10, C) * arc_of(flat, flat, C + penetration, 0.3, 0.9).along
+    force = (
+        foundation_stiffness(1e10, C)
+        * arc_of(flat, flat, C + penetration, 0.3, 0.9).along
+    )
     ratio = force / (1e10 * penetration**1.5)
-    assert ratio == pytest.approx(1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C)
+    assert ratio == pytest.approx(
+        1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C
+    )
 
 
 @pytest.mark.parametrize("bins", [BINS, 97])
@@ -199,7 +216,8 @@ def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
     sums = arc_of(flat, flat, eccentricity, 0.3, 0.9)
     stiffness = foundation_stiffness(1e10, C)
     force, energy = round_foundation(penetration, 1e10, C)
-    # The penetration of the sums is a difference, and has the round-off of the clearance.
+    # The penetration of the sums is a difference, and has the round-off of the
+    # clearance.
     allowed = 1e-10 + 2e-14 / part
     assert stiffness * sums.along == pytest.approx(force, rel=allowed)
     assert 0.5 * stiffness * sums.square == pytest.approx(energy, rel=allowed)
@@ -207,12 +225,16 @@ def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
         half = math.acos(C / eccentricity)
         exact = eccentricity * half - C * math.sin(half)
         assert force == pytest.approx(stiffness * exact, rel=2e-14)
-        exact = (eccentricity**2 + 2.0 * C**2) * half - 3.0 * eccentricity * C * math.sin(half)
+        exact = (
+            eccentricity**2 + 2.0 * C**2
+        ) * half - 3.0 * eccentricity * C * math.sin(half)
         assert energy == pytest.approx(0.5 * stiffness * exact, rel=1e-13)
 
 
 @given(st.floats(-6.0, 2.0), st.floats(0.0, 6.0))
-def test_a_round_contact_is_that_of_maps_without_depth(power: float, direction: float) -> None:
+def test_a_round_contact_is_that_of_maps_without_depth(
+    power: float, direction: float
+) -> None:
     """Closed form and sums over the arc fill all numbers of a contact alike."""
     joint = replace(JOINT, contact="foundation", wear=WearLaw(1e-15))
     rates = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
@@ -221,37 +243,56 @@ def test_a_round_contact_is_that_of_maps_without_depth(power: float, direction: 
     worn = contacts_in(pair.linkage, whole, pair.q, pair.v)[0]
     plain = pair.contact()
     assert pair.packed.joints[0]["surface_bins"] == 0 < whole.joints[0]["surface_bins"]
-    scale = {"elastic": plain.elastic, "energy": plain.energy, "couple": plain.elastic * C}
+    scale = {
+        "elastic": plain.elastic,
+        "energy": plain.energy,
+        "couple": plain.elastic * C,
+    }
     for name in CONTACT.names or ():
         if name not in ("place", "normal", "tangential", "bristle", "bristle_rate"):
-            allowed = 3e-8 * scale.get(name, 1.0)  # lengths in m, speeds in m/s, directions
+            allowed = 3e-8 * scale.get(
+                name, 1.0
+            )  # lengths in m, speeds in m/s, directions
             assert worn[name] == pytest.approx(plain[name], abs=allowed), name
 
 
 def worn(bearing: Surface, pin: Surface) -> Pair:
     """Two free bodies, both turning, with the pin where it overlaps by some micrometres."""
-    joint = replace(JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation")
+    joint = replace(
+        JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation"
+    )
     rates = np.array([0.3, -0.2, 4.0, 0.1, 0.25, -7.0])
     low, high = -5e-4, 5e-4
     for _ in range(60):
         middle = 0.5 * (low + high)
         pair = placed(joint, middle, 1.1, angles=(0.2, -0.4), rates=rates)
-        low, high = (middle, high) if pair.contact().penetration < 4e-6 else (low, middle)
+        low, high = (
+            (middle, high) if pair.contact().penetration < 4e-6 else (low, middle)
+        )
     return pair
 
 
 @given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
 def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
     """At rest, without friction and damping, nothing but the elastic force is left."""
-    pair = worn(Surface(1e-5 * np.random.default_rng(seed).random(bins)), groove(0.5, 8e-6, bins))
+    pair = worn(
+        Surface(1e-5 * np.random.default_rng(seed).random(bins)),
+        groove(0.5, 8e-6, bins),
+    )
     elastic = replace(JOINT.normal, damping=0.0)
     smooth = replace(JOINT.friction, coefficient=0.0)
-    calm = Pair(replace(pair.joint, normal=elastic, friction=smooth), pair.q, np.zeros(6))
+    calm = Pair(
+        replace(pair.joint, normal=elastic, friction=smooth), pair.q, np.zeros(6)
+    )
     load = calm.load(1.0)
-    force = np.array([-load.x, -load.y, load.bearing_moment, load.x, load.y, load.pin_moment])
+    force = np.array(
+        [-load.x, -load.y, load.bearing_moment, load.x, load.y, load.pin_moment]
+    )
     for i, (size, arm) in enumerate(2 * [(1e-10, 1.0), (1e-10, 1.0), (3e-9, 0.02)]):
         step = size * np.eye(6)[i]
-        ahead, behind = (replace(calm, q=calm.q + d).contact().energy for d in (step, -step))
+        ahead, behind = (
+            replace(calm, q=calm.q + d).contact().energy for d in (step, -step)
+        )
         allowed = 3e-6 * abs(load.normal) * arm
         assert force[i] == pytest.approx((behind - ahead) / (2.0 * size), abs=allowed)
 
@@ -265,19 +306,29 @@ def test_rates_of_overlap_and_energy_are_derivatives() -> None:
         return float(pair.after(time, acceleration).contact().penetration)
 
     h = 1e-7
-    assert contact.rate == pytest.approx((overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6)
+    assert contact.rate == pytest.approx(
+        (overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6
+    )
     h = 5e-7
     second = (overlap(h) - 2.0 * overlap(0.0) + overlap(-h)) / h**2
-    assert pair.penetration_acceleration(acceleration) == pytest.approx(second, rel=1e-3)
+    assert pair.penetration_acceleration(acceleration) == pytest.approx(
+        second, rel=1e-3
+    )
     h = 1e-8
     ahead, behind = (pair.after(d).contact().energy for d in (h, -h))
-    assert contact.elastic * contact.closing == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
+    assert contact.elastic * contact.closing == pytest.approx(
+        (ahead - behind) / (2 * h), rel=1e-6
+    )
 
 
-@given(direction=st.floats(-0.1, 0.1), way=st.floats(-0.1, 0.1), turn=st.floats(3.1, 3.2))
+@given(
+    direction=st.floats(-0.1, 0.1), way=st.floats(-0.1, 0.1), turn=st.floats(3.1, 3.2)
+)
 @example(direction=0.05, way=-0.055, turn=3.13)  # across the seams of both maps
 @example(direction=-0.05, way=0.055, turn=-3.13)
-def test_the_place_before_changes_nothing(direction: float, way: float, turn: float) -> None:
+def test_the_place_before_changes_nothing(
+    direction: float, way: float, turn: float
+) -> None:
     # So rough that the whole turn is searched
     case = rough(1), rough(2), C + 1e-6, direction, direction + turn
     near, far = (arc_of(*case, before=direction + angle) for angle in (way, 3.0))
@@ -319,7 +370,9 @@ def test_integrals_are_derivatives_of_the_energy(bins: int, direction: float) ->
         return place.width, found
 
     eccentricity = C + 2.2e-5
-    at = np.array([eccentricity * math.cos(direction), eccentricity * math.sin(direction), 0.234])
+    at = np.array(
+        [eccentricity * math.cos(direction), eccentricity * math.sin(direction), 0.234]
+    )
     width, arc = sums(*at)
     wanted = (arc.x, arc.y, -arc.pin_slope / width)
     for axis, (step, value) in enumerate(zip((4e-8, 4e-8, 1e-4), wanted, strict=True)):

@@ -26,7 +26,14 @@ def bushings(
 ) -> list[ClearanceJoint]:
     return [
         ClearanceJoint(
-            joint.name, joint.first, joint.second, radius, 1e-4, 0.02, NormalLaw(1e10), law
+            joint.name,
+            joint.first,
+            joint.second,
+            radius,
+            1e-4,
+            0.02,
+            NormalLaw(1e10),
+            law,
         )
         for joint in linkage.revolutes
         if joint.name in names
@@ -75,18 +82,26 @@ def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
         needed_torques(linkage, motion, time, joints)[0, 0]
         for joints in (bushings(linkage, "O", FrictionLaw(0.2), radius=0.005), ())
     )
-    force = 2.0 * math.hypot(9.81 - speed**2 * 0.2 * math.sin(0.3), speed**2 * 0.2 * math.cos(0.3))
-    assert rubbed - free == pytest.approx(part * 0.2 * 0.005 * force, rel=1e-12, abs=1e-15)
+    force = 2.0 * math.hypot(
+        9.81 - speed**2 * 0.2 * math.sin(0.3), speed**2 * 0.2 * math.cos(0.3)
+    )
+    assert rubbed - free == pytest.approx(
+        part * 0.2 * 0.005 * force, rel=1e-12, abs=1e-15
+    )
 
 
 def test_bristles_are_those_of_steady_sliding() -> None:
     linkage = bar(0.05)
     law = FrictionLaw(0.1, name=LUGRE, static=0.15, stribeck=1e-3)
-    found = constraint_forces(linkage, motion_of(linkage), np.zeros(1), bushings(linkage, "O", law))
+    found = constraint_forces(
+        linkage, motion_of(linkage), np.zeros(1), bushings(linkage, "O", law)
+    )
     held = constraint_forces(linkage, motion_of(linkage), np.zeros(1))
     coefficient = 0.1 + 0.05 * math.exp(-1.0)
     size = math.hypot(held[0, 0], held[0, 1])
-    assert found[0, -1] - held[0, -1] == pytest.approx(coefficient * RADIUS * size, rel=1e-12)
+    assert found[0, -1] - held[0, -1] == pytest.approx(
+        coefficient * RADIUS * size, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("coefficient", [0.01, 0.1, 0.3])
@@ -113,7 +128,10 @@ def test_the_drive_pays_for_the_friction_at_every_instant(coefficient: float) ->
     extra = (rubbed[:, -1] - held[:, -1]) * speed
     np.testing.assert_allclose(extra, heat, rtol=1e-9, atol=1e-9 * heat.max())
     # Friction changes the joint forces too.
-    assert np.abs(rubbed[:, :6] - held[:, :6]).max() > 1e-3 * coefficient * np.abs(held).max()
+    assert (
+        np.abs(rubbed[:, :6] - held[:, :6]).max()
+        > 1e-3 * coefficient * np.abs(held).max()
+    )
 
 
 def test_friction_that_blocks_the_motion_is_said() -> None:
@@ -121,7 +139,9 @@ def test_friction_that_blocks_the_motion_is_said() -> None:
     linkage = slider_crank()
     joints = bushings(linkage, "OAB", FrictionLaw(2.0), radius=0.3)
     time = np.linspace(0.0, linkage.period, 50)
-    with pytest.raises(RunFailed, match="friction blocks the motion of rigid joints at t = "):
+    with pytest.raises(
+        RunFailed, match="friction blocks the motion of rigid joints at t = "
+    ):
         constraint_forces(linkage, motion_of(linkage), time, joints)
 
 
@@ -132,7 +152,9 @@ def test_a_torque_limit_holds_with_friction() -> None:
     greatest = np.abs(needed_torques(linkage, motion_of(linkage), time, joints)).max()
     free = np.abs(needed_torques(linkage, motion_of(linkage), time)).max()
     assert greatest > 1.005 * free
-    drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=0.5 * (free + greatest))
+    drive = pw.Drive(
+        "crank", speed=5.0, angle=0.3, torque_limit=0.5 * (free + greatest)
+    )
     limited = linkage.changed(drives=[drive])
     check_drives(limited, motion_of(limited))
     with pytest.raises(InputError, match="the ideal motion needs"):

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Sense
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Law,
+    Moment,
+    OverPosition,
+    OverTime,
+    Sense,
+)
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.layout import LOAD_WORK
 from presswear.physics.loads import (
@@ -79,7 +87,9 @@ def test_a_table_over_position_is_that_of_numpy(
         assert size(packed, 0.0, s - zero, step) == pytest.approx(expected, abs=1e-9)
 
 
-@given(SPACES, SIZES, st.lists(st.floats(0.0, 0.9), min_size=1, max_size=20), st.booleans())
+@given(
+    SPACES, SIZES, st.lists(st.floats(0.0, 0.9), min_size=1, max_size=20), st.booleans()
+)
 def test_a_table_over_time_is_that_of_numpy(
     spaces: list[float], sizes: list[float], steps: list[float], repeats: bool
 ) -> None:
@@ -87,7 +97,9 @@ def test_a_table_over_time_is_that_of_numpy(
     places, values = table_of(spaces, sizes)
     places += 1.0
     period = float(places[-1]) + 0.5 if repeats else 0.0
-    packed = packed_of(OverTime(np.transpose([places, values]).tolist(), period), turning=True)
+    packed = packed_of(
+        OverTime(np.transpose([places, values]).tolist(), period), turning=True
+    )
     place_loads(packed, np.zeros(3), np.zeros(3))
     t = 0.0
     for step in steps:
@@ -104,7 +116,12 @@ def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> 
     assert packed.records["period"].tolist() == [2.0]
     # From 3 N at 1 s to 1 N at 2.5 s.
     border = pytest.approx(5.0 / 3.0)
-    assert packed.nodes.tolist() == [[0.0, border], [0.5, 1.0], [1.0, 3.0], [2.0, border]]
+    assert packed.nodes.tolist() == [
+        [0.0, border],
+        [0.5, 1.0],
+        [1.0, 3.0],
+        [2.0, border],
+    ]
     packed = packed_of(Harmonics(0.5, 3.0, [(1.0, 2.0), (0.0, -0.5)]))
     for t in (0.0, 0.3, 7.0):
         expected = 0.5 + math.cos(3 * t) + 2.0 * math.sin(3 * t) - 0.5 * math.sin(6 * t)
@@ -112,7 +129,9 @@ def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> 
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_in_one_sense_a_load_grows_with_speed_and_never_drives(sense: Sense, sign: float) -> None:
+def test_in_one_sense_a_load_grows_with_speed_and_never_drives(
+    sense: Sense, sign: float
+) -> None:
     law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold")
     packed = packed_of(law, turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))
@@ -132,7 +151,9 @@ def plastic(
     steepest = max(float((np.diff(values) / np.diff(places)).max()), 0.1)
     sign = 1.0 if sense == "along" else -1.0
     table = sorted(np.transpose([sign * places, -sign * values]).tolist())
-    return OverPosition(table, sense, "hold", release=release, unloading=steeper * steepest)
+    return OverPosition(
+        table, sense, "hold", release=release, unloading=steeper * steepest
+    )
 
 
 def rows_of(law: OverPosition) -> NDArray[np.float64]:
@@ -174,7 +195,8 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
     places, values = rows_of(law)
     outside = places[0] - 1.0
     ends = [outside, *turns, outside]
-    # Where the resistance may bend: at nodes, deepest places, and ends of elastic lines.
+    # Where the resistance may bend: at nodes, deepest places, and ends of elastic
+    # lines.
     bends = [*places, places[-1] - 1e-9, *turns]
     bends += [s - float(np.interp(s, places, values)) / law.unloading for s in turns]
     packed = packed_of(law, turning=True)
@@ -194,12 +216,19 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign: float) -> None:
+def test_a_start_within_a_sheet_is_at_its_deepest_place(
+    sense: Sense, sign: float
+) -> None:
     table = sorted([(0.0, 0.0), (sign * 1.0, -sign * 6.0), (sign * 2.0, -sign * 6.0)])
     law = OverPosition(table, sense, "hold", unloading=12.0)
-    for speed, after in ((-1.0, [4.8, 0.0, 0.0, 4.8, 6.0]), (1.0, [6.0, 6.0, 6.0, 6.0, 6.0])):
+    for speed, after in (
+        (-1.0, [4.8, 0.0, 0.0, 4.8, 6.0]),
+        (1.0, [6.0, 6.0, 6.0, 6.0, 6.0]),
+    ):
         packed = packed_of(law, turning=True)
-        place_loads(packed, np.array([0.0, 0.0, 1.5 * sign]), np.array([0.0, 0.0, sign * speed]))
+        place_loads(
+            packed, np.array([0.0, 0.0, 1.5 * sign]), np.array([0.0, 0.0, sign * speed])
+        )
         assert -sign * size(packed, 0.0, 1.5 * sign, 0.0) == pytest.approx(6.0)
         result = []
         way = [(1.4, -1.0), (1.0, -1.0), (0.9, 1.0), (1.4, 1.0), (1.6, 1.0)]

@@ -50,11 +50,22 @@ def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> 
     waves = c * np.exp(1j * k * drive.frequency * t)
     rates = 1j * k * drive.frequency
     turned = drive.speed * t + (waves - c.real).real.sum()
-    exact = turned, drive.speed + (rates * waves).real.sum(), (rates**2 * waves).real.sum()
-    scale = 1.0 + np.abs(c).sum() * (1.0 + 5.0 * drive.frequency * np.array([1.0, t])).max()
+    exact = (
+        turned,
+        drive.speed + (rates * waves).real.sum(),
+        (rates**2 * waves).real.sum(),
+    )
+    scale = (
+        1.0 + np.abs(c).sum() * (1.0 + 5.0 * drive.frequency * np.array([1.0, t])).max()
+    )
     compiled = drive_motion(motions_of(FOUR_BAR.changed(drives=[drive]))[0], t)
     for level, (one, other) in enumerate(zip(compiled, exact, strict=True)):
-        bound = 1e-13 * scale * (1.0 + 5.0 * drive.frequency) ** level * (1.0 + abs(drive.speed))
+        bound = (
+            1e-13
+            * scale
+            * (1.0 + 5.0 * drive.frequency) ** level
+            * (1.0 + abs(drive.speed))
+        )
         assert one == pytest.approx(other, abs=bound)
     result = np.ravel(drive.motion(np.array([t]))) - np.array([drive.angle, 0.0, 0.0])
     np.testing.assert_allclose(result, compiled, rtol=1e-12, atol=1e-9)
@@ -79,10 +90,16 @@ def test_the_slider_follows_a_crank_that_rocks() -> None:
 
 
 INDEXING = Drive(
-    "crank", 30.0, 0.2, rises=[Rise(0.3, 1.9, 0.4, "modified-sine"), Rise(3.0, 5.0, -0.4, "3-4-5")]
+    "crank",
+    30.0,
+    0.2,
+    rises=[Rise(0.3, 1.9, 0.4, "modified-sine"), Rise(3.0, 5.0, -0.4, "3-4-5")],
 )
 SERVO = Drive(
-    "crank", 30.0, 0.2, table=[(0.5, 0.0), (1.5, 0.15), (2.8, 0.05), (4.0, -0.1), (5.2, 0.1)]
+    "crank",
+    30.0,
+    0.2,
+    table=[(0.5, 0.0), (1.5, 0.15), (2.8, 0.05), (4.0, -0.1), (5.2, 0.1)],
 )
 MOTIONS = {
     "four-bar": UNEVEN,
@@ -103,14 +120,18 @@ STEADY = FOUR_BAR.changed(drives=[SERVO])
         ("exudyn-joints", "B", 1e-5),
     ],
 )
-def test_engines_follow_an_uneven_drive(name: str, engine: str, joints: str, bound: float) -> None:
+def test_engines_follow_an_uneven_drive(
+    name: str, engine: str, joints: str, bound: float
+) -> None:
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
     if (name, engine, joints) == ("table, run-up", "exudyn-joints", "B"):
         pytest.skip("three cycles of contact at equal steps take long")
     scene = Scene(mechanism=MOTIONS[name], joints=joints, wear_updates=0, engine=engine)
     period = scene.mechanism.period
     plan = Plan(period, 1, run_up=scene.run_up)
-    run = scene.solver.for_cycle(period).simulate(scene.linkage(), start_of(scene), plan)
+    run = scene.solver.for_cycle(period).simulate(
+        scene.linkage(), start_of(scene), plan
+    )
     assert run.status == "completed"
     assert run.time == pytest.approx(scene.run_up + period, rel=1e-9)
     end = scene.ideal.at(np.array([run.time]))
@@ -142,7 +163,9 @@ def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> 
     assert len(rows) > 1000
     assert np.all(off < (1e-12, 1e-12, 1e-11))
     # No torque in the series is beside the one of the motion.
-    fine = InHouse(integration_tolerance=1e-12).simulate(scene.linkage(), start_of(scene), plan)
+    fine = InHouse(integration_tolerance=1e-12).simulate(
+        scene.linkage(), start_of(scene), plan
+    )
     one, other = (item.recorder for item in (run, fine))
     torque = np.interp(one.rows[:, 0], other.rows[:, 0], other.torques[:, 0])
     assert np.abs(one.torques[:, 0] - torque).max() < 1e-3 * np.abs(torque).max()
@@ -216,24 +239,38 @@ def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
     fine = flown(scene, InHouse(integration_tolerance=1e-14, free_step=period / 2000))
 
     def error(engine: Engine) -> float:
-        return float(np.abs(flown(scene, engine).end.position - fine.end.position).max())
+        return float(
+            np.abs(flown(scene, engine).end.position - fine.end.position).max()
+        )
 
-    rk4 = [error(InHouse(integrator="rk4", equal_step=period / n)) for n in (74, 148, 296)]
+    rk4 = [
+        error(InHouse(integrator="rk4", equal_step=period / n)) for n in (74, 148, 296)
+    ]
     assert min(np.log2(rk4[k] / rk4[k + 1]) for k in (0, 1)) > 3.7
-    tree = [error(ExudynTree(tree_tolerance=1e3, free_step=period / n)) for n in (148, 296)]
+    tree = [
+        error(ExudynTree(tree_tolerance=1e3, free_step=period / n)) for n in (148, 296)
+    ]
     assert np.log2(tree[0] / tree[1]) > 4.2
     assert error(InHouse(integration_tolerance=1e6, free_step=period / 74)) < 1e-11
 
 
-@pytest.mark.parametrize("scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"])
+@pytest.mark.parametrize(
+    "scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"]
+)
 def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
     """No worse than it says, and no better than ``at`` is needed for."""
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
     near, exact = scene.ideal.at(time, closed=False), scene.ideal.at(time)
     output = 3 * scene.base_linkage.index(scene.base_linkage.output.body)
-    for level, within in (("position", 1e-14), ("velocity", 1e-11), ("acceleration", 1e-8)):
+    for level, within in (
+        ("position", 1e-14),
+        ("velocity", 1e-11),
+        ("acceleration", 1e-8),
+    ):
         one, others = getattr(near, level), getattr(exact, level)
-        error = np.abs(one - others[:, output : output + 3]).max() / np.abs(others).max()
+        error = (
+            np.abs(one - others[:, output : output + 3]).max() / np.abs(others).max()
+        )
         assert error < within
     assert error > 1e-12
 
@@ -247,10 +284,16 @@ def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
     plan = Plan(period, 2, run_up=scene.run_up, observers=(Keeps(states.append),))
     run = engine.simulate(linkage, start, plan)
     assert run.status == "completed"
-    assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period, rel=1e-9)
+    assert run.recorder.last_time == pytest.approx(
+        scene.run_up + 2.0 * period, rel=1e-9
+    )
     # The steps of the run-up are in none of them.
-    assert run.recorder.each_cycle("steps").sum() < 0.7 * float(run.diagnostics["steps"])
-    again = engine.simulate(linkage, start, replace(plan, observers=(), resume=states[0]))
+    assert run.recorder.each_cycle("steps").sum() < 0.7 * float(
+        run.diagnostics["steps"]
+    )
+    again = engine.simulate(
+        linkage, start, replace(plan, observers=(), resume=states[0])
+    )
     np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
     np.testing.assert_array_equal(again.end.position, run.end.position)
 
@@ -271,14 +314,19 @@ def in_pieces(draw: st.DrawFn) -> Drive:
 
 
 @given(in_pieces(), st.floats(0.0, 300.0), st.integers(0, 3))
-def test_kernels_see_the_pieces_that_are_written(drive: Drive, t: float, run_up: int) -> None:
+def test_kernels_see_the_pieces_that_are_written(
+    drive: Drive, t: float, run_up: int
+) -> None:
     """To round-off after hundreds of cycles, whose phase is known to 1e-12 rad."""
     linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up, cycle=TURN / 7.0)
     motion = motions_of(linkage)[0]
     tau, rate, rise = run_up_motion(linkage.run_up_time, t)
     angle, speed, faster = (float(level[0]) for level in drive.motion(np.array([tau])))
     exact = angle - drive.angle, speed * rate, faster * rate**2 + speed * rise
-    steep = np.abs(drive.pieces.polynomial).max() + 10.0 * np.abs(drive.pieces.wave[:, :2]).prod()
+    steep = (
+        np.abs(drive.pieces.polynomial).max()
+        + 10.0 * np.abs(drive.pieces.wave[:, :2]).prod()
+    )
     for one, other in zip(drive_motion(motion, t), exact, strict=True):
         assert one == pytest.approx(other, rel=1e-12, abs=1e-10 * (1.0 + steep))
 
@@ -306,11 +354,17 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
 
 
 @given(st.floats(0.5, 500.0), st.integers(1, 10_000))
-def test_a_cycle_that_ends_at_a_break_has_the_next_one_ahead(frequency: float, turns: int) -> None:
+def test_a_cycle_that_ends_at_a_break_has_the_next_one_ahead(
+    frequency: float, turns: int
+) -> None:
     """A whole turn short by round-off: a step to a break of no length would never end."""
     table = [(0.0, 0.0), (1.5, 0.2), (4.0, -0.1)]
-    linkage = FOUR_BAR.changed(drives=[Drive("crank", 0.0, 0.0, frequency, table=table)])
+    linkage = FOUR_BAR.changed(
+        drives=[Drive("crank", 0.0, 0.0, frequency, table=table)]
+    )
     (motion,) = motions_of(linkage)
     end = turns * (TURN / frequency)
     for time in (end, np.nextafter(end, 0.0), np.nextafter(end, math.inf)):
-        assert break_after(motion, time) == pytest.approx(end + 1.5 / frequency, abs=1e-9 * end)
+        assert break_after(motion, time) == pytest.approx(
+            end + 1.5 / frequency, abs=1e-9 * end
+        )

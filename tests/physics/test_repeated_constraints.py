@@ -25,9 +25,12 @@ BEARING = pw.Bearing(
 def parallel_cranks(third_length: float = 0.05) -> Linkage:
     """Return three parallel cranks, one of them driven, that carry a coupling plate.
 
-    Three bearings in one line would leave the plate free in the dead points of the cranks.
+    Three bearings in one line would leave the plate free in the dead points of the
+    cranks.
     """
-    cranks = [pw.Bar(f"crank {n}", 0.05 if n < 3 else third_length, 1.0) for n in (1, 2, 3)]
+    cranks = [
+        pw.Bar(f"crank {n}", 0.05 if n < 3 else third_length, 1.0) for n in (1, 2, 3)
+    ]
     places = {"1": (-0.2, 0.0), "2": (0.0, 0.15), "3": (0.2, 0.0)}
     joints = [pw.Pin(f"O{n}", place, f"crank {n}.tail") for n, place in places.items()]
     joints += [pw.Pin(f"A{n}", f"crank {n}.head", f"rod.{n}") for n in (1, 2, 3)]
@@ -47,7 +50,10 @@ def with_shoe(offset: float) -> Linkage:
     shoe = pw.Body("shoe", 1.0, 1.0)
     joints = [*press.revolutes, pw.Pin("shoe", "shoe.centre", "slider.centre")]
     guides = [replace(guide, body="shoe") for guide in press.guides]
-    bodies = [replace(one, inertia=60.0) if one.name == "slider" else one for one in press.bodies]
+    bodies = [
+        replace(one, inertia=60.0) if one.name == "slider" else one
+        for one in press.bodies
+    ]
     return press.changed(
         bodies=[*bodies, shoe],
         joints=[*joints, *guides],
@@ -72,9 +78,13 @@ def test_forces_of_repeated_constraints_balance_and_have_the_smallest_norm() -> 
     pushed = linkage.changed(loads=[pw.Load("rod", x=100.0, y=30.0, moment=7.0)])
     time = np.array([0.3, 2.0])
     forces = constraint_forces(pushed, ideal, time)
-    transposed = ideal.rows.jacobian(ideal.at(time).position.reshape(2, -1, 3)).transpose(0, 2, 1)
+    transposed = ideal.rows.jacobian(
+        ideal.at(time).position.reshape(2, -1, 3)
+    ).transpose(0, 2, 1)
     for matrix, force in zip(transposed, forces, strict=True):
-        free = np.linalg.svd(matrix)[2][-1]  # forces of the rows that balance each other
+        free = np.linalg.svd(matrix)[2][
+            -1
+        ]  # forces of the rows that balance each other
         assert np.abs(matrix @ free).max() < 1e-12
         assert abs(force @ free) < 1e-9 * np.abs(force).max()
 
@@ -89,13 +99,17 @@ def test_constraints_that_do_not_fit_are_refused_with_joint_and_distance() -> No
 def simulated(scene: pw.Scene, duration: float) -> Run:
     """Run a scene for a duration, s, from its start."""
     engine = scene.solver.for_cycle(duration)
-    return engine.simulate(scene.linkage(), start_of(scene), Plan(duration, 1, recorded_cycles=1))
+    return engine.simulate(
+        scene.linkage(), start_of(scene), Plan(duration, 1, recorded_cycles=1)
+    )
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
 def test_joints_with_clearance_are_no_constraints_of_a_run(engine: str) -> None:
     bearings = {"A2": BEARING, "A3": BEARING}
-    scene = pw.Scene(parallel_cranks(), bearings=bearings, engine=engine, wear_updates=0)
+    scene = pw.Scene(
+        parallel_cranks(), bearings=bearings, engine=engine, wear_updates=0
+    )
     assert simulated(scene, 0.02).status == "completed"
     assert any("smallest norm" in line for line in doubts(scene))
 
@@ -103,7 +117,9 @@ def test_joints_with_clearance_are_no_constraints_of_a_run(engine: str) -> None:
 def settled_forces(linkage: Linkage, engine: str) -> list[float]:
     """Return the mean vertical forces of both rods on the slide, N, in the second half of 0.2 s."""
     bearings = {"B1": BEARING, "B2": BEARING}
-    run = simulated(pw.Scene(linkage, bearings=bearings, engine=engine, wear_updates=0), 0.2)
+    run = simulated(
+        pw.Scene(linkage, bearings=bearings, engine=engine, wear_updates=0), 0.2
+    )
     assert run.status == "completed"
     means = []
     for k in range(2):

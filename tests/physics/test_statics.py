@@ -75,9 +75,15 @@ def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
             OverPosition(((-0.02, 1.0), (0.01, 3.0)), outside="hold", zero=0.12),
             "sheet",
         ),
-        pw.Moment("crank", OverPosition(((0.3, 0.0), (0.9, 5.0)), outside="hold", zero=7.0)),
-        pw.Force(point, direction, OverTime(((0.001, 1.0), (0.002, 2.0))), "every cycle"),
-        pw.Force(point, direction, OverTime(((0.003, 1.0), (0.02, 2.0)), period=0.0), "once"),
+        pw.Moment(
+            "crank", OverPosition(((0.3, 0.0), (0.9, 5.0)), outside="hold", zero=7.0)
+        ),
+        pw.Force(
+            point, direction, OverTime(((0.001, 1.0), (0.002, 2.0))), "every cycle"
+        ),
+        pw.Force(
+            point, direction, OverTime(((0.003, 1.0), (0.02, 2.0)), period=0.0), "once"
+        ),
     )
     time = np.linspace(0.0, 2.0 * period, 200)
     corners = load_corners(replace(linkage, loads=loads), LIGHT.ideal, time)
@@ -93,11 +99,13 @@ def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 @pytest.mark.parametrize("force", [20.0, 1000.0, -1000.0])
-def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: float) -> None:
+def test_press_stands_as_one_with_longer_and_shorter_rods(
+    geometry: str, force: float
+) -> None:
     """Pins go to the end of their clearance along rods 3 and 5, which bear two forces each.
 
-    A rod that is pulled is longer by its play, one that is pressed shorter; the forces in them
-    are the pull times the change of height with their lengths (virtual work).
+    A rod that is pulled is longer by its play, one that is pressed shorter; the forces
+    in them are the pull times the change of height with their lengths (virtual work).
     """
     press = pw.Press(geometry=GEOMETRIES[geometry], gravity=0.0)
     scene = replace(pw.scenes.wear_times(), mechanism=press)
@@ -119,7 +127,9 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: 
     result = equilibrium(linkage, press.period + bottom.time, force)
     assert result.height == pytest.approx(height(longer), abs=1e-12)
     assert result.contacts["normal"] == pytest.approx(np.abs(bears), rel=1e-6)
-    assert heights_at_bottom(linkage, [force])[0] == pytest.approx(result.height, abs=1e-15)
+    assert heights_at_bottom(linkage, [force])[0] == pytest.approx(
+        result.height, abs=1e-15
+    )
 
 
 @pytest.mark.parametrize("conventions", ["paper", "refined"])
@@ -128,11 +138,18 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
 
     It does so to some part of the penetration over the clearance.
     """
-    scene = replace(LIGHT, conventions=pw.scenes.wear_times(conventions=conventions).conventions)
-    worn = {"A": (np.full(360, 3e-5), None), "B": (np.full(360, 1e-5), np.full(360, 2e-5))}
+    scene = replace(
+        LIGHT, conventions=pw.scenes.wear_times(conventions=conventions).conventions
+    )
+    worn = {
+        "A": (np.full(360, 3e-5), None),
+        "B": (np.full(360, 1e-5), np.full(360, 2e-5)),
+    }
     linkage, force = replace(scene, surfaces=worn).linkage(), 50.0
     expected = 2.0 * sum(play(joint, force, 3e-5) for joint in linkage.clearances)
-    springs = expected - 2.0 * sum(joint.clearance + 3e-5 for joint in linkage.clearances)
+    springs = expected - 2.0 * sum(
+        joint.clearance + 3e-5 for joint in linkage.clearances
+    )
     allowed = 1e-14 if conventions == "paper" else 0.03 * springs
     result = pw.total_clearance(linkage, force)
     assert result == pytest.approx(expected, abs=allowed)
@@ -142,11 +159,16 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
 def held(force: float) -> Linkage:
     """A slider-crank whose crank stands, loaded at the slider."""
     crank = pw.SliderCrank(slide_angle=0.0).linkage()
-    drive, load = replace(crank.drives[0], speed=0.0, angle=2.0), pw.Load("slider", x=force)
+    drive, load = (
+        replace(crank.drives[0], speed=0.0, angle=2.0),
+        pw.Load("slider", x=force),
+    )
     return crank.changed(drives=[drive], loads=[load], guess={"rod": -0.4}, cycle=0.005)
 
 
-@pytest.mark.parametrize(("conventions", "force"), [("paper", 50.0), ("refined", -50.0)])
+@pytest.mark.parametrize(
+    ("conventions", "force"), [("paper", 50.0), ("refined", -50.0)]
+)
 def test_engine_that_starts_at_rest_stays_there(conventions: str, force: float) -> None:
     """On uneven surfaces, with weight, over some periods of the contacts."""
     angle = np.radians(np.arange(360) + 0.5)
@@ -182,20 +204,32 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     assert hanging - down < 1e-4 < up - hanging
     assert pw.deflection(linkage, 100.0) == up - hanging
     assert pw.deflection(linkage, 100.0, idle=-100.0) == up - down
-    assert pw.total_clearance(linkage) == pw.total_clearance(linkage, LEAST_PULL) == up - down
+    assert (
+        pw.total_clearance(linkage)
+        == pw.total_clearance(linkage, LEAST_PULL)
+        == up - down
+    )
     law = pw.OverTime([(0.0, -500.0), (0.1, -500.0)])
-    pressed = linkage.changed(loads=[pw.Force("slider 6.centre", direction=1.57, law=law)])
+    pressed = linkage.changed(
+        loads=[pw.Force("slider 6.centre", direction=1.57, law=law)]
+    )
     assert heights_at_bottom(pressed, [0.0])[0] == hanging
-    heavy = linkage.changed(bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies])
+    heavy = linkage.changed(
+        bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies]
+    )
     assert pull_of(linkage) == LEAST_PULL
-    assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(item.mass for item in linkage.bodies))
+    assert pull_of(heavy) == pytest.approx(
+        1e4 * 9.81 * sum(item.mass for item in linkage.bodies)
+    )
 
 
 def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
     ideal, linkage = pw.Press().linkage(), LIGHT.linkage()
     assert pw.total_clearance(ideal) == pw.deflection(ideal, 500.0) == 0.0
     for force in (0.0, -1.0, 1e12, math.nan):
-        with pytest.raises(pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"):
+        with pytest.raises(
+            pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"
+        ):
             pw.total_clearance(linkage, force)
     with pytest.raises(pw.InputError, match="idle = inf"):
         pw.deflection(linkage, 1.0, math.inf)
@@ -232,13 +266,17 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
     says = r"crank = 3\.92008 N m: the ideal motion needs 3\.924 N m, at 162\.\d degrees of a cycle"
     with pytest.raises(InputError, match=says):
         check_drives(little, motion_of(little))
-    with pytest.raises(InputError, match="torque_limit of crank = 0 N m: allowed is 1e-06 to"):
+    with pytest.raises(
+        InputError, match="torque_limit of crank = 0 N m: allowed is 1e-06 to"
+    ):
         made(0.0)
 
 
 def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
     """At bottom dead centre B carries the slider, and A slider and rod."""
-    mechanism = pw.SliderCrank(slide_angle=-0.5 * math.pi, slider_mass=100.0, rod_mass=2.0)
+    mechanism = pw.SliderCrank(
+        slide_angle=-0.5 * math.pi, slider_mass=100.0, rod_mass=2.0
+    )
     linkage = pw.Scene(mechanism, joints="AB", wear_updates=0).linkage()
     weight = 102.0 * 9.81
     assert least_pull(linkage) == pytest.approx(weight, rel=1e-9)

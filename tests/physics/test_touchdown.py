@@ -16,7 +16,13 @@ from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT
 from presswear.physics.friction_and_normal import elastic_at, normal_force
 from presswear.physics.packed import pack
-from presswear.physics.step_length import LANDING, STEPS, contact_step, next_step, shorter_step
+from presswear.physics.step_length import (
+    LANDING,
+    STEPS,
+    contact_step,
+    next_step,
+    shorter_step,
+)
 from presswear.physics.touchdown import (
     COUNTERS,
     LEAST_STEPS,
@@ -34,12 +40,21 @@ PARTS = 50.0
 FREE = 1e-4
 LEAST = 1e-9
 
-LINE = replace(JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin", 0.0, 0.0))
+LINE = replace(
+    JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin", 0.0, 0.0)
+)
 """A pin that meets its bearing with the whole mass of its body."""
 
 
-@given(st.floats(0.01, 0.9), st.floats(0.02, 0.09), st.floats(-1.0, 3.0), st.floats(1e-7, 1.0))
-def test_crossing_is_the_first_root(root: float, length: float, lean: float, h: float) -> None:
+@given(
+    st.floats(0.01, 0.9),
+    st.floats(0.02, 0.09),
+    st.floats(-1.0, 3.0),
+    st.floats(1e-7, 1.0),
+)
+def test_crossing_is_the_first_root(
+    root: float, length: float, lean: float, h: float
+) -> None:
     """A contact that starts and ends within the step."""
     # Zero where s is root, root + length or -6 / lean, which lies outside.
     cubic = -np.poly1d([root, root + length], r=True) * np.poly1d([0.25 * lean, 1.5])
@@ -50,14 +65,19 @@ def test_crossing_is_the_first_root(root: float, length: float, lean: float, h: 
 
 
 @given(
-    st.floats(0.0, 1e-5), st.floats(1e-4, 5.0), st.sampled_from([-1.0, 1.0]), st.floats(1.0, 2.5)
+    st.floats(0.0, 1e-5),
+    st.floats(1e-4, 5.0),
+    st.sampled_from([-1.0, 1.0]),
+    st.floats(1.0, 2.5),
 )
 def test_contact_step_divides_half_a_period_at_the_deepest_point(
     depth: float, speed: float, sign: float, exponent: float
 ) -> None:
     """It depends on the energy alone; 1.5 % longer than a Hertz impact, exact for a spring."""
     stiffness = 1e10
-    energy = 0.5 * MASS * speed**2 + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
+    energy = 0.5 * MASS * speed**2 + stiffness * depth ** (exponent + 1.0) / (
+        exponent + 1.0
+    )
     deepest = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
     tangent = exponent * stiffness * deepest ** (exponent - 1.0)
     law = replace(LINE.normal, stiffness=stiffness, exponent=exponent)
@@ -73,11 +93,20 @@ def test_the_mass_that_meets_is_that_of_the_parts_that_give_way() -> None:
         Pair(JOINT, np.zeros(6), np.zeros(6)).linkage,
         bodies=(Body("bearing", 0.2, 3e-3), Body("pin", 0.1, 1e-3)),
     )
-    bearing, pin = 1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3, 1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
-    assert pack(pair).joints[0]["effective_mass"] == pytest.approx(1 / (bearing + pin), rel=1e-14)
+    bearing, pin = (
+        1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3,
+        1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3,
+    )
+    assert pack(pair).joints[0]["effective_mass"] == pytest.approx(
+        1 / (bearing + pin), rel=1e-14
+    )
     driven = replace(pair, drives=(Drive("bearing", 1.0),))
-    assert pack(driven).joints[0]["effective_mass"] == pytest.approx(1 / (5.0 + pin), rel=1e-14)
-    pivot = Revolute("pivot", Attachment(GROUND, 0.0, 0.0), Attachment("bearing", 0.0, 0.0))
+    assert pack(driven).joints[0]["effective_mass"] == pytest.approx(
+        1 / (5.0 + pin), rel=1e-14
+    )
+    pivot = Revolute(
+        "pivot", Attachment(GROUND, 0.0, 0.0), Attachment("bearing", 0.0, 0.0)
+    )
     held = replace(driven, joints=(*driven.joints, pivot))
     assert pack(held).joints[0]["effective_mass"] == pytest.approx(1 / pin, rel=1e-14)
 
@@ -102,9 +131,14 @@ class _Line:
         self.steps["sustained"], self.steps["least"] = 10.0, LEAST
         self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
-        # A type of the package: the stored kernels of one of the tests could not be read elsewhere.
+        # A type of the package: the stored kernels of one of the tests could not be
+        # read elsewhere.
         used = {"packed": self.packed, "contacts": self.contacts, "onset": self.onset}
-        used |= {"memory": self.memory, "counters": self.counters, "stored_contacts": self.stored}
+        used |= {
+            "memory": self.memory,
+            "counters": self.counters,
+            "stored_contacts": self.stored,
+        }
         unused: dict[str, Any] = dict.fromkeys(RecorderState._fields)
         self.records = RecorderState(**(unused | used))
         self.settle()
@@ -125,7 +159,9 @@ class _Line:
 
     def flown(self, h: float) -> tuple[float, float]:
         """Place and speed a step later without contact."""
-        return self.q[0] + h * (self.v[0] + 0.5 * h * self.push), self.v[0] + h * self.push
+        return self.q[0] + h * (self.v[0] + 0.5 * h * self.push), self.v[
+            0
+        ] + h * self.push
 
     def shorter(self, h: float, x: float, speed: float) -> float:
         """Step with which a step that ended in a state has to be repeated; or -1."""
@@ -137,7 +173,9 @@ class _Line:
 @pytest.mark.parametrize("push", [-2000.0, 0.0, 2000.0])
 @pytest.mark.parametrize("speed", [0.5, 3.0])
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 2e-5])
-def test_step_lands_just_behind_a_touchdown(gap: float, speed: float, push: float) -> None:
+def test_step_lands_just_behind_a_touchdown(
+    gap: float, speed: float, push: float
+) -> None:
     line = _Line(push).start(LINE.clearance - gap, speed)
     h = line.wanted()
     x, after = line.flown(h)
@@ -173,8 +211,12 @@ def test_a_step_over_a_whole_contact_is_sent_back_into_it() -> None:
     assert line.flown(shorter)[0] > LINE.clearance
 
 
-@pytest.mark.parametrize(("push", "closing"), [(-1e4, 1e-2), (-1e4, 1e-4), (-100.0, 1e-6)])
-def test_a_step_is_not_sent_back_to_the_same_place_again(push: float, closing: float) -> None:
+@pytest.mark.parametrize(
+    ("push", "closing"), [(-1e4, 1e-2), (-1e4, 1e-4), (-100.0, 1e-6)]
+)
+def test_a_step_is_not_sent_back_to_the_same_place_again(
+    push: float, closing: float
+) -> None:
     """A graze may be over before the landing behind its touchdown."""
     gap = 1e-5
     speed = math.sqrt(closing**2 - 2.0 * push * gap)
@@ -203,7 +245,9 @@ def test_round_off_of_the_place_makes_no_peak(h: float) -> None:
 
 
 @pytest.mark.parametrize(("power", "is_found"), [(1.5, True), (12.0, False)])
-def test_a_peak_on_a_foundation_is_not_extrapolated_far(power: float, is_found: bool) -> None:
+def test_a_peak_on_a_foundation_is_not_extrapolated_far(
+    power: float, is_found: bool
+) -> None:
     """Penetrations that rise and fall again within a step, under forces of a steep power."""
     worn = replace(LINE, pin_surface=Surface(np.full(90, 1e-6)), contact="foundation")
     joint = Pair(worn, np.zeros(3), np.zeros(3)).packed.joints[0]

@@ -41,7 +41,9 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
     contact, packed = pair.contact(), pair.packed.joints[0]
     depth, shares = np.zeros((2, 2, count))
     if packed["over_arc"]:
-        deposit_over_arc(depth, packed, pair.packed.surfaces[0], contact, load_distance, shares)
+        deposit_over_arc(
+            depth, packed, pair.packed.surfaces[0], contact, load_distance, shares
+        )
         assert not shares.any()
     else:
         work, pressure = pair.wear_rates()
@@ -71,7 +73,9 @@ def test_a_dose_is_spread_over_the_bins_that_are_crossed(
     assert depth == pytest.approx(wanted, rel=1e-12, abs=1e-12)
 
 
-def _area_as_printed(e: Decimal, bearing: Decimal, pin: Decimal, width: Decimal) -> Decimal:
+def _area_as_printed(
+    e: Decimal, bearing: Decimal, pin: Decimal, width: Decimal
+) -> Decimal:
     """Equations 25 to 27 to fifty digits: A = 2 b R_i sin(pi - beta)."""
     with localcontext() as context:
         context.prec = 50
@@ -79,7 +83,12 @@ def _area_as_printed(e: Decimal, bearing: Decimal, pin: Decimal, width: Decimal)
         return 2 * width * bearing * (1 - cosine**2).sqrt()
 
 
-@given(st.floats(1e-14, 1e-4), st.floats(5e-5, 1e-3), st.floats(0.005, 0.03), st.floats(0.001, 0.1))
+@given(
+    st.floats(1e-14, 1e-4),
+    st.floats(5e-5, 1e-3),
+    st.floats(0.005, 0.03),
+    st.floats(0.001, 0.1),
+)
 def test_area_is_equations_25_to_27(
     penetration: float, clearance: float, radius: float, width: float
 ) -> None:
@@ -94,7 +103,9 @@ def test_area_is_equations_25_to_27(
 @pytest.mark.parametrize("worn", [False, True])
 @pytest.mark.parametrize("frame", ["fixed", "body"])
 @pytest.mark.parametrize("count", [16, 360, 997])
-def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn: bool, count: int) -> None:
+def test_one_bin_gets_all_of_equation_29(
+    frame: MapFrame, worn: bool, count: int
+) -> None:
     joint = worn_joint(frame)
     if not worn:
         joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
@@ -102,7 +113,9 @@ def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn: bool, count: int
     direction, angles, load_distance = 2.5, (0.4, -2.1), 7.0
     pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
     places = direction - (frame == "body") * np.array(angles)
-    bearing = Decimal(joint.bearing_radius) + Decimal(float(joint.bearing_surface(places)[0]))
+    bearing = Decimal(joint.bearing_radius) + Decimal(
+        float(joint.bearing_surface(places)[0])
+    )
     pin = Decimal(joint.pin_radius) - Decimal(float(joint.pin_surface(places)[1]))
     # The same penetration as the kernel saw: the position carries round-off of 1e-16 m.
     e = bearing - pin + Decimal(pair.contact().penetration)
@@ -110,11 +123,15 @@ def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn: bool, count: int
     expected = np.zeros((2, count))
     bins = (places % TURN * count / TURN).astype(int)
     expected[(0, 1), bins] = COEFFICIENT * load_distance / area * np.array([0.3, 0.7])
-    np.testing.assert_allclose(_deposited(pair, count, load_distance), expected, rtol=1e-12)
+    np.testing.assert_allclose(
+        _deposited(pair, count, load_distance), expected, rtol=1e-12
+    )
 
 
 def test_wear_rates_follow_the_law_of_slip() -> None:
-    pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
+    pair = placed(
+        replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING
+    )
     contact, normal = pair.contact(), pair.load(1e9).normal
     work, pressure = pair.wear_rates()
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
@@ -151,11 +168,14 @@ def test_volume_identity(
     wearing = replace(joint, wear=_law("arc", share))
     depth = _deposited(placed(wearing, penetration, direction), count, load_distance)
     assert depth.min() >= 0.0
-    # Sum over bins of depth times bin area is K_d times force times slip, at any bin count.
+    # Sum over bins of depth times bin area is K_d times force times slip, at any bin
+    # count.
     volume = COEFFICIENT * load_distance
     assert worn_volume(wearing, depth) == pytest.approx(volume, rel=1e-12)
     for side, part in zip(depth, (share, 1.0 - share), strict=True):
-        assert worn_volume(wearing, side[np.newaxis]) == pytest.approx(part * volume, rel=1e-12)
+        assert worn_volume(wearing, side[np.newaxis]) == pytest.approx(
+            part * volume, rel=1e-12
+        )
 
 
 def _fine(pair: Pair, count: int) -> Array:
@@ -183,18 +203,25 @@ def test_bins_hold_the_integral_of_the_overlap(
     contact: SurfaceContact, frame: MapFrame, deepest: float, count: int
 ) -> None:
     """All of its patches, each where its map lives, at any number of bins."""
-    joint = replace(worn_joint(frame, 360, deepest), contact=contact, wear=_law("arc", 0.4))
+    joint = replace(
+        worn_joint(frame, 360, deepest), contact=contact, wear=_law("arc", 0.4)
+    )
     for direction, angles in ((1.1, (0.4, -2.1)), (-3.1, (5.0, 9.0))):
         pair = placed(joint, 3e-6, direction, angles=angles)
         depth = _deposited(pair, count, 1.0)
         parts = depth / depth.sum(axis=1, keepdims=True)
-        # The grid's own error: kinks of the pressure inside a step of a four hundredth bin.
-        np.testing.assert_allclose(parts, _fine(pair, count), rtol=0.0, atol=2e-5 * parts.max())
+        # The grid's own error: kinks of the pressure inside a step of a four hundredth
+        # bin.
+        np.testing.assert_allclose(
+            parts, _fine(pair, count), rtol=0.0, atol=2e-5 * parts.max()
+        )
 
 
 @pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
 @pytest.mark.parametrize("direction", [0.0, 2.0, -3.1])
-def test_bins_beyond_the_arc_are_not_visited(joint: ClearanceJoint, direction: float) -> None:
+def test_bins_beyond_the_arc_are_not_visited(
+    joint: ClearanceJoint, direction: float
+) -> None:
     """A step costs as much as the few bins in contact, however many a map has."""
     pair = placed(replace(joint, wear=_law("arc")), 3e-6, direction, angles=(0.4, -2.1))
     contact, packed = pair.contact(), pair.packed.joints[0]

@@ -34,7 +34,9 @@ def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
     assert film.joints.shape == (len(film.time), 0, len(FILM_JOINT))
 
 
-def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(rattling: Run) -> None:
+def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
+    rattling: Run,
+) -> None:
     recorder = rattling.recorder
     film, rows = recorder.film, recorder.rows
     # One in each interval, so at least half of one apart on the average of two.
@@ -54,7 +56,9 @@ def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(rattling: Run
         assert (columns[:, 5] >= columns[:, 0]).all()
 
 
-def test_a_film_ends_and_its_last_frame_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_film_ends_and_its_last_frame_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
     recorder = ran(changed(scene_named("wear-times"), {"engine": "dae"}), 2).recorder
     period = scene_named("wear-times").mechanism.period

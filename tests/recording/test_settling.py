@@ -32,7 +32,9 @@ def test_periods_of_the_logistic_map(rate: float, period: int) -> None:
     """The periods of the map are in every textbook (May, Nature 261, 459, 1976)."""
     rest = rest_of(logistic(rate, 60))
     assert rest is not None
-    assert np.abs(logistic(rate, 400)[-1] - logistic(rate, 400)[-1 - period]).max() < 1e-9
+    assert (
+        np.abs(logistic(rate, 400)[-1] - logistic(rate, 400)[-1 - period]).max() < 1e-9
+    )
     assert period % rest.period == 0
     assert rest.start < 10
 
@@ -89,7 +91,9 @@ def test_half_lives_of_exponential_times_hold_in_their_share_of_tries() -> None:
         times = generator.exponential(life / math.log(2.0), 4)
         ended = [int(time) for time in times if time < limit]
         still = [limit + STARTUP_CYCLES + REPEATED] * (4 - len(ended))
-        estimate = half_life([STARTUP_CYCLES + time for time in ended if time > 0], still)
+        estimate = half_life(
+            [STARTUP_CYCLES + time for time in ended if time > 0], still
+        )
         if estimate is None:
             held += 1  # no statement
             continue

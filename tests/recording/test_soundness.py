@@ -19,7 +19,13 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.ledger import Ledger, made_energy, made_remedy
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Condition, Finding, Progress, examine, with_cause
+from presswear.recording.soundness import (
+    Condition,
+    Finding,
+    Progress,
+    examine,
+    with_cause,
+)
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
@@ -60,7 +66,9 @@ def examined(change: Change) -> Finding | None:
     recorder = recorder_of(LINKAGE, START, Plan(SCENE.mechanism.period, 1, 1))
     ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
     position, velocity = START.position.copy(), START.velocity.copy()
-    now = Condition(0.0, ledger, position, velocity, "finer steps", constraints_of(LINKAGE))
+    now = Condition(
+        0.0, ledger, position, velocity, "finer steps", constraints_of(LINKAGE)
+    )
     return examine(LINKAGE, recorder, change(recorder, now))
 
 
@@ -75,21 +83,51 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
 @pytest.mark.parametrize(
     ("change", "kind", "joint", "says"),
     [
-        *((state("velocity", 4, value), "state", "", "") for value in (np.nan, np.inf, -np.inf)),
         *(
-            (energies(drive_work=work), "energy", "", "limit 0.002 J: the drives exchanged 5 J")
+            (state("velocity", 4, value), "state", "", "")
+            for value in (np.nan, np.inf, -np.inf)
+        ),
+        *(
+            (
+                energies(drive_work=work),
+                "energy",
+                "",
+                "limit 0.002 J: the drives exchanged 5 J",
+            )
             for work in (0.5021, 0.4979)
         ),
         *(
             (
-                energies(contact_loss=taken - made, made=made, friction_loss=0.0, drive_work=work),
-                *("energy", "", f"the contacts created {made:g} J, limit {limit:g} J: damping and"),
+                energies(
+                    contact_loss=taken - made,
+                    made=made,
+                    friction_loss=0.0,
+                    drive_work=work,
+                ),
+                *(
+                    "energy",
+                    "",
+                    f"the contacts created {made:g} J, limit {limit:g} J: damping and",
+                ),
             )
-            for taken, made, limit, work in ((0.2, 0.21, 0.2, 0.29), (0.0, 0.006, 0.005, 0.294))
+            for taken, made, limit, work in (
+                (0.2, 0.21, 0.2, 0.29),
+                (0.0, 0.006, 0.005, 0.294),
+            )
         ),
         # Where nothing is lost or all of it, the exchange decides: 1e-4 and 3e-3 of it.
-        (energies(friction_loss=-0.05, drive_work=0.3006), "energy", "", "limit 0.0005 J"),
-        (energies(friction_loss=4.95, drive_work=5.3151), "energy", "", "limit 0.015 J"),
+        (
+            energies(friction_loss=-0.05, drive_work=0.3006),
+            "energy",
+            "",
+            "limit 0.0005 J",
+        ),
+        (
+            energies(friction_loss=4.95, drive_work=5.3151),
+            "energy",
+            "",
+            "limit 0.015 J",
+        ),
         (coarse(11), "steps", "C", "11 of 20 had too few, the least 3"),
         (counters(deepest=(0.0, DEEP)), "penetration", "C", ""),
         (
@@ -98,7 +136,9 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         ),
     ],
 )
-def test_worthless_numbers_are_found(change: Change, kind: str, joint: str, says: str) -> None:
+def test_worthless_numbers_are_found(
+    change: Change, kind: str, joint: str, says: str
+) -> None:
     finding = examined(change)
     assert finding is not None
     assert (finding.kind, finding.joint) == (kind, joint)
@@ -112,7 +152,9 @@ def test_sound_runs_continue() -> None:
         energies(),
         energies(drive_work=0.5019),
         energies(contact_loss=0.01, made=0.19, friction_loss=0.0, drive_work=0.31),
-        energies(drive_work=9.0, drive_exchange=0.0),  # without drives energy is not judged
+        energies(
+            drive_work=9.0, drive_exchange=0.0
+        ),  # without drives energy is not judged
         coarse(10),
     ):
         assert examined(change) is None
@@ -121,7 +163,8 @@ def test_sound_runs_continue() -> None:
 def test_missing_energy_of_a_vibrating_pin() -> None:
     """A crank pin that locks by friction passes 70 J to and fro, and 2 J are lost.
 
-    At 20 steps in a contact 4 % of the losses are missing, below 0.1 % of what was exchanged.
+    At 20 steps in a contact 4 % of the losses are missing, below 0.1 % of what was
+    exchanged.
     """
     coarse = ExudynJoints(steps_per_contact=20, steps_sustained=5, free_steps=1000)
     settings = {"clearance": 1e-5, "friction": 0.3, "restitution": 0.6}
@@ -149,11 +192,15 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     ("depth", "contact", "is_steep"),
     [(0.0, "radial", False), (1e-4, "radial", True), (1e-4, "foundation", False)],
 )
-def test_steep_radial_surfaces_are_named(depth: float, contact: str, is_steep: bool) -> None:
+def test_steep_radial_surfaces_are_named(
+    depth: float, contact: str, is_steep: bool
+) -> None:
     scene = changed(SCENE, {"contact": contact})
     notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
     linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))
-    packed = recorder_of(linkage, START, Plan(scene.mechanism.period, 1, 1)).records.packed
+    packed = recorder_of(
+        linkage, START, Plan(scene.mechanism.period, 1, 1)
+    ).records.packed
     what = made_energy(packed, -1.5, 2.0)
     assert ("worn surfaces are too steep" in what) == is_steep
     assert "the steps are too coarse" in what
@@ -181,7 +228,16 @@ def test_run_ends_with_time_joint_and_remedy(
 ) -> None:
     time, joint, settings = CASES[kind]
     out = tmp_path / kind
-    options = ["--engine", "dae", "--cycles", "1", "--wear-updates", "1", "--out", str(out)]
+    options = [
+        "--engine",
+        "dae",
+        "--cycles",
+        "1",
+        "--wear-updates",
+        "1",
+        "--out",
+        str(out),
+    ]
     given = [word for setting in settings for word in ("--set", setting)]
     assert main(["run", "wear-times", *options, *given]) == 1
     said = capsys.readouterr().err
@@ -217,10 +273,14 @@ def test_a_run_ends_where_time_stands_still(
     finding = progress.judge(5000 + steps, 1.0 + advanced)
     assert (finding is not None) == is_stalled
     if finding is not None:
-        assert finding.words.startswith(f"the time stands still: {steps} steps advanced it by")
+        assert finding.words.startswith(
+            f"the time stands still: {steps} steps advanced it by"
+        )
 
 
-@pytest.mark.parametrize("engine", [InHouse(), ExudynTree(), ExudynJoints(50, 10, free_step=1e-6)])
+@pytest.mark.parametrize(
+    "engine", [InHouse(), ExudynTree(), ExudynJoints(50, 10, free_step=1e-6)]
+)
 def test_every_engine_ends_a_run_whose_time_stands_still(
     engine: Engine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -230,7 +290,9 @@ def test_every_engine_ends_a_run_whose_time_stands_still(
     assert run.message.startswith("the time stands still")
 
 
-@pytest.mark.parametrize(("damping", "expected"), [(1e8, "less viscous_damping at C"), (0.0, "x")])
+@pytest.mark.parametrize(
+    ("damping", "expected"), [(1e8, "less viscous_damping at C"), (0.0, "x")]
+)
 def test_steps_that_vanish_by_viscous_damping_do_not_advise_a_tolerance(
     damping: float, expected: str
 ) -> None:

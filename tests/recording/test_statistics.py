@@ -16,20 +16,30 @@ from presswear.tools.arrays import Array
 def test_interval_of_a_mean_over_cycles() -> None:
     """Student's interval of 2, 6, 4 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
     found = statistics.pooled([np.array([100.0, 50.0, 2.0, 6.0, 4.0])])[0]
-    assert (found.mean, found.half_width) == pytest.approx((4.0, 4.30265 * 2.0 / 3.0**0.5))
+    assert (found.mean, found.half_width) == pytest.approx(
+        (4.0, 4.30265 * 2.0 / 3.0**0.5)
+    )
     # Where no more ran, the last is the only sample.
-    assert statistics.pooled([np.array([1.0, 3.0])])[0] == statistics.Estimate(3.0, samples=1)
+    assert statistics.pooled([np.array([1.0, 3.0])])[0] == statistics.Estimate(
+        3.0, samples=1
+    )
 
 
-def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
+def autoregressive(
+    generator: np.random.Generator, phi: float, runs: int, count: int
+) -> Array:
     """Return stationary series of unit variance, shape (runs, count)."""
     series = generator.normal(size=(runs, count))
     for i in range(1, count):
-        series[:, i] = phi * series[:, i - 1] + math.sqrt(1.0 - phi * phi) * series[:, i]
+        series[:, i] = (
+            phi * series[:, i - 1] + math.sqrt(1.0 - phi * phi) * series[:, i]
+        )
     return series
 
 
-def moving_average(generator: np.random.Generator, part: float, runs: int, count: int) -> Array:
+def moving_average(
+    generator: np.random.Generator, part: float, runs: int, count: int
+) -> Array:
     """Return stationary series of unit variance whose neighbours alone are correlated."""
     noise = generator.normal(size=(runs, count + 1))
     series: Array = (noise[:, 1:] + part * noise[:, :-1]) / math.sqrt(1.0 + part * part)
@@ -76,7 +86,10 @@ def test_means_of_correlated_cycles_are_covered(
     for _ in range(tries):
         series = list(make(generator, number, runs, count))
         samples = np.concatenate(series)
-        half, narrow = statistics.half_width_of_runs(series), statistics.half_width(samples)
+        half, narrow = (
+            statistics.half_width_of_runs(series),
+            statistics.half_width(samples),
+        )
         assert half is not None
         assert narrow is not None
         assert half >= narrow
@@ -154,7 +167,10 @@ def test_intervals_of_scatter_cover_it(
 
 
 def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
-    first, second = np.array([9.0, 9.0, 1.0, 2.0, 3.0]), np.array([9.0, 9.0, 14.0, 12.0, 10.0])
+    first, second = (
+        np.array([9.0, 9.0, 1.0, 2.0, 3.0]),
+        np.array([9.0, 9.0, 14.0, 12.0, 10.0]),
+    )
     found = statistics.spread([first, second])
     assert found is not None
     assert found.mean == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
@@ -184,7 +200,9 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
         assert np.all(np.isinf(statistics.map_errors(*statistics.map_batches([found]))))
         return
     whole = len(samples) // found.size
-    expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
+    expected = (
+        samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
+    )
     assert np.allclose(found.batches, expected)
     assert whole <= statistics.MAX_BATCHES
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
@@ -216,7 +234,9 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     assert turned / draws > 0.9
 
 
-def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_distance() -> None:
+def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_distance() -> (
+    None
+):
     """The map of a wear update differs from the mean of the maps of its samples."""
     groove = np.exp(-0.5 * ((np.arange(90) - 30.0) / 5.0) ** 2)
     maps = groove * np.random.default_rng(2).gamma(20.0, 0.05, (8, 1))
@@ -227,7 +247,10 @@ def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_dista
     assert depth.mean == pytest.approx(mean.max(), rel=1e-15)
     # Half widths and the distance are added as the root of the sum of squares.
     low, high = ends_of(of_centre)
-    below, above = math.hypot(of_centre.mean - low, off), math.hypot(high - of_centre.mean, off)
+    below, above = (
+        math.hypot(of_centre.mean - low, off),
+        math.hypot(high - of_centre.mean, off),
+    )
     assert ends_of(depth) == pytest.approx((depth.mean - below, depth.mean + above))
 
 
@@ -245,7 +268,9 @@ def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
         for _ in range(20):
             maps = truth * generator.gamma(10.0, 0.1, (count, 2, 2, 360))
             mean = maps.mean(axis=0)
-            selected.append(statistics.smoothing_widths(mean, count, maps, np.ones(count), bins))
+            selected.append(
+                statistics.smoothing_widths(mean, count, maps, np.ones(count), bins)
+            )
             each = [selected[-1], *(np.full((2, 2), width) for width in fixed)]
             results = [statistics.smoothed(mean, width, bins) for width in each]
             assert results[0].min() >= 0.0
@@ -282,10 +307,14 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     mean, error = float(samples.mean()), float(samples.std()) / math.sqrt(count)
     expected = stats.t.interval(0.95, count - 1, mean, stats.sem(samples))
     # So many draws that the ends of the interval are two of them.
-    draws = mean + error * stats.norm.ppf(np.linspace(0.0, 1.0, 1001).clip(1e-9, 1.0 - 1e-9))
+    draws = mean + error * stats.norm.ppf(
+        np.linspace(0.0, 1.0, 1001).clip(1e-9, 1.0 - 1e-9)
+    )
     found = statistics.basic_interval(mean, draws, count)
     assert (found.low, found.high) == pytest.approx(expected, rel=1e-9)
-    low, high = statistics.pointwise_interval(np.array([mean]), draws[:, np.newaxis], count)
+    low, high = statistics.pointwise_interval(
+        np.array([mean]), draws[:, np.newaxis], count
+    )
     assert (low[0], high[0]) == pytest.approx(expected, rel=1e-9)
     bins, turn = 1_000_000, 2.0 * math.pi
     place = round(mean / turn * bins)
@@ -299,7 +328,9 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     generator = np.random.default_rng(5)
     around = (np.arange(360) + 180) % 360 - 180
     maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
-    _, angle = statistics.peak_of(maps.mean(axis=0), statistics.resampled(maps, np.ones(12)), 12)
+    _, angle = statistics.peak_of(
+        maps.mean(axis=0), statistics.resampled(maps, np.ones(12)), 12
+    )
     low, high = ends_of(angle)
     assert 0.0 < high - low < math.radians(40.0)
 
@@ -324,11 +355,15 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
     for count in (2, 3, 8, 33, 200):
         some = draw.normal(size=count)
         low, high = stats.t.interval(0.95, count - 1, some.mean(), stats.sem(some))
-        assert statistics.half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
+        assert statistics.half_width(some) == pytest.approx(
+            0.5 * (high - low), rel=1e-12
+        )
     found = set()
     for shift in np.linspace(0.0, 6.0, 41):
         # Successive samples of negative correlation count as independent.
-        groups = [shift * (k == 0) + np.diff(draw.normal(size=5 + 3 * k)) for k in range(4)]
+        groups = [
+            shift * (k == 0) + np.diff(draw.normal(size=5 + 3 * k)) for k in range(4)
+        ]
         assert statistics.differ(groups) == (stats.f_oneway(*groups).pvalue < 0.01)
         found.add(statistics.differ(groups))
     assert found == {True, False}
@@ -336,7 +371,9 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
 
 def test_runs_of_correlated_cycles_seldom_seem_to_differ() -> None:
     draw = np.random.default_rng(8)
-    alarms = sum(statistics.differ([*autoregressive(draw, 0.3, 4, 50)]) for _ in range(400))
+    alarms = sum(
+        statistics.differ([*autoregressive(draw, 0.3, 4, 50)]) for _ in range(400)
+    )
     assert alarms < 0.05 * 400  # 0.1 where cycles count as independent, 0.02 here
 
 
@@ -363,7 +400,9 @@ def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others() -> Non
 
 
 @pytest.mark.parametrize(("count", "first"), [(20, 5), (100, 33), (1000, 90)])
-def test_maps_without_the_first_cycles_are_those_of_the_others(count: int, first: int) -> None:
+def test_maps_without_the_first_cycles_are_those_of_the_others(
+    count: int, first: int
+) -> None:
     """The batch in which the samples begin is left out as a whole."""
     depth = np.random.default_rng(1).random((count, 1, 2, 6))
     maps = statistics.MapBatches((1, 2, 6))

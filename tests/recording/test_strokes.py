@@ -32,7 +32,9 @@ def swing(time: float, bottom: float) -> Level:
 
 
 @given(st.floats(1e-7, 3e-3), st.floats(0.0, 1.0))
-def test_lowest_place_in_a_step_is_that_of_the_motion(length: float, part: float) -> None:
+def test_lowest_place_in_a_step_is_that_of_the_motion(
+    length: float, part: float
+) -> None:
     """A sine, closed form: within the stated bound, and far below 1e-10 m at usual steps."""
     begin = -part * length
     place, since = lowest_between(length, swing(begin, 0.0), swing(begin + length, 0.0))
@@ -43,7 +45,9 @@ def test_lowest_place_in_a_step_is_that_of_the_motion(length: float, part: float
     assert abs(begin + since) <= 1e-8
 
 
-def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int) -> np.ndarray:
+def recorded(
+    bottom: float, stroke: tuple[float, float], cycles: int, seed: int
+) -> np.ndarray:
     """Rows of bottoms, by steps of random lengths that end with the cycles."""
     scene = ideal()
     plan = Plan(PERIOD, cycles, stroke=stroke)
@@ -55,7 +59,11 @@ def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int)
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
         for before, time in pairwise(times):
             note_bottom(
-                state, recorder.records.cycle, time, time - before, swing(float(time), bottom)
+                state,
+                recorder.records.cycle,
+                time,
+                time - before,
+                swing(float(time), bottom),
             )
         recorder.end_cycle()
     return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
@@ -66,7 +74,9 @@ def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int)
 def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> None:
     """The window is about the ideal's bottom, by which the motion's is off, and ends in a cycle."""
     at = PERIOD * place
-    rows = recorded(at + PERIOD * off, (at - 0.25 * PERIOD, at + 0.25 * PERIOD), 5, seed)
+    rows = recorded(
+        at + PERIOD * off, (at - 0.25 * PERIOD, at + 0.25 * PERIOD), 5, seed
+    )
     first = 1 if place <= max(0.0, -off) else 0
     strokes = np.arange(5)[first:]
     assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
@@ -80,8 +90,13 @@ def test_stroke_that_ends_with_a_cycle_is_of_that_cycle() -> None:
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn"])
 def test_highest_place_of_a_rigid_four_bar_lies_between_steps(engine: str) -> None:
-    scene = pw.Scene(pw.FourBar(), joints="none", engine=engine, wear_updates=0, cycles=4)
-    ideal, start = bottom_of(scene.ideal), scene.ideal.at(np.zeros(1)).output(scene.base_linkage)
+    scene = pw.Scene(
+        pw.FourBar(), joints="none", engine=engine, wear_updates=0, cycles=4
+    )
+    ideal, start = (
+        bottom_of(scene.ideal),
+        scene.ideal.at(np.zeros(1)).output(scene.base_linkage),
+    )
     assert ideal is not None
     highest = pw.run(scene).stages[0].each_cycle("displacement_max")
     expected = ideal.height + ideal.stroke - float(start[0, 0])

@@ -27,25 +27,39 @@ from presswear.scene.settings import changed
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
 @pytest.mark.parametrize("rows", [1, 5])
-def test_what_is_written_is_read_to_the_last_bit(suffix: str, rows: int, tmp_path: Path) -> None:
+def test_what_is_written_is_read_to_the_last_bit(
+    suffix: str, rows: int, tmp_path: Path
+) -> None:
     numbers = np.array([-1e308, -0.0, 5e-324, 0.1, np.pi])
-    table = {"time": np.sort(numbers), "B 2_eccentricity_x": numbers, "A_sliding": numbers[::-1]}
+    table = {
+        "time": np.sort(numbers),
+        "B 2_eccentricity_x": numbers,
+        "A_sliding": numbers[::-1],
+    }
     table = {name: values[:rows] for name, values in table.items()}
     path = tmp_path / f"table{suffix}"
     write_table(path, table)
     again = read_table(path)
     assert list(again) == list(table)
-    assert [again[name].tobytes() for name in table] == [table[name].tobytes() for name in table]
+    assert [again[name].tobytes() for name in table] == [
+        table[name].tobytes() for name in table
+    ]
 
 
 def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
-    write_table(path, {"time": np.array([0.0, 0.1]), "A_normal_force": np.array([1.0, 2.0])})
+    write_table(
+        path, {"time": np.array([0.0, 0.1]), "A_normal_force": np.array([1.0, 2.0])}
+    )
     assert path.read_text().splitlines()[1] == "# units: time s,A_normal_force N"
     rows = np.genfromtxt(path, delimiter=",", names=True)
     assert rows.dtype.names == ("time", "A_normal_force")
     np.testing.assert_array_equal(rows["A_normal_force"], [1.0, 2.0])
-    units = {"slider_depth": "m", "rod 3_wear_volume_low": "m^3", "crank 2_angle": "rad"}
+    units = {
+        "slider_depth": "m",
+        "rod 3_wear_volume_low": "m^3",
+        "crank 2_angle": "rad",
+    }
     assert {name: unit_of(name) for name in units} == units
     with pytest.raises(pw.InputError, match="slider"):
         unit_of("slider")
@@ -65,7 +79,9 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
         ("time,velocity\n0,1\n2,1\n2,1\n", "time does not increase from row 2 to 3"),
     ],
 )
-def test_a_wrong_table_is_refused_in_one_line(text: str, word: str, tmp_path: Path) -> None:
+def test_a_wrong_table_is_refused_in_one_line(
+    text: str, word: str, tmp_path: Path
+) -> None:
     path = tmp_path / "theirs.csv"
     path.write_text(text)
     with pytest.raises(pw.InputError, match=f"theirs.csv.*{word}"):
@@ -76,7 +92,11 @@ def test_ours_is_interpolated_at_their_times() -> None:
     time = np.linspace(0.0, 1.0, 101)
     ours = {"time": time, "displacement": np.sin(time), "velocity": np.cos(time)}
     between = np.linspace(0.005, 2.0, 333)
-    theirs = {"time": between, "velocity": np.cos(between), "displacement": np.sin(between)}
+    theirs = {
+        "time": between,
+        "velocity": np.cos(between),
+        "displacement": np.sin(between),
+    }
     for found in compare_tables(ours, theirs, None, 1e-3):
         assert 0.0 < found.greatest < 1e-6
         assert found.passed
@@ -87,7 +107,10 @@ def test_ours_is_interpolated_at_their_times() -> None:
     assert displacement.rms == pytest.approx(0.01, rel=1e-6)
     rms = np.sqrt(np.mean(np.sin(between[between <= 0.5]) ** 2))
     assert displacement.bound == pytest.approx(1e-3 * rms, rel=1e-6)
-    for when, column, word in ((2.0, "velocity", "no overlap"), (0.5, "B_sliding", "B_sliding")):
+    for when, column, word in (
+        (2.0, "velocity", "no overlap"),
+        (0.5, "B_sliding", "B_sliding"),
+    ):
         foreign = {"time": np.array([when]), column: np.zeros(1)}
         with pytest.raises(pw.InputError, match=word):
             compare_tables(ours, foreign, None, 1e-3)
@@ -112,10 +135,16 @@ def test_an_exported_run_agrees_with_itself(
     table = read_table(file)
     with np.load(folder / "stage-0.npz") as stored:
         np.testing.assert_array_equal(table["velocity"], stored["slider"][:, 1])
-        np.testing.assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
-        np.testing.assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
+        np.testing.assert_array_equal(
+            table["C_eccentricity_y"], stored["C_eccentricity"][:, 1]
+        )
+        np.testing.assert_array_equal(
+            table["A_tangential_force"], stored["A_force"][:, 1]
+        )
     assert len(table) == 19
-    assert "MISS" not in command(f"crosscheck {folder} --against {file} --tolerance 1e-12")
+    assert "MISS" not in command(
+        f"crosscheck {folder} --against {file} --tolerance 1e-12"
+    )
     table["C_eccentricity_x"] *= 1.01
     write_table(theirs, table)
     shown = command(f"crosscheck {folder} --against {theirs}", 1)
@@ -145,11 +174,15 @@ def test_export_refuses_in_one_line(
 
 
 def test_moments_of_strokes_are_exported(folder: Path) -> None:
-    scene = pw.scenes.press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
+    scene = pw.scenes.press_blanking(
+        engine="dae", cycles=1, wear_updates=0, replicates=1
+    )
     result = pw.run(scene)
     table = strokes_table(result, 0)
     moments = ("contact", "fracture", "separation")
-    assert list(table) == [f"{name}_{end}" for name in moments for end in ("time", "height")]
+    assert list(table) == [
+        f"{name}_{end}" for name in moments for end in ("time", "height")
+    ]
     process = scene.process
     assert process is not None
     assert process.fracture is not None
@@ -157,16 +190,23 @@ def test_moments_of_strokes_are_exported(folder: Path) -> None:
     broken = process.height - process.fracture
     assert table["fracture_height"] == pytest.approx(broken, rel=1e-6)
     assert np.all(table["contact_time"] < table["fracture_time"])
-    with pytest.raises(pw.InputError, match="has no strokes to write: the scene has no process"):
+    with pytest.raises(
+        pw.InputError, match="has no strokes to write: the scene has no process"
+    ):
         strokes_table(pw.load(folder), 0)
 
 
 def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     """Every followed number with both ends of its band, as the curves have them."""
-    strokes, depth = np.array([4.0, 1e6]), np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
+    strokes, depth = (
+        np.array([4.0, 1e6]),
+        np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]]),
+    )
     curves = {"strokes": strokes, "A.depth": depth, "bdc_drift": 10.0 * depth}
     life = LifeResult("at_most", "", 1e6, None, None, 0.9, (), (), (), (), curves)
-    result = pw.Result(pw.scenes.press_blanking(), (), "completed", "", {}, 1.0, life=life)
+    result = pw.Result(
+        pw.scenes.press_blanking(), (), "completed", "", {}, 1.0, life=life
+    )
     table = life_table(result)
     low, high = (f"A_depth_{end}" for end in ("low", "high"))
     assert list(table)[:4] == ["strokes", "A_depth", low, high]
@@ -174,14 +214,18 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.transpose(columns), depth)
     assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
     write_table(tmp_path / "life.csv", table)
-    assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
+    assert (
+        f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
+    )
     with pytest.raises(pw.InputError, match="has no life to write"):
         life_table(replace(result, life=None))
 
 
 def named(*names: str) -> pw.Linkage:
     kept, last = FOUR_BAR.joints[: -len(names)], FOUR_BAR.joints[-len(names) :]
-    renamed = [replace(joint, name=name) for joint, name in zip(last, names, strict=True)]
+    renamed = [
+        replace(joint, name=name) for joint, name in zip(last, names, strict=True)
+    ]
     return FOUR_BAR.changed(joints=(*kept, *renamed))
 
 
@@ -189,9 +233,16 @@ def named(*names: str) -> pw.Linkage:
     "names", [("main_pin", "time"), ("all",), ("Bolzen Ø 20", "2", "depth_pin")]
 )
 def test_names_are_carried_to_the_table(names: tuple[str, ...], tmp_path: Path) -> None:
-    settings = {"engine": "dae", "integration_tolerance": "1e-6", "cycles": "1", "replicates": "1"}
+    settings = {
+        "engine": "dae",
+        "integration_tolerance": "1e-6",
+        "cycles": "1",
+        "replicates": "1",
+    }
     joints = ",".join(names)
-    scene = changed(pw.Scene(mechanism=named(*names), joints=joints, wear_updates=0), settings)
+    scene = changed(
+        pw.Scene(mechanism=named(*names), joints=joints, wear_updates=0), settings
+    )
     out = tmp_path / "out"
     pw.run(scene, out)
     assert set(pw.load(out).stages[0].joints) == set(names)
@@ -202,14 +253,18 @@ def test_names_are_carried_to_the_table(names: tuple[str, ...], tmp_path: Path) 
     assert {f"{name}_penetration" for name in names} <= set(header)
 
 
-@pytest.mark.parametrize("name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none", "../x"])
+@pytest.mark.parametrize(
+    "name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none", "../x"]
+)
 def test_a_name_that_files_or_lists_cannot_hold_is_refused(name: str) -> None:
     with pytest.raises(pw.InputError, match="name"):
         named(name)
 
 
 def test_two_joints_whose_arrays_could_be_mixed_up_are_refused() -> None:
-    with pytest.raises(pw.InputError, match="must not begin with B_, because B is a joint too"):
+    with pytest.raises(
+        pw.InputError, match="must not begin with B_, because B is a joint too"
+    ):
         named("B", "B_force")
 
 
@@ -220,10 +275,14 @@ def test_a_ratio_has_the_errors_of_both_lives() -> None:
     longer = replace(LIFE, strokes=2e6, sampling=0.03)
     low, high = 2.0 * math.exp(-0.05), 2.0 * math.exp(0.05)
     assert life_ratio(longer, LIFE) == (f"2.00 ({low:.2f} to {high:.2f})", "over 0.99")
-    assert life_ratio(replace(LIFE, sampling=0.1), replace(LIFE, sampling=0.0))[1] == "0.5"
+    assert (
+        life_ratio(replace(LIFE, sampling=0.1), replace(LIFE, sampling=0.0))[1] == "0.5"
+    )
 
 
-def test_half_a_standard_deviation_has_the_probability_of_the_normal_distribution() -> None:
+def test_half_a_standard_deviation_has_the_probability_of_the_normal_distribution() -> (
+    None
+):
     half = 0.1
     exact = replace(LIFE, sampling=0.0)
     beside = replace(LIFE, strokes=1e6 * math.exp(0.5 * half / 1.959964), sampling=half)
@@ -252,4 +311,6 @@ def test_a_table_with_semicolons_is_read(tmp_path: Path) -> None:
     }
     profiles = tmp_path / "b.csv"
     profiles.write_text("# measured\njoint;side;angle (deg);depth (um)\nA;pin;90;2\n")
-    assert read_profiles(profiles)["A"][1] == pytest.approx(np.array([[np.pi / 2, 2e-6]]))
+    assert read_profiles(profiles)["A"][1] == pytest.approx(
+        np.array([[np.pi / 2, 2e-6]])
+    )

@@ -32,7 +32,12 @@ from presswear.tools.serialize import write_json
 
 SETTINGS: dict[str, Any] = {
     **{"conventions": "refined", "cycles": 2, "replicates": 2, "wear_updates": 1},
-    **{"cycles_per_update": 2e4, "speed": "60rad/s", "engine": "dae", "integrator": "dopri5"},
+    **{
+        "cycles_per_update": 2e4,
+        "speed": "60rad/s",
+        "engine": "dae",
+        "integrator": "dopri5",
+    },
     **{"integration_tolerance": 1e-5, "angles": 90, "C.angles": 60},
 }
 SCENE = pw.scenes.wear_times(**SETTINGS)
@@ -103,7 +108,8 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
             break
         except Stop:
             places += 1
-    # Two cycles of both replicates for each step and the last stage, and the end of the stage.
+    # Two cycles of both replicates for each step and the last stage, and the end of the
+    # stage.
     assert places >= 2 * (len(steps) + 1)
     assert folder_differences(whole, path) == []
     assert len(pw.load(path).provenance["resumed"]) == places
@@ -120,7 +126,9 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
         ({"packages": {}}, "exudyn is missing there"),
     ],
 )
-def test_other_program_is_refused(change: dict[str, Any] | None, words: str, halted: Path) -> None:
+def test_other_program_is_refused(
+    change: dict[str, Any] | None, words: str, halted: Path
+) -> None:
     scene = SCENE
     if change is None:
         scene = replace(SCENE, cycles=3, bearings=replace(SCENE.bearings, friction=0.3))
@@ -137,7 +145,9 @@ def test_other_program_is_refused(change: dict[str, Any] | None, words: str, hal
 def test_a_wrong_checkpoint_is_named_and_left(halted: Path, tmp_path: Path) -> None:
     with pytest.raises(Stop):
         run(tmp_path / "other", stop=3)
-    file, other = (next(path.glob("checkpoint-*.npz")) for path in (halted, tmp_path / "other"))
+    file, other = (
+        next(path.glob("checkpoint-*.npz")) for path in (halted, tmp_path / "other")
+    )
     for data in (file.read_bytes()[:-1], other.read_bytes()):
         file.write_bytes(data)
         with pytest.raises(pw.InputError, match=f"{file.name} is cut off or altered"):
@@ -159,10 +169,14 @@ def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
             pw.load(path)
 
 
-def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(tmp_path: Path) -> None:
+def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(
+    tmp_path: Path,
+) -> None:
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
-        with pytest.raises(pw.InputError, match="is writing to it" if resume else "not empty"):
+        with pytest.raises(
+            pw.InputError, match="is writing to it" if resume else "not empty"
+        ):
             ResultFolder(tmp_path / "out", SCENE, resume=resume)
     assert "is writing to it" in unfinished(pw.load(first.path))
     first.discard()
@@ -187,7 +201,9 @@ def test_a_full_disk_ends_the_run_with_one_line(
     path = tmp_path / "out"
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        with pytest.raises(pw.RunFailed, match=r"cannot be written: No space left on device; "):
+        with pytest.raises(
+            pw.RunFailed, match=r"cannot be written: No space left on device; "
+        ):
             run(path)
     assert not list(path.glob("*.part"))
     run(path, resume=True)
@@ -202,7 +218,9 @@ def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     assert not path.exists()
 
 
-def test_no_finished_stage_no_report(tmp_path: Path, command: Callable[..., str]) -> None:
+def test_no_finished_stage_no_report(
+    tmp_path: Path, command: Callable[..., str]
+) -> None:
     path = tmp_path / "out"
     with pytest.raises(Stop):
         run(path, stop=1)
@@ -216,7 +234,9 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     resume = f"--resume --out {halted}"
     refused = command(f"run friction {resume}", 2)
     assert "it holds a run of wear-times, not of friction" in refused
-    assert "resuming after stage 0, the wear after it" in command(f"run wear-times {resume}")
+    assert "resuming after stage 0, the wear after it" in command(
+        f"run wear-times {resume}"
+    )
     assert folder_differences(whole, halted) == []
     before = (halted / "result.json").read_bytes()
     assert "is already complete" in command(f"run wear-times {resume}")
@@ -252,13 +272,20 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> str:
     document = json.loads((path / FILE).read_text())
     finding = {"kind": "wear", "what": "a", "time_s": 1.0, "joint": "", "remedy": ""}
     document["stages"][1]["finding"] = finding
-    checkpoint = {"file": "checkpoint-2.npz", "digest": 64 * "0", "words": "stage 1", "index": 1}
+    checkpoint = {
+        "file": "checkpoint-2.npz",
+        "digest": 64 * "0",
+        "words": "stage 1",
+        "index": 1,
+    }
     document["checkpoint"] = checkpoint
     document["provenance"]["resumed"] = [{"started": "now", "machine": "this"}]
     return json.dumps(document)
 
 
-def test_a_document_is_read_and_written_unchanged(document: str, tmp_path: Path) -> None:
+def test_a_document_is_read_and_written_unchanged(
+    document: str, tmp_path: Path
+) -> None:
     (tmp_path / FILE).write_text(document)
     read_stored(tmp_path).write(tmp_path)
     assert json.loads((tmp_path / FILE).read_text()) == json.loads(document)
@@ -267,22 +294,40 @@ def test_a_document_is_read_and_written_unchanged(document: str, tmp_path: Path)
 @pytest.mark.parametrize(
     ("place", "value", "says"),
     [
-        ("stages 0 statistics cycles", "five", "statistics.cycles: Expected `int`, got `str`"),
-        ("stages 0 statistics joints A peak_force", True, "joints.*Expected `float`, got `bool`"),
+        (
+            "stages 0 statistics cycles",
+            "five",
+            "statistics.cycles: Expected `int`, got `str`",
+        ),
+        (
+            "stages 0 statistics joints A peak_force",
+            True,
+            "joints.*Expected `float`, got `bool`",
+        ),
         ("stages 0 wear_steps 0 factor", None, "wear_steps.*factor: Expected `float`"),
         ("stages 1 finding kind", 3, "finding.kind: Expected `str`"),
         ("stages 1", {}, r"stages\[1\]: Object missing required field `index`"),
-        ("stages 1 index", 2, r"the stages \[0, 2\] and 'files' differ: film-1\.npz, film-2\.npz"),
+        (
+            "stages 1 index",
+            2,
+            r"the stages \[0, 2\] and 'files' differ: film-1\.npz, film-2\.npz",
+        ),
         ("files ../x", "", r"'files' differ: \.\./x"),
         ("files", {}, r"'files' differ: film-0\.npz"),
         ("checkpoint file", "../x", r"checkpoint.file: Invalid enum value '\.\./x'"),
         ("status", "fine", "status: Invalid enum value 'fine'"),
-        ("provenance packages", [], "provenance.packages: Expected `object`, got `array`"),
+        (
+            "provenance packages",
+            [],
+            "provenance.packages: Expected `object`, got `array`",
+        ),
         ("scene", 3, "scene: Expected `object`, got `int`"),
         ("schema", 9, f"has schema 9; this version reads {SCHEMA}"),
     ],
 )
-def test_wrong_parts(document: str, tmp_path: Path, place: str, value: object, says: str) -> None:
+def test_wrong_parts(
+    document: str, tmp_path: Path, place: str, value: object, says: str
+) -> None:
     changed = json.loads(document)
     owner: Any = changed
     *keys, last = place.split()
@@ -294,11 +339,14 @@ def test_wrong_parts(document: str, tmp_path: Path, place: str, value: object, s
         read_stored(tmp_path)
 
 
-NO_SCENE = json.dumps({"schema": SCHEMA, "scene": {"press": {}}, "provenance": provenance()})
+NO_SCENE = json.dumps(
+    {"schema": SCHEMA, "scene": {"press": {}}, "provenance": provenance()}
+)
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", '{"schema": 99}', f'{{"schema": {SCHEMA}}}', "\x00\xff", NO_SCENE]
+    "text",
+    ["", "[]", '{"schema": 99}', f'{{"schema": {SCHEMA}}}', "\x00\xff", NO_SCENE],
 )
 def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / FILE).write_text(text, encoding="latin-1")
@@ -330,7 +378,12 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_a_link_is_refused_in_one_line(
-    stored: Path, tmp_path: Path, command: Callable[..., str], kind: str, link: str, line: str
+    stored: Path,
+    tmp_path: Path,
+    command: Callable[..., str],
+    kind: str,
+    link: str,
+    line: str,
 ) -> None:
     folder, outside = tmp_path / "copy", tmp_path / "outside"
     shutil.copytree(stored / kind, folder)
@@ -338,7 +391,9 @@ def test_a_link_is_refused_in_one_line(
     (outside / "file").write_text("nothing may be written here\n")
     if (folder / link).is_dir():
         shutil.rmtree(folder / link)
-    (folder / link).symlink_to(outside / ("file" if "." in link or link == "lock" else ""))
+    (folder / link).symlink_to(
+        outside / ("file" if "." in link or link == "lock" else "")
+    )
     message = command(line.format(folder=folder, kind=kind), 2)
     assert f"{folder / link}: this is a link" in message
     assert [path.name for path in outside.iterdir()] == ["file"]
@@ -355,7 +410,9 @@ def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> 
     assert not (folder / "report.html").is_symlink()
 
 
-def test_the_revision_is_that_of_the_repository_that_tracks_the_program(tmp_path: Path) -> None:
+def test_the_revision_is_that_of_the_repository_that_tracks_the_program(
+    tmp_path: Path,
+) -> None:
     """An environment within the repository of another project is not part of it."""
     package = tmp_path / ".venv" / "presswear"
     package.mkdir(parents=True)
@@ -364,7 +421,9 @@ def test_the_revision_is_that_of_the_repository_that_tracks_the_program(tmp_path
     def git(*words: str) -> str:
         author = ("-c", "user.name=a", "-c", "user.email=a@b.c")
         command = ["git", "-C", str(tmp_path), *author, *words]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+        return subprocess.run(
+            command, capture_output=True, text=True, check=True
+        ).stdout.strip()
 
     assert revision_of(package) == "unknown"
     git("init")

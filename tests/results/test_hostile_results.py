@@ -25,7 +25,12 @@ STAGE, FILM = "stage-0.npz", "film-0.npz"
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("whole") / "out"
-    settings: dict[str, Any] = {"cycles": 2, "replicates": 1, "wear_updates": 0, "engine": "dae"}
+    settings: dict[str, Any] = {
+        "cycles": 2,
+        "replicates": 1,
+        "wear_updates": 0,
+        "engine": "dae",
+    }
     pw.run(pw.scenes.wear_times(**settings, sections=1, drive_torque="on"), path)
     return path
 
@@ -62,12 +67,16 @@ def test_pipes_and_devices_are_not_read(received: Path, name: str, target: str) 
         os.mkfifo(received / name)
     else:
         (received / name).symlink_to(target)
-    with pytest.raises(pw.InputError, match=r"not a regular file|is not a result folder"):
+    with pytest.raises(
+        pw.InputError, match=r"not a regular file|is not a result folder"
+    ):
         pw.load(received)
 
 
 @pytest.mark.parametrize("name", [STAGE, FILM])
-def test_arrays_larger_than_a_run_writes_are_not_unpacked(received: Path, name: str) -> None:
+def test_arrays_larger_than_a_run_writes_are_not_unpacked(
+    received: Path, name: str
+) -> None:
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("time.npy", bytes(100 * 2**20))
@@ -138,11 +147,21 @@ def test_missing_arrays_are_named(received: Path) -> None:
         for key in arrays:
             if key.startswith("C_"):  # like A
                 continue
-            plant(received, name, packed({one: arrays[one] for one in arrays if one != key}))
+            plant(
+                received,
+                name,
+                packed({one: arrays[one] for one in arrays if one != key}),
+            )
             with suppress(pw.InputError):
                 stage = pw.load(received).stages[0]
-                print(stage.film, stage.joints["A"].contact("peak_force"), stage.displacement)
-                print(stage.each_cycle("steps"), stage.joints["A"].each_cycle("force_max"))
+                print(
+                    stage.film,
+                    stage.joints["A"].contact("peak_force"),
+                    stage.displacement,
+                )
+                print(
+                    stage.each_cycle("steps"), stage.joints["A"].each_cycle("force_max")
+                )
             if key in ("slider", "A_contacts", "cycles"):
                 with suppress(pw.InputError):
                     render_report(pw.load(received))

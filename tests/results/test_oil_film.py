@@ -9,8 +9,8 @@ import presswear as pw
 from presswear.results.oil_film import dry_contact, oil_films, sommerfeld, thickness
 from presswear.scene.bearing import Bearing
 
-# Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over diameter and
-# relative eccentricity
+# Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over
+# diameter and relative eccentricity
 TABLE = {
     1.0: {0.5: 0.8903, 0.9: 8.4352, 0.99: 107.79},
     0.5: {0.5: 0.3124, 0.9: 5.0881, 0.99: 93.79},
@@ -35,7 +35,9 @@ def test_film_carries_its_force() -> None:
     assert thickness(BUSH, np.zeros(1), np.ones(1)) == pytest.approx(BUSH.clearance)
 
 
-def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearance() -> None:
+def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearance() -> (
+    None
+):
     def oiled(clearance: str, viscosity: str) -> pw.Scene:
         return pw.scenes.slider_crank(clearance=clearance, viscosity=viscosity)
 
@@ -44,13 +46,17 @@ def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearan
     assert dry.full_share < full.full_share
     assert full.full_share > 0.9
     assert oil_films(pw.scenes.slider_crank()) == {}
-    assert list(oil_films(oiled("50 um", "0.1 Pa s"))) == ["B"]  # 5 per mille of the bore
+    assert list(oil_films(oiled("50 um", "0.1 Pa s"))) == [
+        "B"
+    ]  # 5 per mille of the bore
     assert oil_films(oiled("51 um", "0.1 Pa s")) == {}
 
 
 def test_roughness_of_a_film_is_that_of_both_surfaces() -> None:
     """Variances of the heights of two equally rough surfaces add up."""
-    scene = pw.scenes.slider_crank(clearance="20 um", viscosity="0.1 Pa s", roughness="0.4 um")
+    scene = pw.scenes.slider_crank(
+        clearance="20 um", viscosity="0.1 Pa s", roughness="0.4 um"
+    )
     (film,) = oil_films(scene).values()
     assert film.roughness == pytest.approx(math.hypot(0.4e-6, 0.4e-6), rel=1e-12)
 
@@ -58,8 +64,14 @@ def test_roughness_of_a_film_is_that_of_both_surfaces() -> None:
 def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
     """Then it is the sum of the rates of pin and bearing, here of a hanging weight on a crank."""
     weight = pw.assemble(
-        bodies=[pw.Bar("crank", length=0.1, mass=1e-6), pw.Bar("rod", length=0.1, mass=1e-6)],
-        joints=[pw.Pin("O", (0.0, 0.0), "crank.tail"), pw.Pin("A", "crank.head", "rod.tail")],
+        bodies=[
+            pw.Bar("crank", length=0.1, mass=1e-6),
+            pw.Bar("rod", length=0.1, mass=1e-6),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("A", "crank.head", "rod.tail"),
+        ],
         drives=[pw.Drive("crank", speed=5.0), pw.Drive("rod", speed=10.0)],
         loads=[pw.Force("rod.tail", -math.pi / 2.0, 100.0)],
         output="rod.tail",
@@ -74,7 +86,10 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
     ("values", "words"),
     [
         ({}, "No viscosity is specified"),
-        ({"clearance": "20 um", "viscosity": "0.1 Pa s"}, "With 0.1 Pa s the film is at least"),
+        (
+            {"clearance": "20 um", "viscosity": "0.1 Pa s"},
+            "With 0.1 Pa s the film is at least",
+        ),
         (
             {"clearance": "1 mm", "viscosity": "0.1 Pa s"},
             "too wide for a film: the contact is",
@@ -85,7 +100,11 @@ def test_effective_speed_of_a_pin_under_a_force_of_constant_direction() -> None:
         ),
     ],
 )
-def test_sentences_say_where_dry_contact_holds(values: dict[str, str], words: str) -> None:
+def test_sentences_say_where_dry_contact_holds(
+    values: dict[str, str], words: str
+) -> None:
     (sentence,) = dry_contact(pw.scenes.slider_crank(**values))
     assert words in sentence
-    assert "at the greatest force." not in sentence  # a steady film does not say what carries there
+    assert (
+        "at the greatest force." not in sentence
+    )  # a steady film does not say what carries there

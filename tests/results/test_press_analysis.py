@@ -58,7 +58,9 @@ def slider(time: Array) -> Array:
 
 def standing(begin: float, end: float) -> float:
     """Time between two others at which the slider stands still, s."""
-    return float(brentq(lambda time: slider(np.array(time))[0, 1], begin, end, xtol=1e-15))
+    return float(
+        brentq(lambda time: slider(np.array(time))[0, 1], begin, end, xtol=1e-15)
+    )
 
 
 LOWEST, HIGHEST = standing(0.04, 0.08), standing(0.25, 0.45)
@@ -68,7 +70,9 @@ BOTTOM = float(slider(np.array(LOWEST))[0, 0])
 def force_at(depth: Array, velocity: Array) -> Array:
     places, forces = np.array(SHEET.curve).T
     held = SHEET.cushion * np.clip(depth / places[1], 0.0, 1.0)
-    return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
+    return np.asarray(
+        np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held
+    )
 
 
 def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> None:
@@ -78,7 +82,9 @@ def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> No
     expected = force_at(SHEET.height - height, stage.velocity)
     np.testing.assert_allclose(force, expected, atol=1e-6 * SHEET.force)
     table = table_of(ideal, 0)
-    np.testing.assert_array_equal([table["process_force"], table["height"]], [force, height])
+    np.testing.assert_array_equal(
+        [table["process_force"], table["height"]], [force, height]
+    )
     tonnage = ideal.tonnage(0)
     # Of two sampled strokes and cycles.
     for work in (tonnage.work, stage.statistics.drive_work_per_cycle):
@@ -87,8 +93,12 @@ def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> No
     assert (stage.statistics.energy_residual_fraction or 1.0) < ENERGY_BOUND
     duties = [drive.duty for drive in ideal.drives(0).values()]
     total = sum(duty.supplied for duty in duties)
-    assert sum(duty.work for duty in duties) == pytest.approx(SHEET.work, abs=1e-9 * total)
-    assert tonnage.peak_force.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
+    assert sum(duty.work for duty in duties) == pytest.approx(
+        SHEET.work, abs=1e-9 * total
+    )
+    assert tonnage.peak_force.mean == pytest.approx(
+        SHEET.force + SHEET.cushion, rel=1e-9
+    )
     # Nothing is loose: what shakes is the round-off of the run.
     assert tonnage.vibration_after.mean < 1e-6 * stage.acceleration.std()
 
@@ -137,11 +147,15 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
 
 def test_ideal_peaks_include_work_that_is_shorter_than_a_piece() -> None:
     """A foil is cut within 60 µs; the ideal motion is followed in pieces of 0.8 ms."""
-    foil = pw.Blanking(height=15e-3, thickness=20e-6, rise=15e-6, plateau=0.5, snap=5e-6)
+    foil = pw.Blanking(
+        height=15e-3, thickness=20e-6, rise=15e-6, plateau=0.5, snap=5e-6
+    )
     scene = replace(IDEAL, process=foil)
 
     def off(time: float) -> float:
-        return float(slider(np.array(time))[0, 0]) - BOTTOM - foil.height + foil.fracture
+        return (
+            float(slider(np.array(time))[0, 0]) - BOTTOM - foil.height + foil.fracture
+        )
 
     fracture = np.array([brentq(off, HIGHEST, LOWEST + PERIOD, xtol=1e-15)])
     acceleration = slider(fracture)[0, 2]
@@ -159,7 +173,9 @@ def test_ideal_peaks_include_work_that_is_shorter_than_a_piece() -> None:
 
 
 @pytest.mark.parametrize("run_up", [0, 2])
-def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(run_up: int) -> None:
+def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(
+    run_up: int,
+) -> None:
     """The work of the first cycle may start within its stroke."""
     scene = replace(IDEAL, mechanism=replace(PRESS, run_up=run_up))
     time, forces = ideal_forces(scene)
@@ -169,20 +185,32 @@ def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(run_up: int
     assert {force.shape for force in forces.values()} == {time.shape}
 
 
-def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Result) -> None:
+def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
+    ideal: pw.Result,
+) -> None:
     strokes, moments = sampled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
-    # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
+    # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk /
+    # acceleration.
     off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
-    starts, bottoms = ([getattr(each, name) for each in strokes] for name in ("start", "bottom"))
+    starts, bottoms = (
+        [getattr(each, name) for each in strokes] for name in ("start", "bottom")
+    )
     assert starts == pytest.approx([HIGHEST + k * PERIOD for k in (1, 2)], abs=off)
     assert bottoms == pytest.approx([LOWEST + k * PERIOD for k in (2, 3)], abs=off)
     assert {each.fracture for each in strokes} <= set(moments.fracture[:, 0])
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str) -> None:
+def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(
+    engine: str,
+) -> None:
     """The force over the recorded height, and the work that the engine summed step by step."""
-    short: dict[str, Any] = {"engine": engine, "wear_updates": 0, "replicates": 1, "cycles": 3}
+    short: dict[str, Any] = {
+        "engine": engine,
+        "wear_updates": 0,
+        "replicates": 1,
+        "cycles": 3,
+    }
     short["purpose"] = "trajectory"
     scene: Any = replace(pw.scenes.press_blanking(), **short, process=SHEET)
     assert scene.stores_torques
@@ -208,7 +236,9 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
 
 
 def test_without_work_there_are_approach_and_return_alone() -> None:
-    scene = replace(pw.scenes.wear_times(), engine="dae", wear_updates=0, replicates=1, cycles=3)
+    scene = replace(
+        pw.scenes.wear_times(), engine="dae", wear_updates=0, replicates=1, cycles=3
+    )
     result = pw.run(scene)
     assert not scene.stores_torques
     assert result.drives(0) == {}
@@ -224,14 +254,24 @@ def test_without_work_there_are_approach_and_return_alone() -> None:
 
 
 NO_CONTACTS = np.zeros((0, len(CONTACT_COLUMNS)))
-STROKE = SampledStroke(start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
+STROKE = SampledStroke(
+    start=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45
+)
 
 
 @pytest.mark.parametrize(
     ("angle", "back", "delay"),
-    [(0.3, 0.0, 0.0), (2.0, 70.0, 0.0), (4.0, 250.0, 0.011), (6.0, 0.1, 0.0175), (1.0, 90.0, 0.03)],
+    [
+        (0.3, 0.0, 0.0),
+        (2.0, 70.0, 0.0),
+        (4.0, 250.0, 0.011),
+        (6.0, 0.1, 0.0175),
+        (1.0, 90.0, 0.03),
+    ],
 )
-def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, delay: float) -> None:
+def test_a_reversal_is_along_the_force_that_worked(
+    angle: float, back: float, delay: float
+) -> None:
     """Half a sine one way up to the fracture, and one of 4 ms the other way after a delay."""
     time, pressed = np.linspace(1.0, 2.0, 20_001), 100.0
 
@@ -241,7 +281,9 @@ def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, de
         return np.where((part > 0.0) & (part < 1.0), np.sin(math.pi * part), 0.0)
 
     late = STROKE.fracture + delay
-    size = pressed * pulse(STROKE.contact, STROKE.fracture) - back * pulse(late, late + 4e-3)
+    size = pressed * pulse(STROKE.contact, STROKE.fracture) - back * pulse(
+        late, late + 4e-3
+    )
     unit = np.array([math.cos(angle), math.sin(angle)])
     arrays = {
         "force": np.column_stack([size, 0.0 * size]),
@@ -252,7 +294,9 @@ def test_a_reversal_is_along_the_force_that_worked(angle: float, back: float, de
     assert tonnage.working_force.mean == pytest.approx(pressed, rel=1e-4)
     is_seen = back > 0.0 and delay < SNAP_THROUGH_S
     expected = back if is_seen else 0.0
-    assert tonnage.reversed_force.mean == pytest.approx(expected, rel=1e-3, abs=1e-9 * pressed)
+    assert tonnage.reversed_force.mean == pytest.approx(
+        expected, rel=1e-3, abs=1e-9 * pressed
+    )
     assert (tonnage.reversal_time is not None) == is_seen
     if tonnage.reversal_time is not None:
         assert delay - 1e-9 <= tonnage.reversal_time.mean <= delay + 1.1e-4
@@ -279,10 +323,19 @@ def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
     for name, values in {**spans, "peak_force": (200.0, 900.0, 800.0)}.items():
         contacts[:, CONTACT_COLUMNS.index(name)] = values
     force = np.tile([30.0, 40.0], (time.size, 1))
-    arrays = {"force": force, "eccentricity": np.ones((time.size, 2)), "contacts": contacts}
+    arrays = {
+        "force": force,
+        "eccentricity": np.ones((time.size, 2)),
+        "contacts": contacts,
+    }
     tonnage = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
     peaks = {name: peak.mean for name, peak in tonnage.peak_by_phase.items()}
-    assert peaks == {"approach": 200.0, "work": 50.0, "snap-through": 50.0, "return": 50.0}
+    assert peaks == {
+        "approach": 200.0,
+        "work": 50.0,
+        "snap-through": 50.0,
+        "return": 50.0,
+    }
 
 
 def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
@@ -290,19 +343,25 @@ def test_light_contacts_of_the_approach_do_not_need_rows() -> None:
 
     A stroke may have no contact in its approach: the motion is chaotic.
     """
-    scene = replace(pw.scenes.press_blanking(conventions="refined"), engine="dae", wear_updates=0)
+    scene = replace(
+        pw.scenes.press_blanking(conventions="refined"), engine="dae", wear_updates=0
+    )
     result = pw.run(replace(scene, cycles=4), jobs=1)
     stage = result.stages[0]
     strokes = sampled_strokes(scene, stage)
     is_between_rows = []
     for joint, stroke in product(stage.joints.values(), strokes):
         start, end = stroke.phases["approach"]
-        begins, ends, peak = map(joint.contact, ("touchdown", "separation", "peak_force"))
+        begins, ends, peak = map(
+            joint.contact, ("touchdown", "separation", "peak_force")
+        )
         strongest = peak[(begins >= start) & (ends < end)].max(initial=0.0)
         rows = (stage.time >= start) & (stage.time < end)
         highest = np.hypot(*joint.force[rows].T).max()
         tonnage = joint_tonnage(stage.time, joint, [stroke])
-        assert tonnage.peak_by_phase["approach"].mean == pytest.approx(max(strongest, highest))
+        assert tonnage.peak_by_phase["approach"].mean == pytest.approx(
+            max(strongest, highest)
+        )
         is_between_rows.append(strongest > highest)
     assert len(strokes) > 1
     assert any(is_between_rows)
@@ -313,7 +372,10 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     strokes = [SampledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
     time = np.linspace(1.0, 4.0, 6001)
     planted = {"approach": 1.2, "work": 1.42, "snap-through": 1.46, "return": 1.7}
-    sizes = {name: 100.0 * (1 + k) + np.array([0.0, 7.0, 5.0]) for k, name in enumerate(planted)}
+    sizes = {
+        name: 100.0 * (1 + k) + np.array([0.0, 7.0, 5.0])
+        for k, name in enumerate(planted)
+    }
     force = np.zeros((time.size, 2))
     for name, at in planted.items():
         for k in range(3):
@@ -345,7 +407,9 @@ PENDULUM = pw.assemble(
 
 
 def turned(linkage: pw.Linkage, cycles: int, engine: str = "dae") -> pw.Scene:
-    scene = pw.Scene(linkage, joints="none", wear_updates=0, cycles=cycles, engine=engine)
+    scene = pw.Scene(
+        linkage, joints="none", wear_updates=0, cycles=cycles, engine=engine
+    )
     return changed(scene, {"drive_torque": "on"})
 
 
@@ -373,7 +437,9 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
         assert abs(duty.torque.peak) == pytest.approx(weight, rel=1e-4)
         assert abs(duty.power.peak) == pytest.approx(5.0 * weight, rel=1e-4)
         # Half a turn up, half a turn down.
-        assert (duty.supplied, duty.returned) == pytest.approx((2.0 * weight,) * 2, rel=10 * exact)
+        assert (duty.supplied, duty.returned) == pytest.approx(
+            (2.0 * weight,) * 2, rel=10 * exact
+        )
     columns = table_of(pw.run(scene), 0)
     np.testing.assert_array_equal(columns["crank_power"], curve.power)
     np.testing.assert_array_equal(columns["crank_angle"], angle)
@@ -382,16 +448,22 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(engine: str) -> None:
+def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
+    engine: str,
+) -> None:
     duties = []
     for rows in (100, 3000):
-        scene: Any = pw.Scene(FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine)
+        scene: Any = pw.Scene(
+            FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine
+        )
         scene = changed(scene, {"drive_torque": "on", "rows_per_cycle": str(rows)})
         stage = pw.run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}
         gross = sum(duty.supplied + duty.returned for duty in own.values())
         total = sum(duty.work for duty in own.values())
-        assert total == pytest.approx(stage.diagnostics["drive_work_J"], abs=1e-6 * gross)
+        assert total == pytest.approx(
+            stage.diagnostics["drive_work_J"], abs=1e-6 * gross
+        )
         duties.append(own)
     assert duties[0] == duties[1]
 
@@ -409,7 +481,9 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
     scene = turned(wheel, cycles=2, engine=engine)
     duty = drives_of(scene, pw.run(scene).stages[0])["wheel"].duty
     exact = 1e-6 if engine == "dae" else 1e-4  # equal steps of the trapezoidal rule
-    assert duty.torque.rms == pytest.approx(inertia * part * speed / math.sqrt(2.0), rel=exact)
+    assert duty.torque.rms == pytest.approx(
+        inertia * part * speed / math.sqrt(2.0), rel=exact
+    )
     # From the least speed to the greatest, and back.
     work = 0.5 * inertia * ((speed + part) ** 2 - (speed - part) ** 2)
     assert (duty.supplied, duty.returned) == pytest.approx((work, work), rel=exact)
@@ -421,7 +495,9 @@ def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
     scene = turned(replace(PENDULUM, run_up=2), cycles=1)
     result = pw.run(scene)
     stage = result.stages[0]
-    rows = {name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")}
+    rows = {
+        name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")
+    }
     assert rows["time"][-1] < scene.run_up
     rows |= {name: stage.arrays[name][:0] for name in ("cycles", "cycle_start")}
     cut = replace(stage, arrays={**stage.arrays, **rows})
@@ -456,25 +532,36 @@ def both() -> list[pw.Result]:
     return [pw.run(scene) for scene in scenes]
 
 
-def test_the_highest_place_is_bottom_dead_centre_everywhere(both: list[pw.Result]) -> None:
+def test_the_highest_place_is_bottom_dead_centre_everywhere(
+    both: list[pw.Result],
+) -> None:
     scenes = [result.scene for result in both]
     # Rod and crank in line, farthest from the axis.
     for scene in scenes:
-        assert scene.bottom == pytest.approx(-CRANK.rod_length - CRANK.crank_length, abs=1e-15)
+        assert scene.bottom == pytest.approx(
+            -CRANK.rod_length - CRANK.crank_length, abs=1e-15
+        )
     near = 1e-9
     stages: list[pw.StageResult] = [result.stages[0] for result in both]
     one, other = (stage.bdc for stage in stages)
     assert one.strokes == other.strokes == 1
     for name in ("height", "error", "delay"):
-        assert getattr(one, name).mean == pytest.approx(getattr(other, name).mean, abs=near)
+        assert getattr(one, name).mean == pytest.approx(
+            getattr(other, name).mean, abs=near
+        )
     assert one.ideal_height == pytest.approx(other.ideal_height, abs=near)
-    # Pulled away from the work the pin gives way by its clearance; below 1 mm either way.
+    # Pulled away from the work the pin gives way by its clearance; below 1 mm either
+    # way.
     assert -1e-3 < one.error.mean < 0.0
     for name in ("contact", "fracture", "separation"):
         first, second = (getattr(result.strokes(0), name) for result in both)
         np.testing.assert_allclose(first, second, atol=1e-9)
     tonnages = [result.tonnage(0) for result in both]
-    forces = [own.joints["B"].peak_by_phase["work"].mean for own in tonnages if own is not None]
+    forces = [
+        own.joints["B"].peak_by_phase["work"].mean
+        for own in tonnages
+        if own is not None
+    ]
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)
     heights = [result.height(0) for result in both]
     assert heights[0].max() == pytest.approx(2.0 * CRANK.crank_length, abs=1e-3)
@@ -561,7 +648,9 @@ def test_a_result_names_joints_whose_pins_sink_in_deep(force: str, joints: int) 
     scene = pw.changed(SCENE, {"process.force": force})
     result = pw.run(scene)
     sentences = deep_contacts(scene, result.stages)
-    assert all("An impact of the same elastic energy gives" in line for line in sentences)
+    assert all(
+        "An impact of the same elastic energy gives" in line for line in sentences
+    )
     card = next(one for one in key_numbers(result) if one.name == "Peak joint force")
     assert ("by contact law" in card.interval) == (joints > 0)
     assert [line[:7] for line in sentences] == ["Joint A", "Joint C"][:joints]

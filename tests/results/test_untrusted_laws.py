@@ -89,7 +89,9 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     """Report, export, replay and Python; what needs a law is refused or left out in a sentence."""
     # In a process that trusts nothing yet.
     command = [sys.executable, "-c", READING]
-    done = subprocess.run(command, cwd=received, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=received, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     told = done.stdout
     assert told.count("refused:") == 4
@@ -103,14 +105,18 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
 def test_a_run_goes_on_only_if_its_laws_are_trusted(received: Path) -> None:
     for line in ("sweep mine --resume --out sweep", "run mine --resume --out halted"):
         command = [sys.executable, "-m", "presswear", *line.split()]
-        refused = subprocess.run(command, cwd=received, capture_output=True, text=True, check=False)
+        refused = subprocess.run(
+            command, cwd=received, capture_output=True, text=True, check=False
+        )
         assert refused.returncode == 2
         assert len(refused.stderr.splitlines()) == 1
         assert "B.normal_law = user law soft" in refused.stderr
         assert "--trust" in refused.stderr
         assert not (received / "executed").exists()
     try:
-        subprocess.run([*command, "--trust"], cwd=received, check=True, capture_output=True)
+        subprocess.run(
+            [*command, "--trust"], cwd=received, check=True, capture_output=True
+        )
         assert (received / "executed").exists()
     finally:
         (received / "executed").unlink(missing_ok=True)

@@ -38,7 +38,9 @@ def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
         ({"mass": 0.5}, 30.0, []),
     ],
 )
-def test_masses_inertias_and_speeds(body: dict[str, Any], speed: float, words: list[str]) -> None:
+def test_masses_inertias_and_speeds(
+    body: dict[str, Any], speed: float, words: list[str]
+) -> None:
     linkage = pw.assemble(
         bodies=[
             pw.Bar("crank", length=0.05, mass=0.025),
@@ -62,7 +64,8 @@ def test_masses_inertias_and_speeds(body: dict[str, Any], speed: float, words: l
 def test_clearances_and_process_forces() -> None:
     scene = changed(scene_named("press-blanking"), {"clearance": "1.6 mm"})
     assert [text.partition(" is ")[0] for text in doubts(scene)] == [
-        f"the clearance of joint {name}, divided by the radius of its bearing," for name in "AC"
+        f"the clearance of joint {name}, divided by the radius of its bearing,"
+        for name in "AC"
     ]
     heavy = replace(scene_named("press-blanking"), process=pw.Blanking(force=250e3))
     assert "kg, under the process force of 250 kN is 6" in doubts(heavy)[0]

@@ -23,8 +23,8 @@ def test_sections_are_states_of_the_series(engine: str) -> None:
     period = scene.mechanism.period
     at = (np.arange(3)[:, None] + np.array(scene.recording.phases)) * period
     assert stage.section("place").shape == stage.section("normal", "B").shape == (3, 4)
-    # Straight between rows: a turn of 0.1 m errs by 0.1 (2 pi / 2000)^2 / 8 m, more at impacts, and
-    # the last row lies before the end.
+    # Straight between rows: a turn of 0.1 m errs by 0.1 (2 pi / 2000)^2 / 8 m, more at
+    # impacts, and the last row lies before the end.
     place = np.interp(at.ravel()[:-1], stage.time, stage.displacement)
     with pytest.raises(pw.InputError, match=r"'B\.norml'; did you mean B\.normal"):
         stage.section("norml", "B")
@@ -40,17 +40,26 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     """Without them nothing is kept, and the rows of the cycles stay as many."""
     bare = pw.run(SCENE, engine="dae").stages[0]
     assert "sections" not in bare.arrays
-    with pytest.raises(pw.InputError, match="no sections were stored; use sections = 1"):
+    with pytest.raises(
+        pw.InputError, match="no sections were stored; use sections = 1"
+    ):
         bare.section("place")
     seen = pw.run(changed(SCENE, SECTIONS), engine="dae").stages[0]
     assert seen.statistics.cycles == bare.statistics.cycles
 
 
 def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
-    wanted = {**SECTIONS, "recorded_cycles": "1", "rows_per_cycle": "300", "digits": "single"}
+    wanted = {
+        **SECTIONS,
+        "recorded_cycles": "1",
+        "rows_per_cycle": "300",
+        "digits": "single",
+    }
     result = pw.run(changed(SCENE, wanted), tmp_path, engine="dae")
     read = pw.load(tmp_path)
-    assert read.scene.recording == pw.Recording(1, 300, "all", "single", 4, 0.5 * math.pi)
+    assert read.scene.recording == pw.Recording(
+        1, 300, "all", "single", 4, 0.5 * math.pi
+    )
     for name, item in read.stages[0].arrays.items():
         np.testing.assert_array_equal(item, result.stages[0].arrays[name])
     stage, full = read.stages[0], pw.run(SCENE, engine="dae").stages[0]
@@ -59,7 +68,9 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     assert 300 <= stage.time.size < np.searchsorted(full.time, period)
     force = stage.joints["B"].force
     np.testing.assert_array_equal(force, force.astype(np.float32))
-    assert not np.array_equal(full.joints["B"].force, full.joints["B"].force.astype(np.float32))
+    assert not np.array_equal(
+        full.joints["B"].force, full.joints["B"].force.astype(np.float32)
+    )
 
 
 def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
@@ -69,16 +80,22 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
         pw.run(one, tmp_path / folder, engine="dae", jobs=1)
     read, full = (pw.load(tmp_path / folder) for folder in ("output", "full"))
     item, stage = read.stages[0], full.stages[0]
-    left_out = {f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")}
+    left_out = {
+        f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")
+    }
     assert stage.arrays.keys() - item.arrays.keys() == left_out
     for name, values in item.arrays.items():
         np.testing.assert_array_equal(values, stage.arrays[name])
-    with pytest.raises(pw.InputError, match="joint B: its force was not stored; use series = all"):
+    with pytest.raises(
+        pw.InputError, match="joint B: its force was not stored; use series = all"
+    ):
         _ = item.joints["B"].force
     with pytest.raises(pw.InputError, match="nothing to draw as 'path'"):
         read.plot("path")
     assert "B_normal_force" in table_of(full, 0)
     assert "B_normal_force" not in table_of(read, 0)
     assert "What the motion is" not in write_report(read).read_text()
-    room, whole = ((tmp_path / item / "stage-0.npz").stat().st_size for item in ("output", "full"))
+    room, whole = (
+        (tmp_path / item / "stage-0.npz").stat().st_size for item in ("output", "full")
+    )
     assert room < 0.6 * whole

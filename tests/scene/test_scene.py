@@ -39,13 +39,19 @@ def test_joints_are_those_of_the_mechanism() -> None:
 
 def test_a_mechanism_has_default_joints_with_clearance() -> None:
     """A user linkage has none; a bearing without a joint is refused."""
-    for mechanism, joints in ((Press(), "AC"), (SliderCrank(), "B"), (FOUR_BAR, "none")):
+    for mechanism, joints in (
+        (Press(), "AC"),
+        (SliderCrank(), "B"),
+        (FOUR_BAR, "none"),
+    ):
         scene = Scene(mechanism)
         assert scene == Scene(mechanism, joints=joints)
         assert scene.joints == joints
     assert Scene(Press().linkage()).joints == "none"
     tight = Bearing(clearance=0.2e-3)
-    with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"):
+    with pytest.raises(
+        InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"
+    ):
         Scene(FOUR_BAR, bearings=tight)
     assert Scene(FOUR_BAR, bearings=tight, joints="B").clearance_joints == ("B",)
     with pytest.raises(InputError, match="'joints' is missing"):
@@ -64,7 +70,9 @@ def test_scene_makes_the_linkage_it_describes() -> None:
     assert joint.pin_radius == 0.015 - 0.8e-3
     assert joint.normal.damping == pytest.approx(0.75 * 0.36, rel=1e-14)
     assert joint.friction.coefficient == 0.05
-    assert changed(BASE, {"wear_coefficient": "0/Pa"}).linkage().clearances[0].wear is None
+    assert (
+        changed(BASE, {"wear_coefficient": "0/Pa"}).linkage().clearances[0].wear is None
+    )
 
 
 @pytest.mark.parametrize(
@@ -74,11 +82,18 @@ def test_scene_makes_the_linkage_it_describes() -> None:
         ("refined", ("body", "foundation", "sliding", "arc")),
     ],
 )
-def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]) -> None:
+def test_conventions_reach_the_joint(
+    conventions: str, expected: tuple[str, ...]
+) -> None:
     joint = replace(BASE, conventions=CONVENTIONS[conventions]).linkage().clearances[0]
     assert joint.wear is not None
     wear = joint.wear
-    assert (joint.map_frame, joint.contact, wear.slip, wear.wear_distribution) == expected
+    assert (
+        joint.map_frame,
+        joint.contact,
+        wear.slip,
+        wear.wear_distribution,
+    ) == expected
     reading = CONVENTIONS[conventions].stiffness
     stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
     assert joint.normal.stiffness == pytest.approx(stiffness, rel=1e-14)
@@ -94,7 +109,9 @@ def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]
         ("AC", "dae", InHouse),
     ],
 )
-def test_the_smallest_model_that_fits_is_used(joints: str, engine: str, kind: type) -> None:
+def test_the_smallest_model_that_fits_is_used(
+    joints: str, engine: str, kind: type
+) -> None:
     assert type(replace(BASE, joints=joints, engine=engine).solver) is kind
 
 
@@ -118,8 +135,19 @@ def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
 
 
 WRONG: tuple[tuple[str, Any], ...] = (
-    *(("mechanism", "abc"), ("mechanism", {}), ("origins", {"clearance": 1}), ("bearings", None)),
-    *(("unknown", 1), ("name", 1), ("wear_updates", 1.5), ("joints", ["A"]), ("engine", "none")),
+    *(
+        ("mechanism", "abc"),
+        ("mechanism", {}),
+        ("origins", {"clearance": 1}),
+        ("bearings", None),
+    ),
+    *(
+        ("unknown", 1),
+        ("name", 1),
+        ("wear_updates", 1.5),
+        ("joints", ["A"]),
+        ("engine", "none"),
+    ),
 )
 
 
@@ -166,7 +194,9 @@ def test_materials_set_the_wear_of_both_sides() -> None:
     assert setting_of(custom, "A.materials").value == "custom"
     assert custom.bearing("A").materials.bearing_share == law.bearing_share
     assert Scene.from_dict(scene.as_dict()) == scene
-    assert Bearing(materials="chromed-304L").materials.wear_coefficient == pytest.approx(50.1e-15)
+    assert Bearing(
+        materials="chromed-304L"
+    ).materials.wear_coefficient == pytest.approx(50.1e-15)
 
 
 @pytest.mark.parametrize(
@@ -183,7 +213,9 @@ def test_materials_set_the_wear_of_both_sides() -> None:
         ({"purpose": "wear", "wear_updates": 0}, 1e-5),
     ],
 )
-def test_purpose_sets_the_default_tolerance(settings: dict[str, Any], tolerance: float) -> None:
+def test_purpose_sets_the_default_tolerance(
+    settings: dict[str, Any], tolerance: float
+) -> None:
     scene = replace(BASE, **settings)
     assert isinstance(scene.solver, ExudynTree)
     assert scene.solver.tree_tolerance == pytest.approx(tolerance)
@@ -193,7 +225,8 @@ def test_purpose_sets_the_default_tolerance(settings: dict[str, Any], tolerance:
 
 
 @pytest.mark.parametrize(
-    ("body", "words"), [("ram", "the ram"), ("link 7", "link 7"), ("slider 6", "the slider")]
+    ("body", "words"),
+    [("ram", "the ram"), ("link 7", "link 7"), ("slider 6", "the slider")],
 )
 def test_the_body_of_the_output_point_has_an_article_unless_it_has_a_number(
     body: str, words: str
@@ -202,7 +235,9 @@ def test_the_body_of_the_output_point_has_an_article_unless_it_has_a_number(
     assert Scene(assemble(bars, pins, [Drive(body, 10.0)])).output == words
 
 
-@pytest.mark.parametrize(("degrees", "bottom"), [(0, 0.07), (-90, -0.17), (90, 0.07), (-30, -0.17)])
+@pytest.mark.parametrize(
+    ("degrees", "bottom"), [(0, 0.07), (-90, -0.17), (90, 0.07), (-30, -0.17)]
+)
 def test_bottom_dead_centre_of_a_slider_crank_is_its_lowest_place(
     degrees: float, bottom: float
 ) -> None:
@@ -222,7 +257,9 @@ def test_wear_updates_need_a_joint_that_wears() -> None:
 
 @pytest.mark.parametrize("conventions", ["standard", "refined"])
 def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -> None:
-    scene = Scene(SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae")
+    scene = Scene(
+        SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae"
+    )
     assert scene.wear_updates == 0
     assert len(run(scene).stages) == 1
 
@@ -235,7 +272,11 @@ def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
     linkage = scene.linkage()
     assert [joint.name for joint in linkage.clearances] == ["B"]
     (joint,) = linkage.rubbing_pins
-    assert (joint.name, joint.bearing_radius, joint.friction.coefficient) == ("O", 0.03, 0.1)
+    assert (joint.name, joint.bearing_radius, joint.friction.coefficient) == (
+        "O",
+        0.03,
+        0.1,
+    )
     assert [joint.name for joint in linkage.bushings] == ["B", "O"]
     assert Scene.from_dict(scene.as_dict()) == scene
     used = {setting.key for setting in used_settings_of(scene)}
@@ -253,7 +294,10 @@ def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
             {"clearance": 1e-10},
             "clearance = 1e-07 mm: allowed is 0, a rigid joint, or from 1e-06 mm",
         ),
-        ({"clearance": 0.0, "friction_law": "lugre"}, "lugre: with clearance = 0 allowed is ramp"),
+        (
+            {"clearance": 0.0, "friction_law": "lugre"},
+            "lugre: with clearance = 0 allowed is ramp",
+        ),
     ],
 )
 def test_a_bearing_has_clearance_or_none(values: dict[str, Any], message: str) -> None:

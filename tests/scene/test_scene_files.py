@@ -28,7 +28,9 @@ def written(folder: Path, text: str) -> Path:
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
-def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: Path) -> None:
+def test_an_example_is_a_scene_with_the_default_mechanism(
+    kind: str, tmp_path: Path
+) -> None:
     text = example_file(kind)
     scene = scene_from(written(tmp_path, text))
     assert scene.name == "my-own"
@@ -46,7 +48,9 @@ def test_an_example_is_a_scene_with_the_default_mechanism(kind: str, tmp_path: P
         assert plain(scene.mechanism) == approximate(plain(default))
         assert scene.clearance_joints == default.default_joints
     # Each value has a comment, and no number has more than six digits.
-    values = [line for line in text.split("[bearings]")[-1].splitlines() if " = " in line]
+    values = [
+        line for line in text.split("[bearings]")[-1].splitlines() if " = " in line
+    ]
     assert all("  # " in line for line in values)
     assert not re.search(r"[1-9][0-9.]{7}", text)
 
@@ -64,7 +68,9 @@ def test_a_file_and_python_have_the_same_defaults(tmp_path: Path) -> None:
     text = "mechanism = 'slider-crank'\n[settings]\nspeed = '1000 rpm'\nclearance = '0.1 mm'\n"
     read = scene_from(written(tmp_path, text))
     crank = pw.SliderCrank(speed=1000.0 * math.pi / 30.0)
-    made = pw.Scene(crank, "my-own", read.title, bearings={"B": pw.Bearing(clearance=0.1e-3)})
+    made = pw.Scene(
+        crank, "my-own", read.title, bearings={"B": pw.Bearing(clearance=0.1e-3)}
+    )
     assert replace(read, origins={}) == made
 
 
@@ -115,7 +121,9 @@ def test_a_table_that_is_switched_on_works(
 
 def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:
     scene = scene_from(written(tmp_path, OFF.sub("", example_file("slider-crank"))))
-    assert scene.bottom == pytest.approx(-0.17)  # crank and rod in line; up is towards the crank
+    assert scene.bottom == pytest.approx(
+        -0.17
+    )  # crank and rod in line; up is towards the crank
 
 
 def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
@@ -133,13 +141,17 @@ def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
 
 def test_a_servo_motion_out_of_reach_is_refused(tmp_path: Path) -> None:
     text = OFF.sub("", example_file("press")).replace("part = 0.111111", "part = 0.45")
-    with pytest.raises(pw.InputError, match="crank 7 cannot make its point follow the curve"):
+    with pytest.raises(
+        pw.InputError, match="crank 7 cannot make its point follow the curve"
+    ):
         scene_from(written(tmp_path, text))
 
 
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
     mechanism = scene_from(written(tmp_path, 'mechanism = "press"')).mechanism
-    named = replace(pw.scenes.wear_times(), engine=pw.InHouse.word, cycles=1, wear_updates=0)
+    named = replace(
+        pw.scenes.wear_times(), engine=pw.InHouse.word, cycles=1, wear_updates=0
+    )
     read = replace(named, mechanism=mechanism.linkage(), joints="A,C")
     one, other = (pw.run(scene).stages[0].arrays for scene in (named, read))
     assert one.keys() == other.keys()
@@ -153,24 +165,47 @@ FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "mechanism: a table with a kind, one of press, .*, or with bodies is needed"),
+        (
+            "",
+            "mechanism: a table with a kind, one of press, .*, or with bodies is needed",
+        ),
         ("mechanism = 'pres'", "unknown mechanism 'pres'; did you mean press"),
-        ("mechanism = 'press'\nsetings = 1", "unknown key 'setings'; did you mean settings"),
-        ("mechanism = 'press'\n[settings]\nclearence = '1 mm'", "did you mean clearance"),
-        ("mechanism = 'press'\n[settings]\nclearance = 0.001", "clearance = '0.001' has no unit"),
-        ("mechanism = 'press'\n[settings]\nwear_updates = true", "a text or a number is expected"),
+        (
+            "mechanism = 'press'\nsetings = 1",
+            "unknown key 'setings'; did you mean settings",
+        ),
+        (
+            "mechanism = 'press'\n[settings]\nclearence = '1 mm'",
+            "did you mean clearance",
+        ),
+        (
+            "mechanism = 'press'\n[settings]\nclearance = 0.001",
+            "clearance = '0.001' has no unit",
+        ),
+        (
+            "mechanism = 'press'\n[settings]\nwear_updates = true",
+            "a text or a number is expected",
+        ),
         ("mechanism = 'press'\nsettings = 1", "settings = 1: a table is expected"),
         ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
         ("[mechanism", r"a closing \] is missing"),
         ("mechanism = 'press'\nmechanism = 'press'", "this key stands twice"),
-        ("[mechanism]\nkind = 'press'\nlenght_2 = 1", "'lenght_2'; did you mean length_2"),
-        ("[mechanism]\nkind = 'press'\n[[mechanism.loads]]", "loads: it needs a mechanism of bod"),
+        (
+            "[mechanism]\nkind = 'press'\nlenght_2 = 1",
+            "'lenght_2'; did you mean length_2",
+        ),
+        (
+            "[mechanism]\nkind = 'press'\n[[mechanism.loads]]",
+            "loads: it needs a mechanism of bod",
+        ),
         # A law stands beside the file of the scene.
         (f"{FRICTION}'laws.py:rob'", "friction_law.*did you mean rub"),
         (f"{FRICTION}'law.py:rub'", "friction_law.*no such file"),
     ],
 )
-def test_a_wrong_file_is_refused_in_one_line(text: str, message: str, tmp_path: Path) -> None:
+def test_a_wrong_file_is_refused_in_one_line(
+    text: str, message: str, tmp_path: Path
+) -> None:
     (tmp_path / "laws.py").write_text(LAW)
     file = tmp_path / "wrong.toml"
     file.write_text(text)
@@ -226,7 +261,9 @@ def test_a_file_may_hold_loads(tmp_path: Path) -> None:
     file = tmp_path / "loaded.toml"
     file.write_text(f"{example_file('points')}{LOADS}")
     scene = scene_from(file)
-    assert [len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads] == [3, 2, 2]
+    assert [
+        len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads
+    ] == [3, 2, 2]
     assert pw.Scene.from_dict(scene.as_dict()) == scene
 
 
@@ -247,7 +284,13 @@ DRAWING, DWELL = pw.Drawing(force=200.0, cushion=15.0), pw.Dwell(part=0.1, strok
 @pytest.mark.parametrize(
     ("key", "part", "texts", "also", "another"),
     [
-        ("process", DRAWING, {"force": "0.2 kN", "cushion": "15 N"}, "peak", pw.Coining()),
+        (
+            "process",
+            DRAWING,
+            {"force": "0.2 kN", "cushion": "15 N"},
+            "peak",
+            pw.Coining(),
+        ),
         ("servo", DWELL, {"part": "0.1", "stroke": "80 mm"}, "angle", pw.Pendulum()),
     ],
 )
@@ -262,12 +305,16 @@ def test_a_part_from_python_settings_and_files(
     assert part_of(scene) == part
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     file = tmp_path / "mine.toml"
-    lines = [f'{name} = "{text}"' for name, text in {"kind": part.kind, **texts}.items()]
+    lines = [
+        f'{name} = "{text}"' for name, text in {"kind": part.kind, **texts}.items()
+    ]
     file.write_text("\n".join(['mechanism = "press"', f"[{key}]", *lines]))
     assert part_of(scene_from(file)) == part
     assert part_of(changed(scene, {key: "none"})) is None
     # The same kind keeps its values; another kind has its defaults.
-    assert part_of(changed(scene, {f"{key}.{also}": 0.5})) == replace(part, **{also: 0.5})
+    assert part_of(changed(scene, {f"{key}.{also}": 0.5})) == replace(
+        part, **{also: 0.5}
+    )
     assert part_of(changed(scene, {key: another.kind})) == another
 
 
@@ -282,7 +329,8 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> No
     assert bottom is not None
     assert scene.bottom == pytest.approx(bottom.height, abs=1e-14)
     assert load.law.zero == pytest.approx(scene.bottom + 5e-3, abs=1e-15)
-    # Dead centres of a slider-crank: rod plus and less crank.  Up is away from the work.
+    # Dead centres of a slider-crank: rod plus and less crank.  Up is away from the
+    # work.
     scene = replace(SLIDER_CRANK, process=pw.Coining(bottom="highest", height=1e-3))
     assert scene.bottom == pytest.approx(-0.17, abs=1e-15)
     assert scene.stroke == pytest.approx(0.1, abs=1e-15)
@@ -308,7 +356,11 @@ def test_a_process_out_of_reach_is_refused() -> None:
             'B = ["5 mm", "-560 mm"] }\n\n[[mechanism.joints]]',
             r"joint B: its points lie 5 mm apart in the drawing, rod \(0, -560\) mm and slide \(5,",
         ),
-        ('first = ["0 mm", "0 mm"]', 'first = ["0 mm", "40 mm"]', "joint O: .* 40 mm apart"),
+        (
+            'first = ["0 mm", "0 mm"]',
+            'first = ["0 mm", "40 mm"]',
+            "joint O: .* 40 mm apart",
+        ),
         (
             'direction = "90 deg"',
             'direction = "90 deg"\nx = "3 mm"',
@@ -334,4 +386,6 @@ def test_a_slide_is_guided_where_it_is_drawn(tmp_path: Path) -> None:
         motion_of(scene_from(written(tmp_path, one)).mechanism).at(np.zeros(1)).position
         for one in (text, moved)
     )
-    assert second - first == pytest.approx(np.tile([0.73, 0.0, 0.0], 3)[np.newaxis], abs=1e-9)
+    assert second - first == pytest.approx(
+        np.tile([0.73, 0.0, 0.0], 3)[np.newaxis], abs=1e-9
+    )

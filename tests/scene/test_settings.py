@@ -30,7 +30,9 @@ def _described(scene: pw.Scene, key: str) -> str:
 
 
 @pytest.mark.parametrize("scene", [PRESS, CRANK], ids=["press", "slider-crank"])
-def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Scene) -> None:
+def test_settings_have_one_key_and_describe_themselves_in_one_line(
+    scene: pw.Scene,
+) -> None:
     settings = list(settings_of(scene))
     assert len({setting.key for setting in settings}) == len(settings)
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
@@ -42,7 +44,9 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: pw.Sce
 
 
 @pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
-def test_described_values_are_in_units_of_engineers_and_can_be_set(scene: pw.Scene) -> None:
+def test_described_values_are_in_units_of_engineers_and_can_be_set(
+    scene: pw.Scene,
+) -> None:
     assert _described(PRESS, "clearance").startswith("0.8 mm  (0 to 1000 mm;")
     assert _described(PRESS, "speed").startswith("105 rpm  (0.1 to 1200 rpm;")
     assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
@@ -52,15 +56,22 @@ def test_described_values_are_in_units_of_engineers_and_can_be_set(scene: pw.Sce
             continue
         text = setting.described().partition("  (")[0]
         if setting.value is None:
-            assert setting_of(changed(scene, {setting.key: text}), setting.key).value is None
+            assert (
+                setting_of(changed(scene, {setting.key: text}), setting.key).value
+                is None
+            )
         else:
-            assert parse_quantity("x", text, setting.meaning) == pytest.approx(setting.value, 1e-4)
+            assert parse_quantity("x", text, setting.meaning) == pytest.approx(
+                setting.value, 1e-4
+            )
 
 
 def test_where_a_value_comes_from_follows_it() -> None:
     assert "; paper, per study)" in _described(PRESS, "clearance")
     scene = pw.scenes.slider_crank()
-    meanings = [s.meaning for s in settings_of(scene) if isinstance(s.meaning, Quantity)]
+    meanings = [
+        s.meaning for s in settings_of(scene) if isinstance(s.meaning, Quantity)
+    ]
     assert meanings
     assert not [meaning for meaning in meanings if "paper" in meaning.origin]
     assert "; literature, from memory)" in _described(scene, "clearance")
@@ -71,15 +82,26 @@ def test_where_a_value_comes_from_follows_it() -> None:
 
 def test_changed_sets_every_part_and_nothing_else() -> None:
     assert changed(PRESS, {}) == PRESS
-    values = {"speed": "4pi rad/s", "hx": "241mm", "clearance": "0.6mm", "wear_distribution": "arc"}
-    scene = changed(PRESS, {**values, "joints": "C", "wear_updates": "3", "cycles": "7"})
+    values = {
+        "speed": "4pi rad/s",
+        "hx": "241mm",
+        "clearance": "0.6mm",
+        "wear_distribution": "arc",
+    }
+    scene = changed(
+        PRESS, {**values, "joints": "C", "wear_updates": "3", "cycles": "7"}
+    )
     geometry = replace(GEOMETRIES["standard"], hx=0.241)
     assert scene.mechanism == pw.Press(geometry=geometry, speed=4.0 * math.pi)
     assert scene.bearings == replace(PRESS.bearings, clearance=0.6e-3)
-    assert scene.conventions == replace(CONVENTIONS["standard"], wear_distribution="arc")
+    assert scene.conventions == replace(
+        CONVENTIONS["standard"], wear_distribution="arc"
+    )
     assert scene.clearance_joints == ("C",)
     assert (scene.wear_updates, scene.cycles) == (3, 7)
-    crank = changed(CRANK, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"})
+    crank = changed(
+        CRANK, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"}
+    )
     assert crank.mechanism == pw.SliderCrank(crank_length=0.06, speed=100.0 * math.pi)
     assert crank.bearings.clearance == 0.2e-3
     assert replace(pw.scenes.wear_times(), name="base", title="a scene") == PRESS
@@ -161,7 +183,9 @@ def test_a_scene_without_wear_updates_has_no_life() -> None:
     scene = changed(pw.scenes.press_blanking(conventions="refined"), {"life": "limits"})
     for value in ("0", 0):
         assert changed(scene, {"wear_updates": value}).life is None
-    with pytest.raises(pw.InputError, match="wear_updates = 0: with a life allowed is 1 to 20"):
+    with pytest.raises(
+        pw.InputError, match="wear_updates = 0: with a life allowed is 1 to 20"
+    ):
         changed(scene, {"wear_updates": "0", "life": "limits"})
 
 
@@ -205,7 +229,9 @@ def _use_or_refuse(key: str, text: str) -> None:
             continue
         assert len(str(refusal).splitlines()) == 1
         is_named = any(name in str(refusal) for name in names)
-        assert is_named or (isinstance(refusal, AssemblyError) and "joint" in str(refusal))
+        assert is_named or (
+            isinstance(refusal, AssemblyError) and "joint" in str(refusal)
+        )
 
 
 def _use(scene: pw.Scene) -> None:
@@ -217,16 +243,27 @@ def _use(scene: pw.Scene) -> None:
     start = scene.ideal.at(np.zeros(1))
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
-    assert pw.Scene.from_dict(json.loads(json.dumps(scene.as_dict(), allow_nan=False))) == scene
+    assert (
+        pw.Scene.from_dict(json.loads(json.dumps(scene.as_dict(), allow_nan=False)))
+        == scene
+    )
 
 
 def test_a_joint_can_have_other_values() -> None:
-    scene = changed(pw.scenes.wear_times(), {"A.clearance": "0.2mm", "C.friction": "0.05"})
+    scene = changed(
+        pw.scenes.wear_times(), {"A.clearance": "0.2mm", "C.friction": "0.05"}
+    )
     gaps = {joint.name: joint.clearance for joint in scene.linkage().clearances}
-    frictions = {joint.name: joint.friction.coefficient for joint in scene.linkage().clearances}
+    frictions = {
+        joint.name: joint.friction.coefficient for joint in scene.linkage().clearances
+    }
     assert gaps == {"A": 0.2e-3, "C": 0.8e-3}
     assert frictions == {"A": 0.02, "C": 0.05}
-    values = {setting.key: setting.value for setting in settings_of(scene) if "." in setting.key}
+    values = {
+        setting.key: setting.value
+        for setting in settings_of(scene)
+        if "." in setting.key
+    }
     assert values == {"A.clearance": 0.2e-3, "C.friction": 0.05}
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     # Without the name of a joint a key means all joints.
@@ -240,7 +277,9 @@ def test_a_joint_can_have_other_values() -> None:
 def test_symbols_of_the_paper_are_names_of_settings() -> None:
     keys = {setting.key for setting in settings_of(PRESS)}
     assert set(SYMBOLS.values()) <= keys
-    scene = changed(PRESS, {"omega": "60 spm", "K_d": "2e-15 1/Pa", "A.c_f": "5 %", "E": "210 GPa"})
+    scene = changed(
+        PRESS, {"omega": "60 spm", "K_d": "2e-15 1/Pa", "A.c_f": "5 %", "E": "210 GPa"}
+    )
     names = {"speed": 2.0 * math.pi, "wear_coefficient": 2e-15, "A.friction": 0.05}
     assert scene == changed(PRESS, names | {"youngs_modulus": 210e9})
     assert setting_of(scene, "A.c_f").key == "A.friction"
@@ -256,7 +295,9 @@ def test_constructors_take_numbers_with_units() -> None:
     assert face.Press(mass_6="0.5 t").mass_6 == 500.0
     with pytest.raises(pw.InputError, match="length of crank = '50' has no unit"):
         face.Bar("crank", length="50", mass="300 g")
-    with pytest.raises(pw.InputError, match="speed of crank = '1,5 Hz': use a decimal point"):
+    with pytest.raises(
+        pw.InputError, match="speed of crank = '1,5 Hz': use a decimal point"
+    ):
         face.Drive("crank", speed="1,5 Hz")
 
 
@@ -305,41 +346,64 @@ def test_a_range_that_does_not_fit_is_refused(text: str, message: str) -> None:
 
 def described(scene: pw.Scene) -> dict[str, tuple[str, str, str]]:
     """Return value, default and unit of each change."""
-    return {change.key: (change.value, change.was, change.unit) for change in changes_of(scene)}
+    return {
+        change.key: (change.value, change.was, change.unit)
+        for change in changes_of(scene)
+    }
 
 
 @pytest.mark.parametrize("name", pw.scenes.SCENES)
 def test_a_named_scene_keeps_its_title(name: str) -> None:
     scene = pw.scenes.SCENES[name].make()
     assert changes_of(scene) == ()
-    assert (title_of(scene), name_of(scene), short_name_of(scene)) == (scene.title, name, name)
+    assert (title_of(scene), name_of(scene), short_name_of(scene)) == (
+        scene.title,
+        name,
+        name,
+    )
 
 
 def test_the_title_lists_changes_and_counts_the_last() -> None:
     scene = pw.scenes.wear_times(clearance="0.5 mm", wear_updates=1)
-    assert described(scene) == {"clearance": ("0.5", "0.8", "mm"), "wear_updates": ("1", "2", "")}
-    assert title_of(scene) == f"{scene.title}, changed: clearance 0.5 mm, wear updates 1"
+    assert described(scene) == {
+        "clearance": ("0.5", "0.8", "mm"),
+        "wear_updates": ("1", "2", ""),
+    }
+    assert (
+        title_of(scene) == f"{scene.title}, changed: clearance 0.5 mm, wear updates 1"
+    )
     assert name_of(scene) == "wear-times, changed: clearance 0.5 mm, wear updates 1"
     assert short_name_of(scene) == "wear-times, changed"
     assert title_of(pw.Scene.from_dict(scene.as_dict())) == title_of(scene)
     scene = changed(scene, {"friction": "0.1", "cycles": "3", "replicates": "2"})
-    assert title_of(scene).endswith("clearance 0.5 mm, friction 0.1, wear updates 1, 2 more")
+    assert title_of(scene).endswith(
+        "clearance 0.5 mm, friction 0.1, wear updates 1, 2 more"
+    )
 
 
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
-        (pw.scenes.wear_times(conventions="refined"), {"conventions": ("refined", "standard", "")}),
+        (
+            pw.scenes.wear_times(conventions="refined"),
+            {"conventions": ("refined", "standard", "")},
+        ),
         (pw.scenes.wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
         (
             pw.scenes.wear_times(geometry="swapped", process="blanking"),
-            {"geometry": ("swapped", "standard", ""), "process": ("blanking", "none", "")},
+            {
+                "geometry": ("swapped", "standard", ""),
+                "process": ("blanking", "none", ""),
+            },
         ),
         (
             pw.scenes.press_blanking(**{"process.force": "200 N"}),
             {"process.force": ("200", "500", "N")},
         ),
-        (pw.scenes.wear_times(**{"A.clearance": "0.4 mm"}), {"A.clearance": ("0.4", "0.8", "mm")}),
+        (
+            pw.scenes.wear_times(**{"A.clearance": "0.4 mm"}),
+            {"A.clearance": ("0.4", "0.8", "mm")},
+        ),
         (pw.scenes.wear_times(cycles=3), {"cycles": ("3", "none", "")}),
         (
             replace(pw.scenes.wear_times(), wear_updates=1, name="mine"),
@@ -349,10 +413,15 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
             replace(pw.scenes.wear_times(), mechanism=FOUR_BAR, joints="B"),
             {"joints": ("B", "AC", ""), "mechanism": ("four-bar", "press", "")},
         ),
-        (pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing()}), {"joints": ("B", "none", "")}),
+        (
+            pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing()}),
+            {"joints": ("B", "none", "")},
+        ),
     ],
 )
-def test_changes_that_follow_are_omitted(scene: pw.Scene, expected: dict[str, Any]) -> None:
+def test_changes_that_follow_are_omitted(
+    scene: pw.Scene, expected: dict[str, Any]
+) -> None:
     assert described(scene) == expected
 
 
@@ -380,7 +449,10 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
     assert pw.scenes.wear_times(diametral_clearance="0.4 mm").bearings.clearance == 2e-4
     scene = pw.Scene(pw.FourBar(), bearings={"B": {"diametral_clearance": "0.6 mm"}})
     assert scene.bearing("B").clearance == 3e-4
-    assert pw.changed(scene, {"B.diametral_clearance": "0.2 mm"}).bearing("B").clearance == 1e-4
+    assert (
+        pw.changed(scene, {"B.diametral_clearance": "0.2 mm"}).bearing("B").clearance
+        == 1e-4
+    )
     file = tmp_path / "press.toml"
     tables = '[mechanism]\nkind = "press"\n[bearings]\ndiametral_clearance = "0.5 mm"\n'
     file.write_text(tables + 'C.diametral_clearance = "0.2 mm"\n')
@@ -389,7 +461,10 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
     for settings, message in (
         ({"diametral_clearance": "-1 mm"}, "diametral_clearance = -1 mm: allowed is"),
         ({"diametral_clearance": "5"}, "diametral_clearance = '5' has no unit"),
-        ({"c": "1 mm", "diametral_clearance": "1 mm"}, "c and diametral_clearance are the same"),
+        (
+            {"c": "1 mm", "diametral_clearance": "1 mm"},
+            "c and diametral_clearance are the same",
+        ),
     ):
         with pytest.raises(pw.InputError, match=message):
             pw.changed(scene, settings)
@@ -400,5 +475,7 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
     ):
         with pytest.raises(pw.InputError, match=rf"did you mean {meant}\?"):
             pw.changed(pw.scenes.wear_times(), {key: "0.4 mm"})
-    with pytest.raises(pw.InputError, match=r"use A\.clearance, which is half the diametral"):
+    with pytest.raises(
+        pw.InputError, match=r"use A\.clearance, which is half the diametral"
+    ):
         setting_of(scene, "A.diametral_clearance")

@@ -57,7 +57,9 @@ def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
     scene = on(smooth(bin_centres(100)), smooth(bin_centres(360)))
     again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
     assert again == scene
-    assert again.surfaces["A"][0].depth.tobytes() == scene.surfaces["A"][0].depth.tobytes()
+    assert (
+        again.surfaces["A"][0].depth.tobytes() == scene.surfaces["A"][0].depth.tobytes()
+    )
     assert scene != wear_times()
     assert on(np.zeros(360), None) == wear_times()
     finer = replace(scene, bearings=replace(scene.bearings, angles=720))
@@ -76,14 +78,26 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
         ({"A": np.ones(360)}, "surfaces of A: a pair, bearing and pin, is expected"),
         ({"A": (np.ones(360),)}, "surfaces of A: a pair, bearing and pin, is expected"),
         ({"C": (None, "deep")}, "pin at C: finite depths, or rows of angle and depth"),
-        ({"C": (None, ["1e-6"] * 360)}, "pin at C: finite depths, or rows of angle and depth"),
+        (
+            {"C": (None, ["1e-6"] * 360)},
+            "pin at C: finite depths, or rows of angle and depth",
+        ),
         ({"C": (None, [[0.0], [1.0, 2.0]])}, "pin at C: finite depths"),
         ({"C": (None, {"depth": 1.0})}, "pin at C: finite depths"),
-        ({"A": (np.full(360, 0.9e-3), None)}, "depth 0.9 mm at 0.5 deg: allowed is 0 to 0.8 mm"),
-        ({"A": (None, np.full(360, -1e-6))}, "pin at A: depth -0.001 mm at 0.5 deg: allowed is 0"),
+        (
+            {"A": (np.full(360, 0.9e-3), None)},
+            "depth 0.9 mm at 0.5 deg: allowed is 0 to 0.8 mm",
+        ),
+        (
+            {"A": (None, np.full(360, -1e-6))},
+            "pin at A: depth -0.001 mm at 0.5 deg: allowed is 0",
+        ),
         ({"A": (np.full(360, math.nan), None)}, "bearing at A: finite depths"),
         ({"A": (np.ones((3, 3, 3)), None)}, "bearing at A: finite depths"),
-        ({"A": (np.full(15, 1e-6), None)}, "bearing at A: 15 angles, none between 12 and 36 deg"),
+        (
+            {"A": (np.full(15, 1e-6), None)},
+            "bearing at A: 15 angles, none between 12 and 36 deg",
+        ),
         (
             {"A": (NARROW, None)},
             "90 angles, none between 0.00343775 and 360 deg; allowed is a gap of 22.5 deg",
@@ -91,7 +105,9 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
         ({"A": (CLOSED, None)}, "bearing at A: the angle 0 deg occurs twice"),
     ],
 )
-def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, message: str) -> None:
+def test_surfaces_that_do_not_fit_are_refused_in_one_line(
+    surfaces: Any, message: str
+) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         wear_times(surfaces=surfaces)
 
@@ -116,7 +132,9 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
         result.append(wear_times(surfaces=read_profiles(tmp_path / name)).surfaces["A"])
     for one, other in zip(*result, strict=True):
         np.testing.assert_allclose(one.depth, other.depth, rtol=1e-12)
-        np.testing.assert_allclose(one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(
+            one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8
+        )
 
 
 @pytest.mark.parametrize(
@@ -125,12 +143,24 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
         ("", ": it has no rows; a header such as joint,side,angle (deg),depth (um)"),
         (HEADER, ": it has no rows"),
         ("joint,side,angle,depth (um)\nA,pin,0,1", ", line 2: angle = '0' has no unit"),
-        ("joint,side,angle (turn),depth (um)\nA,pin,0,1", "line 2: angle = '0 turn': unknown unit"),
+        (
+            "joint,side,angle (turn),depth (um)\nA,pin,0,1",
+            "line 2: angle = '0 turn': unknown unit",
+        ),
         ("joint,side,angle (deg)\nA,pin,0", ": columns joint, side, angle: a header"),
-        ("joint,sides,angle (deg),depth (um)\nA,pin,0,1", ": columns joint, sides, angle, depth: "),
-        ("joint,side,side,angle (deg),depth (um)\nA,pin,pin,0,1", ": columns joint, side, side, a"),
+        (
+            "joint,sides,angle (deg),depth (um)\nA,pin,0,1",
+            ": columns joint, sides, angle, depth: ",
+        ),
+        (
+            "joint,side,side,angle (deg),depth (um)\nA,pin,pin,0,1",
+            ": columns joint, side, side, a",
+        ),
         (f"{HEADER}\nA,pin,0", ", line 2: 3 values for 4 columns"),
-        (f"{HEADER}\nA,pin,0,1\n\nA,bearng,0,1", ", line 4: unknown side 'bearng'; did you mean"),
+        (
+            f"{HEADER}\nA,pin,0,1\n\nA,bearng,0,1",
+            ", line 4: unknown side 'bearng'; did you mean",
+        ),
         (f"{HEADER}\nA,pin,0,deep", ", line 2: depth = 'deep um' is not a number"),
         (f"{HEADER}\nA,pin,nan,1", ", line 2: angle = 'nan deg' is not a number"),
     ],
@@ -155,10 +185,18 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
     np.testing.assert_allclose(scene.surfaces["C"][0].depth, 3e-6, rtol=1e-12)
     assert scene.origins["surfaces"] == "worn.csv"
     for wrong, says in (
-        (text.replace("worn.csv", "worn"), "surfaces = 'worn': a name that ends in .csv"),
+        (
+            text.replace("worn.csv", "worn"),
+            "surfaces = 'worn': a name that ends in .csv",
+        ),
         (text.replace('"AC"', '"A"'), "worn.csv: unknown joint in surfaces 'C'"),
-        (f'{text}clearance = "2 um"\n', "worn.csv: bearing at C: depth 0.003 mm at 0 deg"),
+        (
+            f'{text}clearance = "2 um"\n',
+            "worn.csv: bearing at C: depth 0.003 mm at 0 deg",
+        ),
     ):
         file.write_text(wrong)
-        with pytest.raises(InputError, match=f"^{re.escape(str(file))}: {re.escape(says)}"):
+        with pytest.raises(
+            InputError, match=f"^{re.escape(str(file))}: {re.escape(says)}"
+        ):
             scene_from(file)

@@ -17,7 +17,9 @@ from presswear.show.report import write_report
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 MAX_BYTES, MAX_HEIGHT = 2e6, 6000
 
-pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="no chromium with its driver")
+pytestmark = pytest.mark.skipif(
+    not (BROWSER and DRIVER), reason="no chromium with its driver"
+)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +27,12 @@ def browser() -> Iterator[Chrome]:
     options = ChromeOptions()
     options.binary_location = str(BROWSER)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+    for flag in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-dev-shm-usage",
+    ):
         options.add_argument(flag)
     driver = Chrome(options=options, service=Service(DRIVER))
     yield driver
@@ -44,7 +51,9 @@ def show(browser: Chrome, report: Path, width: int) -> None:
     browser.get(report.as_uri())
 
 
-def test_the_first_screen_has_drawing_and_key_numbers(browser: Chrome, report: Path) -> None:
+def test_the_first_screen_has_drawing_and_key_numbers(
+    browser: Chrome, report: Path
+) -> None:
     show(browser, report, 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
     assert 6 <= len(numbers) <= 10
@@ -53,13 +62,16 @@ def test_the_first_screen_has_drawing_and_key_numbers(browser: Chrome, report: P
         assert part.rect["y"] + part.rect["height"] <= 800
     assert browser.execute_script("return arguments[0].naturalWidth", drawing) > 0
     assert browser.execute_script("return document.body.scrollHeight") < MAX_HEIGHT
-    assert browser.execute("getLog", {"type": "browser"})["value"] == []  # no error in the console
+    assert (
+        browser.execute("getLog", {"type": "browser"})["value"] == []
+    )  # no error in the console
 
 
-def test_a_report_executes_no_script(browser: Chrome, report: Path, tmp_path: Path) -> None:
-    planted = (
-        "<script>document.title = 'executed'</script><img src=x onerror=\"document.title = 2\">"
-    )
+def test_a_report_executes_no_script(
+    browser: Chrome, report: Path, tmp_path: Path
+) -> None:
+    planted = "<script>document.title = 'executed'</script>"
+    planted += '<img src=x onerror="document.title = 2">'
     file = tmp_path / "planted.html"
     file.write_text(report.read_text().replace("</header>", f"</header>{planted}"))
     show(browser, file, 1280)
@@ -85,7 +97,9 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -
     assert value.rect["y"] < 800
 
 
-def test_parts_open_by_mouse_keyboard_and_contents(browser: Chrome, report: Path) -> None:
+def test_parts_open_by_mouse_keyboard_and_contents(
+    browser: Chrome, report: Path
+) -> None:
     show(browser, report, 1280)
     closed = browser.find_elements(By.CSS_SELECTOR, "details:not([open])")
     assert len(closed) >= 4

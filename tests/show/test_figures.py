@@ -40,7 +40,12 @@ UNIT = re.compile(
 NOT_MADE_UP = ("life", "tonnage", "oil")  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [
-    *("response.png", "bottom-dead-centre.png", "contact-force.png", "centre-trajectory.png"),
+    *(
+        "response.png",
+        "bottom-dead-centre.png",
+        "contact-force.png",
+        "centre-trajectory.png",
+    ),
     *("phase.png", "poincare.png", "impacts.png", "modes.png", "spectrum.png"),
 ]
 
@@ -54,9 +59,16 @@ def legend_of(sheet: Sheet) -> list[str]:
 
 
 SEVEN = replace(made.BOTH, joints="O2,O7,A,B,C,D,E")
-RESULTS = [made_up(made.BOTH, 3), lived(made_up(made.BODY, 2)), grown(), made_up(SEVEN, 2)]
+RESULTS = [
+    made_up(made.BOTH, 3),
+    lived(made_up(made.BODY, 2)),
+    grown(),
+    made_up(SEVEN, 2),
+]
 RESULTS.append(made_up(replace(made.BODY, joints="A,B,C,D"), 1))
-OILED = made_up(changed(made.BOTH, {"viscosity": "0.1 Pa s", "clearance": "0.05 mm"}), 1)
+OILED = made_up(
+    changed(made.BOTH, {"viscosity": "0.1 Pa s", "clearance": "0.05 mm"}), 1
+)
 RESULTS.append(OILED)
 RESULTS.append(made_up(made.BOTH, 9))
 
@@ -88,7 +100,9 @@ def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result) -> No
         (made.IDEAL, 1, ["response.png"]),
     ],
 )
-def test_figures_are_drawn(scene: pw.Scene, stages: int, files: list[str], tmp_path: Path) -> None:
+def test_figures_are_drawn(
+    scene: pw.Scene, stages: int, files: list[str], tmp_path: Path
+) -> None:
     figures = list(drawings(made_up(scene, stages)))
     files = ["mechanism.png", "stroke.png", *files]
     assert [drawing.file for drawing in figures] == files
@@ -97,15 +111,22 @@ def test_figures_are_drawn(scene: pw.Scene, stages: int, files: list[str], tmp_p
         assert drawing.title
         assert drawing.caption.endswith(".")
         pairs = [(axes.get_xlabel(), axes.get_ylabel()) for axes in drawing.sheet.axes]
-        assert all(UNIT.search(label) for pair in pairs for label in pair if label), pairs
-    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(files)
+        assert all(UNIT.search(label) for pair in pairs for label in pair if label), (
+            pairs
+        )
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(
+        files
+    )
 
 
 @pytest.mark.parametrize(
     ("result", "files"),
     [
         (made_up(made.BOTH, 2), ["contact-force.png", "wear-depth.png", "stroke.png"]),
-        (lived(made_up(made.BODY, 2)), ["life.png", "contact-force.png", "wear-depth.png"]),
+        (
+            lived(made_up(made.BODY, 2)),
+            ["life.png", "contact-force.png", "wear-depth.png"],
+        ),
         (made_up(made.IDEAL, 1), ["stroke.png", "response.png"]),
         (made_up(made.IDEAL, 1, "failed"), []),
     ],
@@ -119,9 +140,23 @@ def test_figures_after_a_run_are_the_first_that_show_something(
 def test_plot_returns_the_axes_of_every_figure() -> None:
     result = grown()
     counts = {name: len(result.plot(name)) for name in NAMES if name not in NOT_MADE_UP}
-    motion = {"stroke": 1, "response": 7, "bottom": 2, "force": 4, "path": 4, "drives": 4}
+    motion = {
+        "stroke": 1,
+        "response": 7,
+        "bottom": 2,
+        "force": 4,
+        "path": 4,
+        "drives": 4,
+    }
     dynamics = {"phase": 6, "poincare": 4, "impacts": 4, "modes": 4, "spectrum": 3}
-    assert counts == {"mechanism": 1, "wear": 2, "growth": 2, "surfaces": 6, **motion, **dynamics}
+    assert counts == {
+        "mechanism": 1,
+        "wear": 2,
+        "growth": 2,
+        "surfaces": 6,
+        **motion,
+        **dynamics,
+    }
     assert len(result.plot()) == sum(counts.values())
     for name in counts.keys() - {"mechanism", "growth"}:
         sheet = result.plot(name, stage=1)[0].figure
@@ -135,7 +170,12 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
 
 def test_a_phase_portrait_tells_new_surfaces_from_worn_ones() -> None:
     (portrait,) = drawings(made_up(made.BOTH, 2), ["phase"])
-    lines = [x for axes in portrait.sheet.axes for x in axes.lines if x.get_linestyle() == "--"]
+    lines = [
+        x
+        for axes in portrait.sheet.axes
+        for x in axes.lines
+        if x.get_linestyle() == "--"
+    ]
     assert len(lines) == 4  # of two joints in two stages, one of them on worn surfaces
     assert "touches new surfaces; worn surfaces touch farther out." in portrait.caption
 
@@ -143,13 +183,17 @@ def test_a_phase_portrait_tells_new_surfaces_from_worn_ones() -> None:
 def test_oil_film_is_that_of_each_joint() -> None:
     for axes, name in zip(OILED.plot("oil"), ("A", "C"), strict=True):
         film = oil_films(OILED.scene)[name]
-        drawn, *levels = (np.asarray(line.get_ydata(), dtype=float) for line in axes.lines)
+        drawn, *levels = (
+            np.asarray(line.get_ydata(), dtype=float) for line in axes.lines
+        )
         np.testing.assert_allclose(drawn, 1e6 * film.thickness)
         assert [level[0] for level in levels] == pytest.approx(
             [3e6 * film.roughness, 1e6 * film.roughness]
         )
         share = float((film.thickness > 3.0 * film.roughness).mean())
-        full = f"joint {name}: full film for at least\n{100.0 * share:.3g} % of the cycle"
+        full = (
+            f"joint {name}: full film for at least\n{100.0 * share:.3g} % of the cycle"
+        )
         assert axes.get_title(loc="left") == full
 
 
@@ -162,7 +206,9 @@ def test_oil_film_is_that_of_each_joint() -> None:
         (["force"], 7, "wear-times has no stage 7; it has 0 to 2"),
     ],
 )
-def test_plot_refuses_in_a_line(names: list[str], stage: int | None, message: str) -> None:
+def test_plot_refuses_in_a_line(
+    names: list[str], stage: int | None, message: str
+) -> None:
     with pytest.raises(pw.InputError, match=re.escape(message)):
         made_up(made.BOTH, 3).plot(*names, stage=stage)
 
@@ -175,7 +221,9 @@ def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
     pyplot.switch_backend("agg")
     with pyplot.ion():
         axes = made_up(made.IDEAL, 1).plot("response")
-    assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [axes[0].figure]
+    assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [
+        axes[0].figure
+    ]
     pyplot.close("all")
 
 
@@ -194,11 +242,15 @@ def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
 @pytest.mark.parametrize(
     ("figure", "column"), [("force", "force_max"), ("response", "acceleration_max")]
 )
-def test_peaks_come_from_the_cycles_not_from_the_thinned_series(figure: str, column: str) -> None:
+def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
+    figure: str, column: str
+) -> None:
     result = made_up(made.IDEAL if figure == "response" else made.BOTH, 1)
     cycles = result.stages[0].arrays["cycles"]
     cycles[:, names_of((*CYCLE, *JOINT_CYCLE)).index(column)] = 2000.0, 3000.0
-    words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
+    words = [
+        text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts
+    ]
     assert "largest 3\u202f000 " in words[0]
 
 
@@ -232,13 +284,20 @@ def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:
     assert label_values(axes, "force", "N") == (1e-3, "kN")
     assert axes.get_ylabel() == "force (kN)"
     sheet.canvas.draw()
-    assert [axes.yaxis.get_major_formatter()(value, 0) for value in (-2e4, 5e5)] == ["−20", "500"]
+    assert [axes.yaxis.get_major_formatter()(value, 0) for value in (-2e4, 5e5)] == [
+        "−20",
+        "500",
+    ]
 
 
 def test_depth_is_the_cumulative_total_in_microns() -> None:
     result = made_up(made.BOTH, 3)
     sheet = sheet_of("wear", result)
-    assert legend_of(sheet) == ["first wear", "second wear", "third wear, not simulated"]
+    assert legend_of(sheet) == [
+        "first wear",
+        "second wear",
+        "third wear, not simulated",
+    ]
     expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
     for k, line in enumerate(sheet.axes[0].get_lines(), start=1):
         np.testing.assert_allclose(np.asarray(line.get_ydata()), k * expected)
@@ -260,21 +319,31 @@ def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
     around = (centre - seam(angle, [lobe(centre), 3.0 * lobe(centre)])) % 360.0
     assert min(around, 360.0 - around) > 60.0
     result = made_up(made.BOTH, 2)
-    worn = {**result.stages[1].arrays, "A_depth_pin": lobe(centre), "A_depth_bearing": lobe(centre)}
-    axes = sheet_of("wear", altered(result, 1, arrays={**worn, "A_wear_pin": 0.0 * angle})).axes[0]
+    worn = {
+        **result.stages[1].arrays,
+        "A_depth_pin": lobe(centre),
+        "A_depth_bearing": lobe(centre),
+    }
+    axes = sheet_of(
+        "wear", altered(result, 1, arrays={**worn, "A_wear_pin": 0.0 * angle})
+    ).axes[0]
     low, high = axes.get_xlim()
     assert high - low == 360.0
     x, y = np.asarray(axes.get_lines()[0].get_xydata()).T
     assert np.all(np.diff(x) > 0.0)
     depth = 2e6 * lobe(centre)
-    np.testing.assert_allclose(y, np.interp(x, np.degrees(angle), depth, period=360.0), atol=1e-12)
+    np.testing.assert_allclose(
+        y, np.interp(x, np.degrees(angle), depth, period=360.0), atol=1e-12
+    )
     assert max(y[0], y[-1]) < 0.05 * depth.max()
     assert axes.xaxis.get_major_formatter()(540.0) == "180"
     for depths in ([], [np.zeros(made.BINS)], [np.ones(made.BINS)], [lobe(180.0)]):
         assert seam(angle, depths) == 0.0
 
 
-@pytest.mark.parametrize("scene", [made.BOTH, made.BODY], ids=["fixed maps", "maps on bodies"])
+@pytest.mark.parametrize(
+    "scene", [made.BOTH, made.BODY], ids=["fixed maps", "maps on bodies"]
+)
 def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
     sheet = sheet_of("surfaces", made_up(scene, 3))
     bearings = scene.bearings
@@ -288,14 +357,18 @@ def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
         stated = re.search(r"radial scale ([\d\u202f]+) times", axes.get_title())
         assert stated is not None
         assert radial / along == pytest.approx(float(stated[1].replace("\u202f", "")))
-        depths = np.concatenate([np.asarray(line.get_ydata()) for line in axes.get_lines()])
+        depths = np.concatenate(
+            [np.asarray(line.get_ydata()) for line in axes.get_lines()]
+        )
         assert low <= depths.min()
         assert depths.max() <= high
 
 
 def test_growth_runs_over_the_steps_after_a_stage() -> None:
     line = grown().plot("growth", stage=1)[0].get_lines()[0]
-    assert np.asarray(line.get_xydata()).tolist() == [[k, k] for k in (3.0, 4.0, 5.0, 6.0)]
+    assert np.asarray(line.get_xydata()).tolist() == [
+        [k, k] for k in (3.0, 4.0, 5.0, 6.0)
+    ]
 
 
 def test_a_life_shows_every_quantity_with_its_limits() -> None:
@@ -303,12 +376,22 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
     axes = [each for each in sheet_of("life", result).axes if each.axison]
     panels = {each.get_title(loc="left").replace("\n", " "): each for each in axes}
     assert {title: each.get_ylabel() for title, each in panels.items()} == {
-        **{"depth of A": "(µm)", "worn volume of A": "(mm³)", "peak force of A": "(kN)"},
-        **{"depth of C: first": "(µm)", "worn volume of C": "(mm³)", "peak force of C": "(N)"},
+        **{
+            "depth of A": "(µm)",
+            "worn volume of A": "(mm³)",
+            "peak force of A": "(kN)",
+        },
+        **{
+            "depth of C: first": "(µm)",
+            "worn volume of C": "(mm³)",
+            "peak force of C": "(N)",
+        },
         "drift of bottom dead centre": "(µm)",
     }
     first = panels["depth of C: first"]
-    curve, limit, life, service = (np.asarray(line.get_xydata()) for line in first.get_lines())
+    curve, limit, life, service = (
+        np.asarray(line.get_xydata()) for line in first.get_lines()
+    )
     np.testing.assert_allclose(curve, np.outer(made.STROKES, [1.0, 1e-11]))
     assert set(limit[:, 1]) == {5e-5}
     assert set(life[:, 0]) == {made.LIFE}
@@ -318,7 +401,10 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
     ends = span.get_extents().transformed(first.transData.inverted())
     expected = made.LIFE * np.exp([-math.hypot(0.03, 0.04), math.hypot(0.03, 0.04)])
     assert (ends.x0, ends.x1) == pytest.approx(tuple(expected))
-    words = {title: [text.get_text() for text in each.texts] for title, each in panels.items()}
+    words = {
+        title: [text.get_text() for text in each.texts]
+        for title, each in panels.items()
+    }
     assert words["worn volume of A"] == ["replaced", "running-in", "steady"]
     assert words["drift of bottom dead centre"] == ["limit 2 mm"]
     (open_end,) = drawings(lived(result, not_passed()), ["life"])
@@ -346,10 +432,17 @@ def test_labels_of_a_mechanism_are_apart_cover_no_line_and_are_inside_the_axes(
     assert {body.name for body in scene.mechanism.linkage().bodies} <= words_of(axes)
     boxes = [text.get_window_extent() for text in axes.texts]
     assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
-    drawn: list[Any] = [*axes.patches, *(line for line in axes.lines if line.zorder >= 2)]
+    drawn: list[Any] = [
+        *axes.patches,
+        *(line for line in axes.lines if line.zorder >= 2),
+    ]
     paths = [one.get_transform().transform_path(one.get_path()) for one in drawn]
-    lines = [Curve(part) for path in paths for part in path.to_polygons(closed_only=False)]
-    assert not [box for box in boxes if any(line.intersects_bbox(box, False) for line in lines)]
+    lines = [
+        Curve(part) for path in paths for part in path.to_polygons(closed_only=False)
+    ]
+    assert not [
+        box for box in boxes if any(line.intersects_bbox(box, False) for line in lines)
+    ]
     outer = axes.get_window_extent()
     assert all(outer.x0 - 1.0 <= box.x0 and box.x1 <= outer.x1 + 1.0 for box in boxes)
 
@@ -362,7 +455,9 @@ def test_a_mechanism_is_labelled_at_its_position() -> None:
     joints = {"B", "D", "E", "O2", "O7", "A\nc = 0.25 mm", "C\nc = 0.8 mm"}
     assert {*joints, "105 rpm"} <= words_of(axes)
     position = scene.ideal.at(np.array([0.1])).position[0].reshape(-1, 3)[:, :2]
-    marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
+    marks = [
+        np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"
+    ]
     np.testing.assert_allclose(marks, position, atol=1e-12)
 
 
@@ -371,10 +466,15 @@ def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
     linkage = FOUR_BAR.changed(
         bodies=[*FOUR_BAR.bodies, pw.Bar("third", 0.1, 0.2)],
         joints=[*FOUR_BAR.joints, pw.Pin("B2", "rocker.head", "third.head")],
-        drives=[*FOUR_BAR.drives, pw.Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
+        drives=[
+            *FOUR_BAR.drives,
+            pw.Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0),
+        ],
         springs=[spring],
     )
-    (axes,) = labelled(pw.Scene(linkage, bearings={"B": pw.Bearing(clearance=1e-4)})).sheet.axes
+    (axes,) = labelled(
+        pw.Scene(linkage, bearings={"B": pw.Bearing(clearance=1e-4)})
+    ).sheet.axes
     assert {"B, B2\nc of B = 0.1 mm", "coil"} <= words_of(axes)
     coil = max(axes.lines, key=lambda line: np.asarray(line.get_xydata())[:, 0].max())
     assert np.asarray(coil.get_xydata())[-1] == pytest.approx((0.3, 0.2))
@@ -384,13 +484,21 @@ def test_loads_are_drawn_at_their_points() -> None:
     scene = pw.Scene(mechanism=FOUR_BAR, joints="B")
     loads: list[Any] = [pw.Force("rocker.head", 0.5, 3.0), pw.Load("coupler", 2.0)]
     loads.append(pw.Moment("crank", pw.Harmonics(1.0)))
-    (axes,) = labelled(replace(scene, mechanism=FOUR_BAR.changed(loads=loads))).sheet.axes
-    red = [patch for patch in axes.patches if patch.get_edgecolor() == to_rgba("tab:red")]
+    (axes,) = labelled(
+        replace(scene, mechanism=FOUR_BAR.changed(loads=loads))
+    ).sheet.axes
+    red = [
+        patch for patch in axes.patches if patch.get_edgecolor() == to_rgba("tab:red")
+    ]
     assert len(red) == 3
     position = scene.ideal.at(np.zeros(1)).position[0]
-    head = position[6:8] + 0.06 * np.array([math.cos(position[8]), math.sin(position[8])])
+    head = position[6:8] + 0.06 * np.array(
+        [math.cos(position[8]), math.sin(position[8])]
+    )
     for place in (head, position[3:5]):
-        gaps = [np.abs(np.asarray(p.get_path().vertices) - place).max(axis=1) for p in red]
+        gaps = [
+            np.abs(np.asarray(p.get_path().vertices) - place).max(axis=1) for p in red
+        ]
         # The head of an arrow is rounded; its tail is 40 mm away.
         assert min(float(gap.min()) for gap in gaps) < 2e-3
 
@@ -408,9 +516,17 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
     ]
     spring = pw.Spring("$_$", "rocker.head", (0.18, 0.3), stiffness=100.0, length=0.1)
     linkage = pw.assemble(
-        bodies, pins, [pw.Drive(body, 30.0)], body, FOUR_BAR.guess, name="$^$", springs=[spring]
+        bodies,
+        pins,
+        [pw.Drive(body, 30.0)],
+        body,
+        FOUR_BAR.guess,
+        name="$^$",
+        springs=[spring],
     )
-    scene = pw.Scene(linkage, "$a^$", "$b^$", pw.Bearing(), joints=f"{joint},B", wear_updates=1)
+    scene = pw.Scene(
+        linkage, "$a^$", "$b^$", pw.Bearing(), joints=f"{joint},B", wear_updates=1
+    )
     for drawing in drawings(made_up(scene, 2)):
         save(drawing, tmp_path)
 
@@ -426,7 +542,9 @@ def test_powers_of_ten_are_plain_text() -> None:
     assert "2·10⁰" in minor
 
 
-def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out() -> None:
+def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out() -> (
+    None
+):
     result = made_up(made.BOTH, 2)
     for stage in result.stages:
         for joint in stage.joint_names:

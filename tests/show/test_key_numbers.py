@@ -20,10 +20,20 @@ from presswear.tools.numbers import quantity_text
     [
         (Estimate.symmetric(225e3, 0.0, 30), "225 kN", "", ""),
         (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N", ""),
-        (Estimate.symmetric(150.0, 260.0, 3).positive, "150 N", "27 to 850 N", "3 of 20 strokes"),
+        (
+            Estimate.symmetric(150.0, 260.0, 3).positive,
+            "150 N",
+            "27 to 850 N",
+            "3 of 20 strokes",
+        ),
         (Estimate(150.0, samples=1), "150 N", "interval unknown", "1 of 20 strokes"),
         (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
-        (Estimate.symmetric(150.0, 3.0, 19), "150 N", "147 to 153 N", "19 of 20 strokes"),
+        (
+            Estimate.symmetric(150.0, 3.0, 19),
+            "150 N",
+            "147 to 153 N",
+            "19 of 20 strokes",
+        ),
         (Estimate.symmetric(-150.0, 100.0, 20), "−150 N", "−250 to −50 N", ""),
     ],
 )
@@ -53,12 +63,17 @@ def test_loads_stand_beside_their_limits() -> None:
     result = made_up(scene, 2)
     numbers = {number.name: number for number in key_numbers(result)}
     assert 6 <= len(numbers) <= 10
-    assert "Largest of all strokes of the last stage: 101 N." in numbers["Peak joint force"].meaning
+    assert (
+        "Largest of all strokes of the last stage: 101 N."
+        in numbers["Peak joint force"].meaning
+    )
     force = result.stages[1].statistics.joints["C"].peak_force_per_cycle.mean
     assert numbers["Pin pressure p"].value == f"{1e-6 * force / 4e-4:.2f} MPa"
     assert "Limit: 0.100 MPa." in numbers["Pin pressure p"].meaning
     assert "not given (pv_limit)" in numbers["p v"].meaning
-    assert any("exceeds pressure_limit = 0.100 MPa" in line for line in warnings(result))
+    assert any(
+        "exceeds pressure_limit = 0.100 MPa" in line for line in warnings(result)
+    )
     near = replace(bearing, pressure_limit=1.001 * force / 4e-4)
     lines = warnings(made_up(replace(scene, bearings={"C": near}), 2))
     assert any("is possible and exceeds pressure_limit" in line for line in lines)
@@ -74,8 +89,13 @@ def test_loads_stand_beside_their_limits() -> None:
 
 def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
     """With a limit from the file, the limit decides."""
-    for limit, words in ((None, "the pin pressure of joint C is"), (1e5, "exceeds pressure_limit")):
-        bearing = pw.Bearing(bearing_radius=1e-3, clearance=1e-4, width=1e-4, pressure_limit=limit)
+    for limit, words in (
+        (None, "the pin pressure of joint C is"),
+        (1e5, "exceeds pressure_limit"),
+    ):
+        bearing = pw.Bearing(
+            bearing_radius=1e-3, clearance=1e-4, width=1e-4, pressure_limit=limit
+        )
         lines = warnings(made_up(replace(made.ONE, bearings={"C": bearing}), 2))
         found = [line for line in lines if "pressure" in line]
         assert len(found) == 1
@@ -90,18 +110,29 @@ def test_round_off_is_no_mean_power() -> None:
 
 
 @pytest.mark.parametrize("torques", ["on", "off"])
-def test_drives_are_compared_to_rigid_joints_with_and_without_friction(torques: str) -> None:
+def test_drives_are_compared_to_rigid_joints_with_and_without_friction(
+    torques: str,
+) -> None:
     """What friction needs is not the work of clearance."""
     scene = replace(made.BOTH, drive_torque=torques)
     scene = pw.changed(scene, {"friction": 0.1})
     numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
     for name, unit in (("torque", "N m"), ("power", "W")):
         compared = dict(numbers[f"Peak drive {name}"].compared)
-        for words, duties in ((RUBBING, rubbing_drives(scene)), (IDEAL, ideal_drives(scene))):
-            peak, body = max((abs(getattr(duty, name).peak), body) for body, duty in duties.items())
+        for words, duties in (
+            (RUBBING, rubbing_drives(scene)),
+            (IDEAL, ideal_drives(scene)),
+        ):
+            peak, body = max(
+                (abs(getattr(duty, name).peak), body) for body, duty in duties.items()
+            )
             assert compared[words] == f"{quantity_text(peak, unit)} at {body}"
     frictionless = pw.changed(scene, {"friction": 0.0})
-    (row,) = {one.compared for one in key_numbers(made_up(frictionless, 2)) if "torque" in one.name}
+    (row,) = {
+        one.compared
+        for one in key_numbers(made_up(frictionless, 2))
+        if "torque" in one.name
+    }
     assert [words for words, _ in row] == [IDEAL]
 
 
@@ -121,14 +152,19 @@ def test_a_drive_stands_beside_its_peak_before_the_wear() -> None:
     meanings = {one.name: one.meaning for one in key_numbers(result)}
     before = next(iter(result.drives(0).values())).peak_torque
     assert before is not None
-    assert f"Before the wear: {quantity_text(before.mean, 'N m')}." in meanings["Peak drive torque"]
+    assert (
+        f"Before the wear: {quantity_text(before.mean, 'N m')}."
+        in meanings["Peak drive torque"]
+    )
 
 
 def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None:
     result = made_up(made.ONE, 2)
     bdc = replace(result.stages[1].bdc, strokes=30)
     statistics = replace(result.stages[1].statistics, bdc=bdc)
-    numbers = {one.name: one for one in key_numbers(altered(result, 1, statistics=statistics))}
+    numbers = {
+        one.name: one for one in key_numbers(altered(result, 1, statistics=statistics))
+    }
     assert numbers["Repeatability"][1:3] == ("40 µm", "30 to 60 µm")
 
 
@@ -140,16 +176,25 @@ def test_a_life_comes_first_and_names_its_joint() -> None:
 
 
 @pytest.mark.parametrize(
-    ("volume", "half", "first"), [(0.5, 0.1, "C"), (0.5, 0.6, "A or C"), (0.95, 0.01, "A or C")]
+    ("volume", "half", "first"),
+    [(0.5, 0.1, "C"), (0.5, 0.6, "A or C"), (0.95, 0.01, "A or C")],
 )
-def test_joints_that_hardly_differ_are_both_named(volume: float, half: float, first: str) -> None:
+def test_joints_that_hardly_differ_are_both_named(
+    volume: float, half: float, first: str
+) -> None:
     result = made_up(made.BOTH, 2)
     statistics = result.stages[1].statistics
-    volumes = {"A": Estimate.symmetric(volume, half), "C": Estimate.symmetric(1.0, 0.02)}
-    joints = {
-        name: replace(one, wear_volume=volumes[name]) for name, one in statistics.joints.items()
+    volumes = {
+        "A": Estimate.symmetric(volume, half),
+        "C": Estimate.symmetric(1.0, 0.02),
     }
-    found = key_numbers(altered(result, 1, statistics=replace(statistics, joints=joints)))[-1]
+    joints = {
+        name: replace(one, wear_volume=volumes[name])
+        for name, one in statistics.joints.items()
+    }
+    found = key_numbers(
+        altered(result, 1, statistics=replace(statistics, joints=joints))
+    )[-1]
     assert (found.name, found.value) == ("Improve first", f"joint {first}")
 
 
@@ -161,7 +206,11 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     assert any(line.startswith(expected) for line in lines)
     assert any("--set contact=foundation, or contact = " in line for line in lines)
     assert not any("create" in line for line in warnings(result))
-    (few,) = [line for line in lines if line.startswith("Few strokes: peak forces are means of 2")]
+    (few,) = [
+        line
+        for line in lines
+        if line.startswith("Few strokes: peak forces are means of 2")
+    ]
     assert few.endswith("Run at least 20: cycles = 7 or more.")  # of one replicate
 
 
@@ -172,7 +221,9 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     known = replace(Estimate.symmetric(4e-6, 1e-7), samples=40)
     result = made_up(made.BOTH, 2)
     (last,) = [one for one in key_numbers(result) if one.name == WEAR]
-    assert "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
+    assert (
+        "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
+    )
     assert last.note == "2 of 20 strokes"
     assert "bins of 1°; twice as many bins halve it" in last.meaning
     statistics = result.stages[1].statistics
@@ -180,15 +231,22 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     (last,) = [one for one in key_numbers(started) if one.name == WEAR]
     assert last.note == "2 of 20 strokes"  # without those of the start-up
     peaks = {
-        name: {side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()}
+        name: {
+            side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()
+        }
         for name, one in statistics.joints.items()
     }
-    joints = {name: replace(one, wear_peaks=peaks[name]) for name, one in statistics.joints.items()}
+    joints = {
+        name: replace(one, wear_peaks=peaks[name])
+        for name, one in statistics.joints.items()
+    }
     deep = altered(result, 1, statistics=replace(statistics, joints=joints))
     (last,) = [one for one in key_numbers(deep) if one.name == WEAR]
     assert last[1:3] == ("2.00 µm", "1.95 to 2.05 µm")
     assert last.meaning.endswith("Other joints: C 2.00 µm.")
-    joints = {name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()}
+    joints = {
+        name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()
+    }
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
     (first,) = [one for one in key_numbers(jump) if one.name == WEAR]
     assert "strokes on new surfaces, with" in first.meaning
@@ -197,8 +255,9 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
     assert "that of dry contact: an upper bound where oil carries." in first.meaning
     assert first.meaning.endswith("no squeeze: a lower bound of the film.")
-    assert "Full oil film for at least 100 % of the cycle at A, 99.9 % of the cycle at C." in (
-        first.meaning
+    assert (
+        "Full oil film for at least 100 % of the cycle at A, 99.9 % of the cycle at C."
+        in (first.meaning)
     )
 
 
@@ -210,7 +269,9 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
         ("exudyn-joints", "more steps_per_contact"),
     ],
 )
-def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(engine: str, advice: str) -> None:
+def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(
+    engine: str, advice: str
+) -> None:
     result = made_up(replace(made.BOTH, engine=engine), 1)
     statistics = replace(result.stages[0].statistics, peak_force_step_error=0.3)
     lines = warnings(altered(result, 0, statistics=statistics))

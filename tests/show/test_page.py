@@ -31,7 +31,9 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append(tag)
-        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset")]
+        self.links += [
+            value or "" for name, value in attrs if name in ("src", "href", "srcset")
+        ]
         if tag == "tr":
             self.rows.append([])
             self.in_row = True
@@ -70,7 +72,12 @@ WHEEL = Wheel(2e-5, {"A": {"force": 1234.0}}, (1.0, 2.0))
 
 
 def test_a_path_reads_attributes_keys_and_indices() -> None:
-    paths = {"depth": 2e-5, "joints.A.force": 1234.0, "ends.1": 2.0, "joints.B.force": None}
+    paths = {
+        "depth": 2e-5,
+        "joints.A.force": 1234.0,
+        "ends.1": 2.0,
+        "joints.B.force": None,
+    }
     assert {path: page.value_at(WHEEL, path) for path in paths} == paths
     with pytest.raises(AttributeError):
         page.value_at(WHEEL, "dept")
@@ -89,7 +96,9 @@ def test_a_path_reads_attributes_keys_and_indices() -> None:
         (Estimate(1e-5), "µm", "10.0 (too few cycles)"),
     ],
 )
-def test_values_are_shown_in_the_unit_of_their_row(value: object, unit: str, text: str) -> None:
+def test_values_are_shown_in_the_unit_of_their_row(
+    value: object, unit: str, text: str
+) -> None:
     assert page.text_of(value, unit) == text
 
 
@@ -103,14 +112,19 @@ ENERGY = Row("energy", "made", "J")
 
 
 def test_tables_of_rows() -> None:
-    rows = [Row("force of A", "joints.A.force", "N", "peak"), Row("missing", "joints.B.force")]
+    rows = [
+        Row("force of A", "joints.A.force", "N", "peak"),
+        Row("missing", "joints.B.force"),
+    ]
     table = column_table("wheel", ["first", "second"], [WHEEL, WHEEL], {"": rows})
     assert table is not None
     assert table.head == ("wheel", "first", "second")
     assert table.groups == (("", (("force of A (N)", "1\u202f230", "1\u202f230"),)),)
     assert table.meanings == {"force of A (N)": "peak"}
     assert column_table("", ["first"], [WHEEL], {"": rows[1:]}) is None
-    energies = column_table("", ["a", "b"], [{"made": 911e-6}, {"made": 2e-5}], {"": [ENERGY]})
+    energies = column_table(
+        "", ["a", "b"], [{"made": 911e-6}, {"made": 2e-5}], {"": [ENERGY]}
+    )
     assert energies is not None
     assert energies.groups == (("", (("energy (µJ)", "911", "20.0"),)),)
 
@@ -125,7 +139,11 @@ def test_a_page_of_sections_escapes_everything() -> None:
     shown = Page(page.render_page(hostile, screen, [section], [hostile]))
     assert "script" not in shown.tags
     assert shown.words.count(hostile) == 16
-    assert shown.links == ["data:image/png;base64,AAAA", "#part-1", "data:image/png;base64,AAAA"]
+    assert shown.links == [
+        "data:image/png;base64,AAAA",
+        "#part-1",
+        "data:image/png;base64,AAAA",
+    ]
 
 
 def numbered(*numbers: int) -> Iterator[Drawing]:
@@ -138,7 +156,9 @@ def numbered(*numbers: int) -> Iterator[Drawing]:
 def test_figures_come_in_order(tmp_path: Path) -> None:
     figures = page.illustrated(numbered(2, 0, 1, 4), tmp_path)
     assert "".join(figure.title for figure in figures) == "2014"
-    assert {path.name for path in tmp_path.iterdir()} == {figure.file for figure in figures}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        figure.file for figure in figures
+    }
     (tmp_path / "5.png").mkdir()
     with pytest.raises(IsADirectoryError):
         page.illustrated(numbered(5, 6), tmp_path)

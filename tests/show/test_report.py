@@ -20,7 +20,13 @@ from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import used_settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import prepare, render_report, setting_tables, stage_tables, write_report
+from presswear.show.report import (
+    prepare,
+    render_report,
+    setting_tables,
+    stage_tables,
+    write_report,
+)
 
 
 def page_of(result: pw.Result) -> Page:
@@ -42,7 +48,9 @@ def test_one_file_without_references(tmp_path: Path) -> None:
         write_report(replace(result, path=None))
 
 
-def test_a_short_report_states_the_command_that_draws_the_other_figures(tmp_path: Path) -> None:
+def test_a_short_report_states_the_command_that_draws_the_other_figures(
+    tmp_path: Path,
+) -> None:
     folder = tmp_path / "two words"
     folder.mkdir()
     result = replace(made_up(made.BOTH, 2), path=folder)
@@ -59,7 +67,10 @@ def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() ->
     for stage in result.stages:
         del stage.arrays["A_sliding"]  # type: ignore[attr-defined]
     text = page_of(result).text
-    assert "A table is left out. joint A: its sliding was not stored; run the scene again" in text
+    assert (
+        "A table is left out. joint A: its sliding was not stored; run the scene again"
+        in text
+    )
     assert "presswear 0.1.0 wrote the result." in text
     assert "Recorded cycles after the start-up" not in text
 
@@ -100,8 +111,12 @@ def test_angles_stay_within_a_turn(degrees: tuple[float, ...], text: str) -> Non
     statistics = result.stages[0].statistics
     peak = WearPeak(pw.Estimate(1e-5), pw.Estimate(*np.radians(degrees).tolist()))
     joint = replace(statistics.joints["A"], wear_peaks={"both": peak})
-    result = altered(result, 0, statistics=replace(statistics, joints={"A": joint, "C": joint}))
-    row = page_of(result).row("next wear update: angle of the deepest, bearing + pin (degrees)")
+    result = altered(
+        result, 0, statistics=replace(statistics, joints={"A": joint, "C": joint})
+    )
+    row = page_of(result).row(
+        "next wear update: angle of the deepest, bearing + pin (degrees)"
+    )
     assert row[1].replace("\u00a0", " ") == text
 
 
@@ -121,11 +136,17 @@ def test_key_numbers_and_means() -> None:
     remark = "bins of 1°; twice as many bins halve it"
     assert page.row("next wear update: volume (mm³)")[1] == remark
     assert page.numbers("delay (ms)", 3) == ["−3.00 (too few cycles)"] * 3
-    assert page.numbers("mean range of successive strokes (µm)", 3) == ["100 (too few cycles)"] * 3
+    assert (
+        page.numbers("mean range of successive strokes (µm)", 3)
+        == ["100 (too few cycles)"] * 3
+    )
     assert "80 ± 12" in page.text
     growth = page_of(grown())
     assert growth.row("cycles represented")[1:] == ["3.00·10⁶"] * 2
-    assert growth.row("deepest wear of the bearing afterwards (µm)")[1:] == ["3.00", "6.00"]
+    assert growth.row("deepest wear of the bearing afterwards (µm)")[1:] == [
+        "3.00",
+        "6.00",
+    ]
     assert growth.row("largest normal force in its runs (N)")[1:] == ["9.00", "9.00"]
     turning = page_of(made_up(made.BODY, 2))
     assert "the set “refined”" in turning.text
@@ -144,11 +165,18 @@ def test_failed_stages() -> None:
     assert empty.row("largest normal force (N)")[1:] == ["100"]
     alone = page_of(made_up(made.BOTH, 1, "failed", "no step"))
     assert "No stage ran far enough for a number." in alone.text
-    assert "Unfinished: 1 of 3 stages are stored;" in page_of(made_up(made.BOTH, 1, "running")).text
+    assert (
+        "Unfinished: 1 of 3 stages are stored;"
+        in page_of(made_up(made.BOTH, 1, "running")).text
+    )
 
 
-VISCOUS = wear_times(normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1)
-OWN_FOUR_BAR = pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0)
+VISCOUS = wear_times(
+    normal_law="kelvin-voigt", viscous_damping="100 N s/m", restitution=1
+)
+OWN_FOUR_BAR = pw.Scene(
+    FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0
+)
 RADIAL, SAMPLE = "Contact on worn surfaces is radial", "no two strokes are equal"
 OWN = "sampled cycles of 4 replicates, and after a wear update the replicates, each on surfaces of"
 PAIRS = "on rod 3 and its pin on crank 2; C has its bearing on rod 5 and its pin on plate 4."
@@ -159,8 +187,18 @@ ZERO = "counterclockwise from the x axis of the frame"
     ("scene", "stages", "present", "absent"),
     [
         (made.BOTH, 2, f"{SAMPLE} & {RADIAL} & {OWN} & {ZERO}", "presses on work"),
-        (made.ONE, 1, "restitution is 0.9; in a single impact the law of Lankarani", RADIAL),
-        (made.BOTH, 1, f"{SAMPLE} & samples are the sampled cycles of 4 replicates. In", RADIAL),
+        (
+            made.ONE,
+            1,
+            "restitution is 0.9; in a single impact the law of Lankarani",
+            RADIAL,
+        ),
+        (
+            made.BOTH,
+            1,
+            f"{SAMPLE} & samples are the sampled cycles of 4 replicates. In",
+            RADIAL,
+        ),
         (made.BODY, 2, f"{SAMPLE} & axis of the body (thin arrow & {PAIRS}", RADIAL),
         (made.IDEAL, 1, "chosen, not the paper's & No joint has clearance", SAMPLE),
         (press_blanking(), 1, "presses on work (blanking", RADIAL),
@@ -172,10 +210,17 @@ ZERO = "counterclockwise from the x axis of the frame"
             "guides (O, A, P) have no friction, so torque",
             "slider",
         ),
-        (wear_times(), 1, "All settings are those of the named scene wear-times.", RADIAL),
+        (
+            wear_times(),
+            1,
+            "All settings are those of the named scene wear-times.",
+            RADIAL,
+        ),
     ],
 )
-def test_sentences_fit_the_scene(scene: pw.Scene, stages: int, present: str, absent: str) -> None:
+def test_sentences_fit_the_scene(
+    scene: pw.Scene, stages: int, present: str, absent: str
+) -> None:
     text = page_of(made_up(scene, stages)).text
     assert all(words in text for words in present.split(" & "))
     assert absent not in text
@@ -183,7 +228,11 @@ def test_sentences_fit_the_scene(scene: pw.Scene, stages: int, present: str, abs
 
 @pytest.mark.parametrize(
     ("names", "title"),
-    [({}, "four-bar"), ({"name": "mine"}, "mine"), ({"name": "mine", "title": "Mine"}, "Mine")],
+    [
+        ({}, "four-bar"),
+        ({"name": "mine"}, "mine"),
+        ({"name": "mine", "title": "Mine"}, "Mine"),
+    ],
 )
 def test_a_scene_without_a_title_has_a_name(names: dict[str, Any], title: str) -> None:
     page = page_of(made_up(replace(OWN_FOUR_BAR, **names), 1))
@@ -235,7 +284,11 @@ clearance = "0.2 mm"
 def origins(scene: pw.Scene) -> dict[str, tuple[str, str]]:
     """Return value and origin of each setting that the report lists."""
     table = setting_tables(made_up(scene, 1))["parameters"]
-    return {key: (value, origin) for _, lines in table.groups for key, value, origin, _ in lines}
+    return {
+        key: (value, origin)
+        for _, lines in table.groups
+        for key, value, origin, _ in lines
+    }
 
 
 def test_values_of_single_bearings_are_those_of_the_user(tmp_path: Path) -> None:
@@ -251,8 +304,16 @@ def test_values_of_single_bearings_are_those_of_the_user(tmp_path: Path) -> None
     assert rows["materials"] == ("304L-304L", in_file)
     assert rows["wear_coefficient"][1] == "set by the user"  # by the materials
     assert "bearing_radius" in rows
-    assert not rows.keys() & {"clearance", "stribeck_speed", "roughness", "tree_tolerance"}
-    bearings = {"O": pw.Bearing(clearance=1e-4), "A": pw.Bearing(clearance=2e-4, friction=0.1)}
+    assert not rows.keys() & {
+        "clearance",
+        "stribeck_speed",
+        "roughness",
+        "tree_tolerance",
+    }
+    bearings = {
+        "O": pw.Bearing(clearance=1e-4),
+        "A": pw.Bearing(clearance=2e-4, friction=0.1),
+    }
     rows = origins(pw.Scene(pw.SliderCrank(rod_length=0.2), bearings=bearings))
     assert rows["clearance"] == ("0.1 mm", "set by the user")
     assert rows["A.friction"] == ("0.1", "set by the user")
@@ -288,7 +349,9 @@ def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
     assert diagnostics is not None
     ((_, lines),) = diagnostics.groups
     names = [line[0] for line in lines]
-    assert len(names) == len(result.stages[0].diagnostics) - 1  # the model is a sentence
+    assert (
+        len(names) == len(result.stages[0].diagnostics) - 1
+    )  # the model is a sentence
     assert any(re.fullmatch(r"energy residual \([µm]?J\)", name) for name in names)
     assert not any(re.search(r" (J|m|s|m/s)$", name) for name in names)
     packages = page_of(result).row("packages")[1]
@@ -304,7 +367,12 @@ def test_figures_have_their_places() -> None:
     text = render_report(LIVED, [Illustration(file, file, "", "") for file in every])
     places = [text.index(f"<h3>{file}</h3>") for file in files]
     assert places == sorted(places)
-    assert places[1] < text.index("<h2>Service life</h2>") < text.index("<h2>Wear</h2>") < places[2]
+    assert (
+        places[1]
+        < text.index("<h2>Service life</h2>")
+        < text.index("<h2>Wear</h2>")
+        < places[2]
+    )
     assert all(text.count(f"<h3>{file}</h3>") == 1 for file in files)
     assert "mechanism.png" in text.partition("</nav>")[0]
 
@@ -322,14 +390,20 @@ def test_the_answer_on_a_life() -> None:
     assert expected in page.text
     finer = page_of(lived(LIVED, made.made_up_life(0.003, 0.004))).text
     assert "5 million strokes (4.98 to 5.03 million)" in finer.replace("\u00a0", " ")
-    assert "with an unknown error" in page_of(lived(LIVED, made.made_up_life(None, 0.1))).text
+    assert (
+        "with an unknown error"
+        in page_of(lived(LIVED, made.made_up_life(None, 0.1))).text
+    )
     for label, cells in {
         "depth of A over 50 µm": ["not exceeded", "–", "–", "20.0\u00a0± 1.0 µm"],
         "A: running-in": ["0 to 2 million", "3.00\u00a0± 0.20"],
     }.items():
         assert page.row(label)[1:] == cells
     first = page.row("depth of C over 50 µm")
-    assert (first[1:3], first[4]) == (["5 million", "4.8 to 5.3 million"], "60.0\u00a0± 3.0 µm")
+    assert (first[1:3], first[4]) == (
+        ["5 million", "4.8 to 5.3 million"],
+        "60.0\u00a0± 3.0 µm",
+    )
     assert "After 2 million strokes: bushing of A replaced." in page.text
     assert "equal parts of 2.5 million strokes" in page.text
     stages = ["after 2.5 million strokes", "after 5 million strokes"]
@@ -341,8 +415,14 @@ def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named() -> None:
     """The depth of the joint ends the life, and the bushing alone was replaced."""
     life, stage = made.made_up_life(), LIVED.stages[-1]
     first = replace(life.limits[1], key="A.depth")
-    sentence = "The pin of A ends this life: it is worn by 50.0 µm at the end, its bushing by"
-    for side, key, is_named in (("pin", "A", True), ("bearing", "A", False), ("pin", "C", False)):
+    sentence = (
+        "The pin of A ends this life: it is worn by 50.0 µm at the end, its bushing by"
+    )
+    for side, key, is_named in (
+        ("pin", "A", True),
+        ("bearing", "A", False),
+        ("pin", "C", False),
+    ):
         depth = {"A_depth_bearing": np.full(72, 2e-5), "A_depth_pin": np.full(72, 2e-5)}
         depth[f"A_depth_{side}"][3] = 5e-5
         result = altered(LIVED, len(LIVED.stages) - 1, arrays={**stage.arrays, **depth})

@@ -8,7 +8,15 @@ import pytest
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
-from presswear.sweeps.improve import BOTTOM, FORCE, LIFE, Improvement, _effect, changes_of, improve
+from presswear.sweeps.improve import (
+    BOTTOM,
+    FORCE,
+    LIFE,
+    Improvement,
+    _effect,
+    changes_of,
+    improve,
+)
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import large
 
@@ -33,7 +41,10 @@ def test_each_joint_is_changed_in_each_way() -> None:
 
 def test_factors_have_the_intervals_of_ratios() -> None:
     """Relative errors of 3 and 4 per cent add to 5; a shorter life is a larger depth."""
-    new, old = Estimate.symmetric(2.0, 0.06).positive, Estimate.symmetric(1.0, 0.04).positive
+    new, old = (
+        Estimate.symmetric(2.0, 0.06).positive,
+        Estimate.symmetric(1.0, 0.04).positive,
+    )
     force, life = _effect(CHANGE, FORCE, new, old), _effect(CHANGE, LIFE, new, old)
     assert (force.factor.mean, life.factor.mean) == (2.0, 0.5)
     assert force.factor.high == pytest.approx(2.0 * math.exp(0.05))
@@ -53,7 +64,11 @@ def test_factors_have_the_intervals_of_ratios() -> None:
 def test_sentences_name_the_best_certain_change() -> None:
     one, two = Estimate.symmetric(1.0, 0.01), Estimate.symmetric(2.0, 0.01)
     found = Improvement(
-        {LIFE: [_effect(CHANGE, LIFE, one, two)], FORCE: [_effect(CHANGE, FORCE, one, one)]}, {}
+        {
+            LIFE: [_effect(CHANGE, LIFE, one, two)],
+            FORCE: [_effect(CHANGE, FORCE, one, one)],
+        },
+        {},
     )
     first, second, third = found.sentences
     assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
@@ -69,7 +84,12 @@ def test_sentences_name_the_best_certain_change() -> None:
 
 def test_changes_are_compared_after_the_same_strokes(tmp_path: Path) -> None:
     """Half the clearance would be worn by a tenth after half as many."""
-    settings = {"engine": "dae", "cycles": 3, "replicates": 1, "cycles_per_update": None}
+    settings = {
+        "engine": "dae",
+        "cycles": 3,
+        "replicates": 1,
+        "cycles_per_update": None,
+    }
     scene = pw.changed(pw.scenes.slider_crank(**settings), {"extrapolation": "single"})
     found = improve(scene, tmp_path, jobs=1)
     results = [pw.load(file.parent) for file in tmp_path.glob("*/result.json")]
@@ -83,9 +103,13 @@ def test_a_mechanism_is_improved(tmp_path: Path) -> None:
     found = improve(scene, tmp_path, jobs=1)
     assert list(found.effects) == [LIFE, FORCE, BOTTOM]
     for items in found.effects.values():
-        assert {item.change for item in items} | found.failures.keys() == changes_of(scene).keys()
+        assert {item.change for item in items} | found.failures.keys() == changes_of(
+            scene
+        ).keys()
         assert all(item.factor.mean > 0.0 for item in items)
     # Finished runs are not repeated.
     files = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("stage-*.npz")}
     assert improve(scene, tmp_path, jobs=1) == found
-    assert {file: file.stat().st_mtime_ns for file in tmp_path.rglob("stage-*.npz")} == files
+    assert {
+        file: file.stat().st_mtime_ns for file in tmp_path.rglob("stage-*.npz")
+    } == files

@@ -14,7 +14,12 @@ from made_up_sweep import table_of
 from scipy import stats
 
 import presswear as pw
-from presswear.sweeps.parameters import design, parse_distribution, parse_group, texts_of
+from presswear.sweeps.parameters import (
+    design,
+    parse_distribution,
+    parse_group,
+    texts_of,
+)
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.sweep import export_table
 from presswear.tools.errors import InputError
@@ -22,7 +27,11 @@ from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain
 
 SCENE = pw.scenes.wear_times(engine="dae", wear_updates=0, cycles=1)
-VARY = ("clearance=0.2mm,0.4mm", "A.friction=0.1,0.2 & C.friction=0.3,0.4", "engine=dae,exudyn")
+VARY = (
+    "clearance=0.2mm,0.4mm",
+    "A.friction=0.1,0.2 & C.friction=0.3,0.4",
+    "engine=dae,exudyn",
+)
 
 
 def test_all_values_are_combined() -> None:
@@ -31,7 +40,10 @@ def test_all_values_are_combined() -> None:
     pairs = itertools.product((2e-4, 4e-4), ((0.1, 0.3), (0.2, 0.4)), (0.0, 1.0))
     assert plan.points.tolist() == [[c, *both, e] for c, both, e in pairs]
     scene = plan.scene_of(plan.rows - 1)
-    values = (scene.bearing("A").clearance, *(scene.bearing(joint).friction for joint in "AC"))
+    values = (
+        scene.bearing("A").clearance,
+        *(scene.bearing(joint).friction for joint in "AC"),
+    )
     assert values == (4e-4, 0.2, 0.4)
     assert (scene.engine, scene.seed) == ("exudyn", SCENE.seed + 1)
 
@@ -51,16 +63,29 @@ def test_a_sample_has_the_quantiles_of_its_distributions() -> None:
 def test_equal_rows_of_two_plans_have_one_identity() -> None:
     plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), replicates=2)
     assert len({plan.identity(row) for row in range(4)}) == 4
-    wider = Plan(SCENE, ("clearance=0.1mm,0.4mm", f"friction={SCENE.bearing('A').friction},0.3"))
+    wider = Plan(
+        SCENE, ("clearance=0.1mm,0.4mm", f"friction={SCENE.bearing('A').friction},0.3")
+    )
     assert wider.identity(2) == plan.identity(2)
-    assert replace(wider.scene_of(2), origins={}) == replace(plan.scene_of(2), origins={})
+    assert replace(wider.scene_of(2), origins={}) == replace(
+        plan.scene_of(2), origins={}
+    )
 
 
 def test_plans_are_stored_as_plain_data() -> None:
-    plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), "latin:5", ("friction=uniform(0, 0.1)",), 2, 3)
+    plan = Plan(
+        SCENE,
+        ("clearance=0.2mm,0.4mm",),
+        "latin:5",
+        ("friction=uniform(0, 0.1)",),
+        2,
+        3,
+    )
     again = Plan.from_plain(plain(plan))
     assert again == plan
-    assert [again.identity(row) for row in range(20)] == [plan.identity(row) for row in range(20)]
+    assert [again.identity(row) for row in range(20)] == [
+        plan.identity(row) for row in range(20)
+    ]
 
 
 def test_one_impossible_point_does_not_refuse_the_others() -> None:
@@ -73,7 +98,9 @@ def test_one_impossible_point_does_not_refuse_the_others() -> None:
 def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
     grid = np.array([[x, y] for x in (1.0, 2.0, 3.0) for y in (0.1, 0.2)])
     censored = np.arange(6) == 4
-    table = table_of(grid, np.array([1.0, 2.0, np.nan, 4.0, 5.0, 1 / 3]), 2, censored=censored)
+    table = table_of(
+        grid, np.array([1.0, 2.0, np.nan, 4.0, 5.0, 1 / 3]), 2, censored=censored
+    )
     rows = list(csv.DictReader(io.StringIO(table.csv().replace("# units", "units"))))
     assert rows[0]["y"] == "y N"
     assert [row["y"] for row in rows[1::2]][2] == ""
@@ -83,7 +110,9 @@ def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
         export_table(table, tmp_path / file)
     read = pandas.read_parquet(tmp_path / "a.parquet")
     assert np.array_equal(read["y"], table.values[:, 0], equal_nan=True)
-    assert np.array_equal(pandas.read_csv(tmp_path / "a.csv", comment="#")["x2"], read["x2"])
+    assert np.array_equal(
+        pandas.read_csv(tmp_path / "a.csv", comment="#")["x2"], read["x2"]
+    )
     bad = {"a.csv": "exists", "a.xls": ".csv or .parquet", "n/a.csv": "no folder"}
     for name, message in bad.items():
         with pytest.raises(InputError, match=message):
@@ -119,9 +148,19 @@ def test_python_values_equal_texts() -> None:
         "friction": "0:0.1:3",
     }
     groups = [parse_group(SCENE, text) for text in texts_of(SCENE, vary)]
-    expected = [[1e-4, 2.5e-4], [[0.1, 0.2], [0.3, 0.4]], [0.0, 1.0], [2.0, 3.0], [0.0, 0.05, 0.1]]
+    expected = [
+        [1e-4, 2.5e-4],
+        [[0.1, 0.2], [0.3, 0.4]],
+        [0.0, 1.0],
+        [2.0, 3.0],
+        [0.0, 0.05, 0.1],
+    ]
     assert [group.values.squeeze().tolist() for group in groups] == expected
-    assert [repr(groups[k].columns[0].setting(1.0)) for k in (0, 2, 3)] == ["1.0", "'exudyn'", "1"]
+    assert [repr(groups[k].columns[0].setting(1.0)) for k in (0, 2, 3)] == [
+        "1.0",
+        "'exudyn'",
+        "1",
+    ]
     wrong: list[object] = [[], 3, [None], [math.nan], [True], {"a": 1}]
     for values in wrong:
         with pytest.raises(InputError, match="friction"):
@@ -135,11 +174,21 @@ def test_python_values_equal_texts() -> None:
         ("uniform( 200um,0.1cm )", LENGTH, stats.uniform(0.2e-3, 0.8e-3)),
         ("normal(0.8mm, 0.05mm)", LENGTH, stats.norm(0.8e-3, 0.05e-3)),
         ("normal(0.5, 0.2)", PURE, stats.truncnorm(-2.5, 2.5, loc=0.5, scale=0.2)),
-        ("lognormal(1e-15/Pa, x1.6)", PRESSURE, stats.lognorm(math.log(1.6), scale=1e-15)),
-        ("lognormal(0.1, 50%)", POSITIVE, stats.lognorm(math.log(1.25) ** 0.5, scale=0.1)),
+        (
+            "lognormal(1e-15/Pa, x1.6)",
+            PRESSURE,
+            stats.lognorm(math.log(1.6), scale=1e-15),
+        ),
+        (
+            "lognormal(0.1, 50%)",
+            POSITIVE,
+            stats.lognorm(math.log(1.25) ** 0.5, scale=0.1),
+        ),
     ],
 )
-def test_quantiles(text: str, meaning: Quantity, reference: stats.rv_continuous) -> None:
+def test_quantiles(
+    text: str, meaning: Quantity, reference: stats.rv_continuous
+) -> None:
     quantiles = parse_distribution(text, "key", meaning).ppf(U)
     assert quantiles == pytest.approx(reference.ppf(U), rel=1e-9, abs=0)
     if "%" in text:
@@ -149,8 +198,13 @@ def test_quantiles(text: str, meaning: Quantity, reference: stats.rv_continuous)
 def test_values_of_a_file_have_weights(tmp_path: Path) -> None:
     file = tmp_path / "measured.csv"
     file.write_text("# bushings\n0.4mm, 1\n\n0.2mm, 3\n")
-    draws = parse_distribution(f"table({file})", "key", LENGTH).ppf((np.arange(400) + 0.5) / 400)
-    assert [np.count_nonzero(draws == value) for value in (0.2e-3, 0.4e-3)] == [300, 100]
+    draws = parse_distribution(f"table({file})", "key", LENGTH).ppf(
+        (np.arange(400) + 0.5) / 400
+    )
+    assert [np.count_nonzero(draws == value) for value in (0.2e-3, 0.4e-3)] == [
+        300,
+        100,
+    ]
     for lines, message in (
         ("0.2mm\nred\n", "line 2: key = 'red'"),
         ("0.2mm,-1\n0.3mm\n", "line 1: weight"),

@@ -13,7 +13,12 @@ import presswear as pw
 from presswear.sweeps import responses
 from presswear.sweeps.parameters import Column
 
-QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6, "wear_updates": 1}
+QUICK = {
+    "engine": "dae",
+    "integrator": "dopri5",
+    "integration_tolerance": 1e-6,
+    "wear_updates": 1,
+}
 SCENE = pw.scenes.wear_times(**QUICK, cycles=3, replicates=3)
 USUAL = responses.request(SCENE)
 
@@ -35,11 +40,15 @@ def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> N
         assert values[f"A.depth@{index}"].value == max(depth.max() for depth in depths)
         area = 2.0 * math.pi * bearing.bearing_radius * bearing.width
         volume = area * sum(float(depth.mean()) for depth in depths)
-        assert values[f"A.wear_volume@{index}"].value == pytest.approx(volume, rel=1e-12, abs=0)
+        assert values[f"A.wear_volume@{index}"].value == pytest.approx(
+            volume, rel=1e-12, abs=0
+        )
     worn = values["A.wear_volume@1"]
     rate = values["A.wear_rate@0"]
     assert worn.value > 0.0
-    assert rate.value == pytest.approx(worn.value / SCENE.cycles_per_update, rel=1e-9, abs=0)
+    assert rate.value == pytest.approx(
+        worn.value / SCENE.cycles_per_update, rel=1e-9, abs=0
+    )
     half_width = cast(float, worn.half_width) / SCENE.cycles_per_update
     assert rate.half_width == pytest.approx(half_width, rel=1e-9, abs=0)
     # As in a life, whose stages divide it into parts of another length
@@ -56,7 +65,9 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
     assert values["bdc_drift@0"] == responses.Response(0.0, 0.0)
     assert min(first, second) < 0.0
     texts = [responses.RESPONSES[name].text for name in ("bdc_error", "bdc_drift")]
-    assert all("magnitude" not in text and "negative is deeper" in text for text in texts)
+    assert all(
+        "magnitude" not in text and "negative is deeper" in text for text in texts
+    )
 
 
 def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
@@ -100,7 +111,9 @@ def test_responses_may_be_user_functions(result: pw.Result) -> None:
     values = responses.user_responses(result, requested.functions)
     assert values == {"peak": responses.Response(peak(result))}
     assert requested.extra != responses.request(SCENE, [highest]).extra
-    with pytest.raises(pw.InputError, match="response word = 'a word': must be a number"):
+    with pytest.raises(
+        pw.InputError, match="response word = 'a word': must be a number"
+    ):
         responses.user_responses(result, [cast(responses.User, word)])
 
 
@@ -113,7 +126,9 @@ def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> Non
     ]
     assert [column.unit for column in requested.columns] == ["N", "N", "m"]
     assert {column.key.rpartition(".")[2] for column in USUAL.columns} == {
-        name for name, item in responses.RESPONSES.items() if not item.optional and name != "life"
+        name
+        for name, item in responses.RESPONSES.items()
+        if not item.optional and name != "life"
     }
 
 
@@ -129,7 +144,10 @@ def test_limits_have_units() -> None:
 
 
 def test_lower_bounds_may_leave_a_violation_open() -> None:
-    values, censored = np.array([1.0, 1.0, 3.0, 3.0]), np.array([True, False, True, False])
+    values, censored = (
+        np.array([1.0, 1.0, 3.0, 3.0]),
+        np.array([True, False, True, False]),
+    )
     assert responses.Limit(2.0, True).count(values, censored) == (1, 2)
     assert responses.Limit(2.0, False).count(values, censored) == (2, 3)
 
@@ -150,4 +168,7 @@ def test_degrees_of_freedom_are_those_of_the_samples(key: str, expected: float) 
     assert responses.freedom_of(scene, key) == expected
     steps = pw.changed(scene, {"conventions": "refined"})
     assert responses.freedom_of(steps, "A.wear_volume@1") == 3.0
-    assert responses.freedom_of(pw.changed(scene, {"cycles": None}), "A.contacts@0") == math.inf
+    assert (
+        responses.freedom_of(pw.changed(scene, {"cycles": None}), "A.contacts@0")
+        == math.inf
+    )

@@ -34,17 +34,23 @@ class Counting(runner.SerialExecutor):
     def __init__(self, most: int = 100) -> None:
         self.count, self.most = 0, most
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+    def submit(
+        self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+    ) -> Future[Any]:
         if self.count == self.most:
             raise KeyboardInterrupt
         self.count += 1
         future: Future[Any] = Future()
-        future.set_result(runner.Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0))
+        future.set_result(
+            runner.Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0)
+        )
         return future
 
 
 def rows_in(folder: Path) -> dict[str, int]:
-    return {file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")}
+    return {
+        file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")
+    }
 
 
 def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
@@ -75,7 +81,9 @@ def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
 
 def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path: Path) -> None:
     class Claiming(Counting):
-        def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        def submit(
+            self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+        ) -> Future[Any]:
             (tmp_path / "rows" / "3.json").touch()
             return super().submit(fn, *args, **kwargs)
 
@@ -90,7 +98,9 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
         raise InputError("no such linkage")
 
     executor = Counting()
-    runner.run_rows(tmp_path, {"a": impossible, "b": lambda: SCENE}, REQUESTED, executor, 1)
+    runner.run_rows(
+        tmp_path, {"a": impossible, "b": lambda: SCENE}, REQUESTED, executor, 1
+    )
     assert executor.count == 1
     outcome = runner.read_row(tmp_path, "a")
     assert outcome.error == "no such linkage"
@@ -108,23 +118,57 @@ def test_another_program_is_refused() -> None:
         runner.run_row(SCENE, REQUESTED, None, "this")
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only there is a server of forks used")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="only there is a server of forks used"
+)
 def test_modules_that_workers_share_exist() -> None:
     with runner.ProcessExecutor(1):
-        # A module that is missing is passed over in silence, and every worker imports its own.
-        assert all(find_spec(name) for name in vars(forkserver._forkserver)["_preload_modules"])
+        # A module that is missing is passed over in silence, and every worker imports
+        # its own.
+        assert all(
+            find_spec(name) for name in vars(forkserver._forkserver)["_preload_modules"]
+        )
 
 
-WORDS = ["sweep", "slider-crank", "--engine", "dae", "--cycles", "3", "--set", "wear_updates=0"]
-WORDS += ["--set", "replicates=1", "--vary", "clearance=0.1mm:0.5mm:8", "--response", "bdc_error"]
+WORDS = [
+    "sweep",
+    "slider-crank",
+    "--engine",
+    "dae",
+    "--cycles",
+    "3",
+    "--set",
+    "wear_updates=0",
+]
+WORDS += [
+    "--set",
+    "replicates=1",
+    "--vary",
+    "clearance=0.1mm:0.5mm:8",
+    "--response",
+    "bdc_error",
+]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path) -> None:
+def test_a_killed_sweep_loses_only_the_running_rows(
+    number: int, tmp_path: Path
+) -> None:
     folder = tmp_path / "sweep"
-    command = [sys.executable, "-m", "presswear", *WORDS, "--out", str(folder), "--jobs", "2"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+    command = [
+        sys.executable,
+        "-m",
+        "presswear",
+        *WORDS,
+        "--out",
+        str(folder),
+        "--jobs",
+        "2",
+    ]
+    with subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
         until = time.monotonic() + 120.0
         while not any(file.stat().st_size for file in folder.glob("rows/*.json")):
             assert process.poll() is None
@@ -133,8 +177,15 @@ def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path)
         os.kill(process.pid, number)
         process.wait(30.0)
         errors = process.stderr.read().decode()
-    assert number == signal.SIGKILL or "all finished runs are stored; continue with" in errors
-    stored = {name: when for name, when in rows_in(folder).items() if runner.read_row(folder, name)}
+    assert (
+        number == signal.SIGKILL
+        or "all finished runs are stored; continue with" in errors
+    )
+    stored = {
+        name: when
+        for name, when in rows_in(folder).items()
+        if runner.read_row(folder, name)
+    }
     assert stored
     command = [*command[:5], "--resume", "--out", str(folder), "--jobs", "1"]
     assert subprocess.run(command, stdout=subprocess.DEVNULL).returncode == 0
@@ -145,7 +196,16 @@ def test_a_killed_sweep_loses_only_the_running_rows(number: int, tmp_path: Path)
 
 def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
-    command = [sys.executable, "-m", "presswear", *WORDS, "--out", str(folder), "--jobs", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "presswear",
+        *WORDS,
+        "--out",
+        str(folder),
+        "--jobs",
+        "1",
+    ]
     parts = [subprocess.Popen([*command, "--shard", f"{k}/2"]) for k in (1, 2)]
     assert [part.wait() for part in parts] == [0, 0]
     assert np.isfinite(load_sweep(folder).table.values).all()
@@ -173,7 +233,9 @@ print(again.table.errors)
 def test_functions_of_a_notebook_are_responses(tmp_path: Path) -> None:
     """They are in a main module that workers cannot import; so they run in the parent."""
     line = [sys.executable, "-c", NOTEBOOK, f"{tmp_path}"]
-    ended = subprocess.run(line, capture_output=True, text=True, timeout=600, check=False)
+    ended = subprocess.run(
+        line, capture_output=True, text=True, timeout=600, check=False
+    )
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.count("KeyError: 'no such number'") == 2
     assert not list((tmp_path / "good" / "runs").iterdir())  # keep = responses

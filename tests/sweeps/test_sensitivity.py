@@ -1,6 +1,7 @@
 """Sensitivity of functions with known indices, the coverage of its intervals, and surrogates.
 
-Of 60 intervals of 95 % fewer than 50 contain the value with a probability below 1e-3 each.
+Of 60 intervals of 95 % fewer than 50 contain the value with a probability below 1e-3
+each.
 """
 # mypy: disable-error-code="union-attr,operator,index"
 
@@ -11,11 +12,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_sweep import ISHIGAMI_FIRST, ISHIGAMI_TOTAL, ISHIGAMI_VARIANCE, ishigami, table_of
+from made_up_sweep import (
+    ISHIGAMI_FIRST,
+    ISHIGAMI_TOTAL,
+    ISHIGAMI_VARIANCE,
+    ishigami,
+    table_of,
+)
 from numpy.typing import NDArray
 from scipy import stats
 
-from presswear.sweeps.parameters import MORRIS_JUMP, Distribution, design, parse_distribution
+from presswear.sweeps.parameters import (
+    MORRIS_JUMP,
+    Distribution,
+    design,
+    parse_distribution,
+)
 from presswear.sweeps.plan import Table
 from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import (
@@ -42,7 +54,9 @@ def result_of(table: Table, kind: str) -> Any:
     return sensitivity(points_of(table, "y"), kind)
 
 
-def ishigami_of(kind: str, size: int, seed: int, replicates: int = 1, noise: float = 0.0) -> Table:
+def ishigami_of(
+    kind: str, size: int, seed: int, replicates: int = 1, noise: float = 0.0
+) -> Table:
     points = design(kind, size, 3, seed)
     return table_of(points, ishigami(points), replicates, noise, seed + 1000)
 
@@ -54,7 +68,11 @@ def test_indices_of_known_functions() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "seeds", "least"),
-    [("saltelli", SEEDS, MIN_COVERAGE), ("sobol", range(1, 21), 0.7), ("latin", range(1, 21), 0.7)],
+    [
+        ("saltelli", SEEDS, MIN_COVERAGE),
+        ("sobol", range(1, 21), 0.7),
+        ("latin", range(1, 21), 0.7),
+    ],
 )
 def test_intervals_contain_the_indices_in_spite_of_chaos(
     kind: str, seeds: range, least: float
@@ -89,7 +107,9 @@ def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
     points = design("saltelli", 16, 3, seed=5)
     table = table_of(points, ishigami(points))
     table.values[7] = np.nan
-    rest = table_of(np.delete(points, range(5, 10), 0), np.delete(ishigami(points), range(5, 10)))
+    rest = table_of(
+        np.delete(points, range(5, 10), 0), np.delete(ishigami(points), range(5, 10))
+    )
     omitted = result_of(table, "saltelli").values
     assert omitted == pytest.approx(result_of(rest, "saltelli").values)
     for few, kind in (
@@ -101,7 +121,9 @@ def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
 
 
 @pytest.mark.parametrize(("share", "is_given"), [(0.89, True), (0.91, False)])
-def test_indices_are_given_unless_nearly_all_is_chaos(share: float, is_given: bool) -> None:
+def test_indices_are_given_unless_nearly_all_is_chaos(
+    share: float, is_given: bool
+) -> None:
     points = design("saltelli", 16, 3, seed=5)
     variance = ishigami(points).reshape(-1, 5)[:, [0, -1]].var()
     half_width = stats.norm.ppf(0.975) * math.sqrt(share * variance)
@@ -134,7 +156,9 @@ def test_one_at_a_time_gives_changes_with_intervals() -> None:
 
 
 @pytest.mark.parametrize(("count", "replicates", "noise"), [(16, 2, 0.5), (32, 4, 2.0)])
-def test_intervals_of_the_chaotic_share_hold_it(count: int, replicates: int, noise: float) -> None:
+def test_intervals_of_the_chaotic_share_hold_it(
+    count: int, replicates: int, noise: float
+) -> None:
     hits = 0
     for seed in SEEDS:
         points = np.random.default_rng(seed).standard_normal((count, 1))
@@ -149,9 +173,14 @@ def test_quantiles_of_rows_are_order_statistics() -> None:
     life, hits = stats.lognorm(0.5, scale=100.0), np.zeros(99)
     for seed in range(200):
         values = life.rvs(100, random_state=seed)
-        spread = spread_of_rows(table_of(values[:, None], values), "y", Limit(50.0, True))
+        spread = spread_of_rows(
+            table_of(values[:, None], values), "y", Limit(50.0, True)
+        )
         truth = life.ppf(PROBABILITIES)
-        low, high = np.nan_to_num(spread.low, nan=0.0), np.nan_to_num(spread.high, nan=np.inf)
+        low, high = (
+            np.nan_to_num(spread.low, nan=0.0),
+            np.nan_to_num(spread.high, nan=np.inf),
+        )
         hits += (low <= truth) & (truth <= high)
         assert spread.violation[0] == np.mean(values < 50.0)
     assert hits.min() / 200 >= 0.9
@@ -168,7 +197,9 @@ def test_censored_values_leave_quantiles_open() -> None:
 
 
 OTHERS = np.random.default_rng(5).random((500, 3))
-NORMAL = parse_distribution("normal(0, 1)", "x", Quantity("", -math.inf, math.inf, "", ""))
+NORMAL = parse_distribution(
+    "normal(0, 1)", "x", Quantity("", -math.inf, math.inf, "", "")
+)
 # A life of 100 exp(0.5 x + 0.3 y + 0.25 e), all normal, is lognormal.
 LIFE = stats.lognorm(math.hypot(0.5, 0.3, 0.25), scale=100.0)
 
@@ -177,7 +208,9 @@ def curved(points: Array) -> Array:
     return np.asarray(10.0 * np.exp(2.0 * points[:, 0] + np.sin(3.0 * points[:, 1])))
 
 
-def sampled(size: int, noise: float = 0.0, censored: NDArray[np.bool_] | None = None) -> Points:
+def sampled(
+    size: int, noise: float = 0.0, censored: NDArray[np.bool_] | None = None
+) -> Points:
     points = design("sobol", size, 3, seed=1)
     table = table_of(points, curved(points), noise=noise, censored=censored)
     return points_of(table, "y")
@@ -210,9 +243,15 @@ def test_a_distribution_has_the_quantiles_of_single_runs(replicates: int) -> Non
     ("points", "message"),
     [
         (sampled(8), "8 points have a value; it needs 15 to 1000"),
-        (sampled(64, censored=np.arange(64) == 3), "some of its values are lower bounds"),
+        (
+            sampled(64, censored=np.arange(64) == 3),
+            "some of its values are lower bounds",
+        ),
         (sampled(64, noise=1e4), "in cross-validation it explains"),
-        (points_of(table_of(OTHERS, np.ones(500)), "y"), "the same value at all points"),
+        (
+            points_of(table_of(OTHERS, np.ones(500)), "y"),
+            "the same value at all points",
+        ),
     ],
 )
 def test_unsuitable_points_are_refused(points: Points, message: str) -> None:
@@ -225,11 +264,15 @@ def test_a_distribution_beyond_the_points_is_reported() -> None:
     unit = Distribution("uniform", stats.uniform(0.0, 1.0))
     wide = Distribution("uniform", stats.uniform(-1.0, 3.0))
     assert surrogate.outside([unit, unit, unit]) == ""
-    assert "of the values of x2 lie outside the points" in surrogate.outside([unit, wide, unit])
+    assert "of the values of x2 lie outside the points" in surrogate.outside(
+        [unit, wide, unit]
+    )
 
 
 @pytest.mark.parametrize("package", ["sklearn", "SALib"])
-def test_a_missing_package_is_named(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_named(
+    package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for name in [name for name in sys.modules if name.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
@@ -238,4 +281,8 @@ def test_a_missing_package_is_named(package: str, monkeypatch: pytest.MonkeyPatc
         InputError,
         match=rf"needs {distribution}: pip install {distribution}, or pip install '\.\[sweep\]' in",
     ):
-        (fit(sampled(64)) if package == "sklearn" else sensitivity(sampled(64), "sobol"))
+        (
+            fit(sampled(64))
+            if package == "sklearn"
+            else sensitivity(sampled(64), "sobol")
+        )

@@ -43,15 +43,25 @@ def run_at(settings: dict[str, float]) -> pw.Result:
 
 def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
     vary = {"clearance": [4e-4, 6e-4], "A.friction": "0.02,0.05"}
-    sweep = pw.sweep(SCENE, vary, tmp_path / "sweep", [peak, "bdc_error"], replicates=2, jobs=1)
+    sweep = pw.sweep(
+        SCENE, vary, tmp_path / "sweep", [peak, "bdc_error"], replicates=2, jobs=1
+    )
     table = sweep.table
     keys = [column.key for column in (*table.parameters, *table.responses)]
     assert keys == ["clearance", "A.friction", "peak", "bdc_error"]
-    assert table.points[::2].tolist() == [[4e-4, 0.02], [4e-4, 0.05], [6e-4, 0.02], [6e-4, 0.05]]
+    assert table.points[::2].tolist() == [
+        [4e-4, 0.02],
+        [4e-4, 0.05],
+        [6e-4, 0.02],
+        [6e-4, 0.05],
+    ]
     assert set(table.errors) == {""}
     alone = run_at({"clearance": 6e-4, "A.friction": 0.02, "seed": 1})
     bottom = alone.stages[0].each_cycle("bottom_height")[0] - SCENE.bottom
-    assert table.values[5].tolist() == [peak(alone), pytest.approx(bottom, rel=1e-9, abs=0)]
+    assert table.values[5].tolist() == [
+        peak(alone),
+        pytest.approx(bottom, rel=1e-9, abs=0),
+    ]
     assert np.isnan(table.half_widths).all()  # one cycle has no interval
     assert table.freedom == (1.0, 1.0)
     assert table.values[4, 0] != table.values[5, 0]
@@ -65,17 +75,24 @@ def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
 def test_other_responses_of_stored_rows_need_no_run(tmp_path: Path) -> None:
     few = {"clearance": [4e-4]}
     first = pw.sweep(SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1)
-    rows = {file: file.stat().st_mtime_ns for file in (tmp_path / "sweep" / "rows").iterdir()}
+    rows = {
+        file: file.stat().st_mtime_ns
+        for file in (tmp_path / "sweep" / "rows").iterdir()
+    }
     second = pw.sweep(SCENE, few, tmp_path / "sweep", ["C.force_max"], jobs=1)
     assert rows == {file: file.stat().st_mtime_ns for file in rows}
     assert math.isfinite(second.table.values[0, 0])
-    results = pw.sweep(SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1, keep="results")
+    results = pw.sweep(
+        SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1, keep="results"
+    )
     assert results.table.values.tolist() == first.table.values.tolist()
     assert results.result(0).scene.bearing("A").clearance == 4e-4
 
 
 @pytest.mark.parametrize("on", ["", "dask", "concurrent.futures:ProcessPoolExecutor"])
-def test_executors_agree(on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_executors_agree(
+    on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     vary = {"clearance": [4e-4, 6e-4], "cycles": [4]}
     alone = pw.sweep(SCENE, vary, tmp_path / "1", jobs=1).table
     table = pw.sweep(SCENE, vary, tmp_path / "2", on=on, jobs=2).table
@@ -116,10 +133,14 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     assert (folder / "figures" / "lines-A-force_max.png").exists()
     refused = command(f"report {folder} --limit 'B.force_max<=1MN'", 2)
     assert "did you mean A.force_max" in refused
-    assert "--limit needs a" in command(f"report {tmp_path} --limit 'A.force_max<=1MN'", 2)
+    assert "--limit needs a" in command(
+        f"report {tmp_path} --limit 'A.force_max<=1MN'", 2
+    )
     command(f"export {folder} {csv}")
     assert csv.read_text() == table.csv()
-    assert "--strokes and --life cannot be used" in command(f"export {folder} {csv} --life", 2)
+    assert "--strokes and --life cannot be used" in command(
+        f"export {folder} {csv} --life", 2
+    )
     (folder / "sweep.json").write_text(json.dumps({"schema": 2, "plan": {}}))
     assert "sweep.json" in command(f"report {folder}", 2)
 
@@ -135,7 +156,9 @@ def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None
     table = type(table)(SAMPLED.columns, *list(vars(table).values())[1:])
     table.values[5] = np.nan
     table = replace(table, errors=("", "", "", "", "", "ended early", *[""] * 250))
-    page = write_report(table, SAMPLED, tmp_path, {"y": Limit(800.0, False)}).read_text()
+    page = write_report(
+        table, SAMPLED, tmp_path, {"y": Limit(800.0, False)}
+    ).read_text()
     page = re.sub(r"data:image/png;base64,[^\"]*", "", page)
     text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", page)))
     assert "256 runs at 128 points" in text
@@ -143,7 +166,8 @@ def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None
         assert f"At engine = {engine}: y depends most on clearance" in text
         assert text.count("Scatter of chaotic motion is") == 2
         assert f"At engine = {engine}: The probability that the upper limit 800" in text
-    # Two sentences, a key number, and the headings of two tables say it, and that of all runs.
+    # Two sentences, a key number, and the headings of two tables say it, and that of
+    # all runs.
     assert text.count("1 of 128 runs failed") == 5
     assert text.count("1 of 256 runs failed") == 1
     assert (tmp_path / "figures" / "1" / "map-y.png").exists()
@@ -173,7 +197,9 @@ def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> N
     assert options.vary == ("clearance=0.1mm,0.2mm",)
 
 
-def test_a_new_file_is_swept_at_once(tmp_path: Path, command: Callable[..., str]) -> None:
+def test_a_new_file_is_swept_at_once(
+    tmp_path: Path, command: Callable[..., str]
+) -> None:
     """Without the wear update of the file; other numbers of wear updates need strokes."""
     file, folder = tmp_path / "my.toml", tmp_path / "sweep"
     file.write_text(example_file("slider-crank"))
@@ -182,7 +208,9 @@ def test_a_new_file_is_swept_at_once(tmp_path: Path, command: Callable[..., str]
     assert "no wear updates: set cycles_per_update" in shown
     assert "failed" not in shown
     assert "no wear updates" in load_sweep(folder).report().read_text()
-    assert "cycles_per_update = none" in command(f"sweep {file} {options} --wear-updates 2", code=2)
+    assert "cycles_per_update = none" in command(
+        f"sweep {file} {options} --wear-updates 2", code=2
+    )
 
 
 def test_without_dask_one_line_names_the_package(
@@ -191,7 +219,10 @@ def test_without_dask_one_line_names_the_package(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "distributed", None)
     shown = command("sweep wear-times --vary clearance=1mm --on dask", 2)
-    assert "pip install distributed, or pip install '.[sweep]' in the folder of the" in shown
+    assert (
+        "pip install distributed, or pip install '.[sweep]' in the folder of the"
+        in shown
+    )
     assert not list(tmp_path.iterdir())
 
 
@@ -216,7 +247,9 @@ def test_parameter_variation_of_exudyn_accepts_a_function() -> None:
     vary = {"clearance": (4e-4, 6e-4, 2), "friction": [0.02, 0.05]}
     varied, values = ParameterVariation(function, vary, **options)
     points = zip(varied["clearance"], varied["friction"], strict=True)
-    assert values == [function({"clearance": c, "friction": f, **shared}) for c, f in points]
+    assert values == [
+        function({"clearance": c, "friction": f, **shared}) for c, f in points
+    ]
 
 
 # Options of ``presswear sweep wear-times``, and words of the message.
@@ -277,7 +310,10 @@ BAD_INPUT = r"""
 
 @pytest.mark.parametrize("case", ["| nothing varies", *BAD_INPUT.strip().splitlines()])
 def test_bad_input_is_one_line_and_writes_nothing(
-    case: str, tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+    case: str,
+    tmp_path: Path,
+    command: Callable[..., str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words, _, message = case.rpartition("| ")
@@ -285,7 +321,9 @@ def test_bad_input_is_one_line_and_writes_nothing(
     assert not list(tmp_path.iterdir())
 
 
-SWEEP_FILE = '[sweep]\nscene = "wear-times"\nvary = ["clearance=0.4mm"]\nreplicates = 2\n'
+SWEEP_FILE = (
+    '[sweep]\nscene = "wear-times"\nvary = ["clearance=0.4mm"]\nreplicates = 2\n'
+)
 
 
 @pytest.mark.parametrize(

@@ -146,8 +146,12 @@ def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path: Path) -> No
     """Of all its callers; the program goes on."""
     script = tmp_path / "wrong.py"
     script.write_text(WRONG)
-    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
-    line = "RuntimeError __main__.rare cannot be compiled; the reason is in the log 0.0\n"
+    ended = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, check=True
+    )
+    line = (
+        "RuntimeError __main__.rare cannot be compiled; the reason is in the log 0.0\n"
+    )
     assert ended.stdout == line * 2
     assert "return x.no_attribute" in ended.stderr
     assert "Unknown attribute 'no_attribute'" in ended.stderr
@@ -187,7 +191,9 @@ def stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "presswear" / "kernels"
 
 
-@pytest.mark.parametrize("damage", ["empty", "cut", "garbage", "bit of code", "bit of digest"])
+@pytest.mark.parametrize(
+    "damage", ["empty", "cut", "garbage", "bit of code", "bit of digest"]
+)
 def test_damaged_code_is_compiled_again(stored: Path, damage: str) -> None:
     (file,) = stored.iterdir()
     content = bytearray(file.read_bytes())
@@ -242,7 +248,11 @@ def _replace(place: str, folder: Path, file: Path) -> None:
 
 
 PLACES = (
-    *("folder that a group can write", "folder that all can write", "folder of another user"),
+    *(
+        "folder that a group can write",
+        "folder that all can write",
+        "folder of another user",
+    ),
     *("file that a group can write", "file that all can write", "file of another user"),
     *("link to a folder", "link to a file", "pipe"),
 )
@@ -274,14 +284,19 @@ def test_cache_belongs_to_the_user_alone(
     assert _compiles()
     assert not _compiles()
     (file,) = (tmp_path / "presswear" / "kernels").iterdir()
-    assert [stat.S_IMODE(one.stat().st_mode) for one in (file.parent, file)] == [0o700, 0o644]
+    assert [stat.S_IMODE(one.stat().st_mode) for one in (file.parent, file)] == [
+        0o700,
+        0o644,
+    ]
 
 
 def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
     kernels = ramp_friction, threlfall_friction
     arguments = 5e-4, 100.0, 0.1, 1e-4, 1e-3
     forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
-    ramp, threlfall = sorted(stored.iterdir(), key=lambda file: file.stat().st_mtime_ns)[-2:]
+    ramp, threlfall = sorted(
+        stored.iterdir(), key=lambda file: file.stat().st_mtime_ns
+    )[-2:]
     shutil.copy(threlfall, ramp)
     again = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
     assert again == forces
@@ -303,7 +318,10 @@ def test_error_while_an_entry_is_read_means_compile(
 
 @pytest.mark.parametrize("part", ["CompileResult._reduce", "CompileResult._rebuild"])
 def test_kernels_are_compiled_without_private_parts_of_numba(
-    stored: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, part: str
+    stored: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    part: str,
 ) -> None:
     monkeypatch.delattr(f"numba.core.compiler.{part}")
     for file in stored.iterdir():
@@ -314,7 +332,9 @@ def test_kernels_are_compiled_without_private_parts_of_numba(
     assert count == (part == "CompileResult._reduce")
 
 
-def test_oldest_files_are_removed(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_oldest_files_are_removed(
+    stored: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("presswear.tools.kernel_cache._MAX_FILES", 2)
     left = stored / "left by a process that was killed"
     left.touch()
@@ -326,7 +346,9 @@ def test_oldest_files_are_removed(stored: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize("is_killed", [False, True])
-def test_code_that_another_process_compiles_is_awaited(stored: Path, is_killed: bool) -> None:
+def test_code_that_another_process_compiles_is_awaited(
+    stored: Path, is_killed: bool
+) -> None:
     (file,) = stored.iterdir()
     code = file.read_bytes()
     file.unlink()
@@ -377,7 +399,9 @@ def test_process_that_stands_still_while_it_compiles_is_not_awaited(
     assert not _compiles()
 
 
-def test_compiling_shows_signs_of_life(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiling_shows_signs_of_life(
+    stored: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each function that a kernel calls touches its lock."""
     touched: list[object] = []
     monkeypatch.setattr("os.utime", lambda *of: touched.append(of))
@@ -396,14 +420,18 @@ def test_kernels_run_where_nothing_can_be_stored(
     assert _compiles()
 
 
-def test_named_tuples_may_have_equal_names(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_named_tuples_may_have_equal_names(
+    stored: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     named: Any = namedtuple
     copy = cast(Kernel, copy_to).py_func
     first, second, third = (named("Pair", "x y", module=__name__) for _ in range(3))
     module: Any = sys.modules[__name__]
     for pair in (first, second, third):
         with monkeypatch.context() as patch:
-            if pair is not second:  # it is stored by value, the others by the name in this module
+            if (
+                pair is not second
+            ):  # it is stored by value, the others by the name in this module
                 patch.setattr(module, "Pair", pair, raising=False)
             call: Any = specialised(Kernel(copy), ONES, pair(3.0, 4.0))
             call(target := np.zeros(2), pair(3.0, 4.0))
@@ -427,7 +455,9 @@ def test_code_that_is_called_by_address_is_stored_apart(stored: Path) -> None:
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     """Return a copy of the package in another environment."""
-    return shutil.copytree(Path(presswear.__file__).parent, tmp_path / "site" / "presswear")
+    return shutil.copytree(
+        Path(presswear.__file__).parent, tmp_path / "site" / "presswear"
+    )
 
 
 PROGRAM = """
@@ -440,19 +470,26 @@ with compile.on_compiling(lambda: print("compiles", end=" ")):
 
 def _printed(package: Path, **variables: str) -> str:
     """Return what a program prints that calls a kernel of a package."""
-    run = partial(subprocess.run, capture_output=True, text=True, check=True, cwd=package.parent)
-    # Python keeps bytecode by size and second of a file, and the tests write one twice in a second.
+    run = partial(
+        subprocess.run, capture_output=True, text=True, check=True, cwd=package.parent
+    )
+    # Python keeps bytecode by size and second of a file, and the tests write one twice
+    # in a second.
     variables |= {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1"}
     environment = {**os.environ, **variables}
     printed: str = run([sys.executable, "-c", PROGRAM], env=environment).stdout
     return printed.replace(str(package), "").strip()
 
 
-def test_environments_with_equal_kernels_share_them(stored: Path, package: Path) -> None:
+def test_environments_with_equal_kernels_share_them(
+    stored: Path, package: Path
+) -> None:
     assert _printed(package) == "True /tools/compile.py"
     file = package / "tools" / "compile.py"
     source = file.read_text()
-    file.write_text(source.replace("Return whether two arrays", "Check that two arrays") + "# end")
+    file.write_text(
+        source.replace("Return whether two arrays", "Check that two arrays") + "# end"
+    )
     assert _printed(package) == "True /tools/compile.py"
     file.write_text(source.replace("return total == 0.0", "return total == 1.0"))
     assert _printed(package) == "compiles compiles False /tools/compile.py"
@@ -464,7 +501,10 @@ def test_environments_with_equal_kernels_share_them(stored: Path, package: Path)
 @pytest.mark.skipif(not get_host_cpu_features().get("avx2"), reason="needs AVX2")
 def test_kernels_of_a_wheel_are_used(stored: Path, package: Path) -> None:
     shutil.rmtree(stored)
-    target = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}  # as in .ci/wheel
+    target = {
+        "NUMBA_CPU_NAME": "x86-64-v3",
+        "NUMBA_CPU_FEATURES": "",
+    }  # as in .ci/wheel
     assert _printed(package, **target) == "compiles compiles True /tools/compile.py"
     stored.rename(package / "kernels")
     assert _printed(package) == "True /tools/compile.py"
@@ -478,7 +518,10 @@ def test_kernels_of_a_wheel_are_as_safe_as_its_source(
 ) -> None:
     """Site-packages of a group: who can write kernels there can write the program, too."""
     shutil.rmtree(stored)
-    target = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}  # as in .ci/wheel
+    target = {
+        "NUMBA_CPU_NAME": "x86-64-v3",
+        "NUMBA_CPU_FEATURES": "",
+    }  # as in .ci/wheel
     _printed(package, **target)
     stored.rename(package / "kernels")
     for item in (package / "kernels", *(package / "kernels").iterdir()):
@@ -487,7 +530,9 @@ def test_kernels_of_a_wheel_are_as_safe_as_its_source(
     assert _printed(package).startswith("compiles") == (mode == 0o755)
 
 
-def test_bounds_of_arrays_are_checked_with_a_warm_cache(stored: Path, package: Path) -> None:
+def test_bounds_of_arrays_are_checked_with_a_warm_cache(
+    stored: Path, package: Path
+) -> None:
     assert _printed(package) == "True /tools/compile.py"
     assert _printed(package, NUMBA_BOUNDSCHECK="1").startswith("compiles")
     assert _printed(package, NUMBA_OPT="1").startswith("compiles")
@@ -526,7 +571,9 @@ def test_index_errors_in_kernels_are_found_on_request() -> None:
     for value, found in (("0", ""), ("1", "index is out of bounds\n" * 2)):
         environment = {**os.environ, "NUMBA_BOUNDSCHECK": value}
         command = [sys.executable, "-c", BEYOND]
-        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        ran = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        )
         assert ran.stdout == found
 
 
@@ -558,7 +605,9 @@ def test_first_start_compiles_few_kernels_and_second_none(
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
     for fewest, limit in ((20, most), (-1, 0)):
         command = [sys.executable, "-c", COUNTED % engine]
-        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        ran = subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        )
         kernels, unused = map(int, ran.stdout.split())
         assert fewest < kernels <= limit
         assert unused == 0
@@ -639,7 +688,11 @@ def _gather(packed: PackedArguments, x: float) -> float:
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     random = np.random.default_rng(count)
-    pairs, single, rows = np.zeros(count, PAIR), random.random(count), random.random((count, 2))
+    pairs, single, rows = (
+        np.zeros(count, PAIR),
+        random.random(count),
+        random.random((count, 2)),
+    )
     pairs["calls"], pairs["factor"] = random.random(count) < 0.5, random.random(count)
     out = np.zeros(1)
     call = bind(_gather, (pairs, rows, None, single), out)
@@ -648,7 +701,9 @@ def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     single += 1.0
     del single, rows, pairs
     gc.collect()
-    others = [np.full(2, 1e9) for _ in range(1000)]  # would take the place of what is freed
+    others = [
+        np.full(2, 1e9) for _ in range(1000)
+    ]  # would take the place of what is freed
     assert call(0.0) == out[0] == pytest.approx(expected + count, abs=1e-12)
     assert len(others) == 1000
 

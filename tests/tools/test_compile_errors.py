@@ -74,9 +74,17 @@ MISTAKES: list[tuple[Callable[..., Any], Any, str]] = [
     (unknown_field, np.zeros(1, PAIR), "no field 'facto'"),
     (unknown_function, 1.0, "module 'math' has no attribute 'sqr'"),
     (too_few_arguments, 1.0, "missing a required argument: 'y'"),
-    (wrong_type, 1.0, "add is not defined for the types (UniTuple(float64 x 2), float64)"),
+    (
+        wrong_type,
+        1.0,
+        "add is not defined for the types (UniTuple(float64 x 2), float64)",
+    ),
     (two_results, 1.0, "return type"),
-    (too_many_indices, np.zeros(3), "getitem is not defined for the types (array(float64, 1d"),
+    (
+        too_many_indices,
+        np.zeros(3),
+        "getitem is not defined for the types (array(float64, 1d",
+    ),
     (allocates, 1.0, "kernels cannot allocate memory"),
     (opens_a_file, 1.0, "construct is not supported"),
 ]
@@ -90,7 +98,9 @@ def place_of(mistake: Callable[..., Any]) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(("mistake", "argument", "reason"), MISTAKES)
-@pytest.mark.parametrize("way", ["called", "specialised", "in a callee", "in an inlined callee"])
+@pytest.mark.parametrize(
+    "way", ["called", "specialised", "in a callee", "in an inlined callee"]
+)
 def test_a_mistake_is_shown_with_its_line(
     mistake: Callable[..., Any], argument: Any, reason: str, way: str
 ) -> None:

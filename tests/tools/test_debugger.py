@@ -11,7 +11,9 @@ ROOT = Path(__file__).parents[2]
 
 def test_equations_of_a_four_bar_are_stepped_through(tmp_path: Path) -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text()
-    recipe = text[text.index("**Stepping through the equations") : text.index("## Documentation")]
+    recipe = text[
+        text.index("**Stepping through the equations") : text.index("## Documentation")
+    ]
     (script,) = re.findall(r"```python\n(.*?)```", recipe, re.DOTALL)
     commands = re.findall(r"\(Pdb\) ([^#\n]*)", recipe)
     (tmp_path / "step.py").write_text(script)
@@ -32,7 +34,13 @@ def test_equations_of_a_four_bar_are_stepped_through(tmp_path: Path) -> None:
         text=True,
     ).stdout
     # The debugger shows the lines that the command prints, and enters the kernel.
-    (line,) = [k for k, row in enumerate(shown.stdout.splitlines(), 1) if "cos_sin(coupler" in row]
-    assert re.search(rf"<equations \w+>\({line}\)equations\(\)\n-> coupler_cos, ", stepped)
+    (line,) = [
+        k
+        for k, row in enumerate(shown.stdout.splitlines(), 1)
+        if "cos_sin(coupler" in row
+    ]
+    assert re.search(
+        rf"<equations \w+>\({line}\)equations\(\)\n-> coupler_cos, ", stepped
+    )
     assert "rotation.py" in stepped
     assert re.search(r"\(Pdb\) (np\.float64\()?0\.\d+", stepped)

@@ -26,7 +26,11 @@ print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, ends]))
 def ran(module: str) -> tuple[bool, list[list[float]]]:
     environment = {**os.environ, "EXUDYN_MODULE": module}
     text = subprocess.run(
-        [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", RUN],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout
     is_fast, ends = json.loads(text)  # nothing else is printed
     return is_fast, ends

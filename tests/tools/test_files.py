@@ -17,7 +17,9 @@ from presswear.tools.errors import InputError
 from presswear.tools.serialize import read_json, write_json
 
 
-def test_a_file_is_written_whole_or_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_is_written_whole_or_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     target = tmp_path / "file"
     files.write_bytes(target, b"old")
 
@@ -39,8 +41,13 @@ def test_a_file_is_written_whole_or_stays(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
-    records, file = np.zeros(2, [("x", np.float64), ("n", np.int64)]), tmp_path / "a.npz"
-    checksum = write_arrays(file, named("joint", {"depth": np.arange(3.0)}) | {"records": records})
+    records, file = (
+        np.zeros(2, [("x", np.float64), ("n", np.int64)]),
+        tmp_path / "a.npz",
+    )
+    checksum = write_arrays(
+        file, named("joint", {"depth": np.arange(3.0)}) | {"records": records}
+    )
     result = read_arrays(file, checksum)
     assert part(result, "joint")["depth"].tolist() == [0.0, 1.0, 2.0]
     assert result["records"].dtype == records.dtype
@@ -60,7 +67,10 @@ def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
 
 def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
     file = tmp_path / "d.json"
-    write_json(file, {"schema": 3, "x": np.float64(0.1), "y": float("nan"), "z": (np.int64(1),)})
+    write_json(
+        file,
+        {"schema": 3, "x": np.float64(0.1), "y": float("nan"), "z": (np.int64(1),)},
+    )
     assert read_json(file, "none", 3) == {"schema": 3, "x": 0.1, "y": None, "z": [1]}
     with pytest.raises(InputError, match="schema 3; this version reads 4"):
         read_json(file, "none", 4)
@@ -79,10 +89,15 @@ def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
     for file in ("file", "full/file", f"full/{files.LOCK}", f"empty/{files.LOCK}"):
         (tmp_path / file).write_text("somebody's")
     before = sorted(tmp_path.rglob("*"))
-    assert all(files.is_free(tmp_path / name) for name in ("empty", "new", "a/b/c", "ü µ"))
+    assert all(
+        files.is_free(tmp_path / name) for name in ("empty", "new", "a/b/c", "ü µ")
+    )
     for name in ("full", "file"):
         assert not files.is_free(tmp_path / name)
-        with pytest.raises(InputError, match="not empty"), files.only_writer(tmp_path / name):
+        with (
+            pytest.raises(InputError, match="not empty"),
+            files.only_writer(tmp_path / name),
+        ):
             pass
     assert sorted(tmp_path.rglob("*")) == before
 
@@ -98,7 +113,9 @@ def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
         ("/proc/none/x", "no file can be written there"),
     ],
 )
-def test_what_cannot_be_a_folder_is_refused(tmp_path: Path, name: str, says: str) -> None:
+def test_what_cannot_be_a_folder_is_refused(
+    tmp_path: Path, name: str, says: str
+) -> None:
     (tmp_path / "file").write_text("somebody's")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
     before = sorted(tmp_path.rglob("*"))
@@ -122,7 +139,9 @@ def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) ->
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "taken\n"
-        with pytest.raises(InputError, match=f"process {process.pid} on .* is writing to it"):
+        with pytest.raises(
+            InputError, match=f"process {process.pid} on .* is writing to it"
+        ):
             files.FolderLock(tmp_path)
         assert f"process {process.pid} on " in (files.holder(tmp_path) or "")
         process.kill()
@@ -148,13 +167,17 @@ def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
     }
 
 
-def test_missing_locks_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_locks_are_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def none(descriptor: int, operation: int) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
     monkeypatch.setattr(fcntl, "flock", none)
     lock = files.FolderLock(tmp_path)
-    assert "without locks (No locks available): start no second run in it" in lock.warning
+    assert (
+        "without locks (No locks available): start no second run in it" in lock.warning
+    )
     assert lock.is_held()
     assert files.holder(tmp_path) is None
     lock.release()

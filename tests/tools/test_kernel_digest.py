@@ -94,7 +94,8 @@ def test_names_of_fields_belong_to_the_type_of_an_argument() -> None:
     """The names of numba do not contain them."""
     named: Any = namedtuple
     kinds = [
-        numba.typeof((np.zeros(2), named("Pair", names)(1.0, 2.0))) for names in ("x y", "y x")
+        numba.typeof((np.zeros(2), named("Pair", names)(1.0, 2.0)))
+        for names in ("x y", "y x")
     ]
     assert repr(kinds[0]) == repr(kinds[1])
     assert list(fields_of(kinds[0])) != list(fields_of(kinds[1]))

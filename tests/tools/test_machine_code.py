@@ -52,7 +52,9 @@ def _machine_code(kernel: Any) -> str:
 
 @pytest.mark.parametrize("kind", CALLERS)
 @pytest.mark.parametrize("earlier", CALLERS)
-def test_earlier_callers_do_not_change_the_machine_code(earlier: str, kind: str) -> None:
+def test_earlier_callers_do_not_change_the_machine_code(
+    earlier: str, kind: str
+) -> None:
     expected = _machine_code(_caller(CALLERS[kind], _leaf()))
     leaf = _leaf()
     _machine_code(_caller(CALLERS[earlier], leaf))

@@ -4,7 +4,14 @@ from collections.abc import Callable
 
 import pytest
 
-from presswear.tools.numbers import large, lasting, readable, short_number, whole, with_interval
+from presswear.tools.numbers import (
+    large,
+    lasting,
+    readable,
+    short_number,
+    whole,
+    with_interval,
+)
 
 
 @pytest.mark.parametrize(
@@ -17,15 +24,31 @@ from presswear.tools.numbers import large, lasting, readable, short_number, whol
         ),
         (
             readable,
-            {0.0: "0", 1369.2: "1\u202f370", -0.9448: "−0.945", 999.9: "1\u202f000", None: "–"}
+            {
+                0.0: "0",
+                1369.2: "1\u202f370",
+                -0.9448: "−0.945",
+                999.9: "1\u202f000",
+                None: "–",
+            }
             | {2.5e-9: "2.50·10⁻⁹", 12.34e6: "12.3·10⁶", float("nan"): "–"},
         ),
-        (large, {4.5e6: "4.5 million", 999999.0: "1 million", 1.234e9: "1.23 billion", 0.0: "0"}),
+        (
+            large,
+            {
+                4.5e6: "4.5 million",
+                999999.0: "1 million",
+                1.234e9: "1.23 billion",
+                0.0: "0",
+            },
+        ),
         (whole, {258195: "258\u202f195", None: "–"}),
         (short_number, {2e11: "2·10¹¹", 0.0243: "0.0243"}),
     ],
 )
-def test_numbers(function: Callable[[float | None], str], texts: dict[float | None, str]) -> None:
+def test_numbers(
+    function: Callable[[float | None], str], texts: dict[float | None, str]
+) -> None:
     assert {value: function(value) for value in texts} == texts
 
 

@@ -21,7 +21,11 @@ def _read(text: str, unit: str) -> float:
 @pytest.mark.parametrize(
     ("unit", "value", "texts"),
     [
-        ("m", 0.8e-3, ["0.8mm", "0.8 mm", "  .8mm ", "+8.e-4 m", "800um", "800 µm", "800 μm"]),
+        (
+            "m",
+            0.8e-3,
+            ["0.8mm", "0.8 mm", "  .8mm ", "+8.e-4 m", "800um", "800 µm", "800 μm"],
+        ),
         ("m", 0.02, ["2cm"]),
         ("m", -3.0, ["-3m"]),
         ("m", 1e3, ["1E3 m"]),
@@ -34,11 +38,19 @@ def _read(text: str, unit: str) -> float:
         ("Pa", 200e9, ["200GPa", "2e5 N/mm^2", "2e5 N/mm²"]),
         ("Pa", 3e5, ["0.3 MPa", "3e5Pa", "3 bar"]),
         # Per pressure, m^2/N: volume that a pin loses for each force and distance.
-        ("1/Pa", 1.2e-15, ["1.2e-15/Pa", "1.2e-15 1/Pa", "1.2e-9 mm^2/N", "1.2e-9 mm2/N"]),
+        (
+            "1/Pa",
+            1.2e-15,
+            ["1.2e-15/Pa", "1.2e-15 1/Pa", "1.2e-9 mm^2/N", "1.2e-9 mm2/N"],
+        ),
         ("1/Pa", 1.2e-15, ["1.2e-9/MPa", "1.2e-6 mm^3/(N m)", "1.2e-6 mm³/N·m"]),
         ("kg", 0.0243, ["24.3g", "0.0243 kg"]),
         ("kg", 2500.0, ["2.5 t"]),
-        ("kg m^2", 1e-3, ["1e-3kg m^2", "1e-3 kg*m^2", "1e-3 kgm2", "1000 kg mm²", "10 kg cm2"]),
+        (
+            "kg m^2",
+            1e-3,
+            ["1e-3kg m^2", "1e-3 kg*m^2", "1e-3 kgm2", "1000 kg mm²", "10 kg cm2"],
+        ),
         ("m/s", 0.1, ["100mm/s", "6 m/min"]),
         ("m/s^2", 9.81, ["9.81 m/s^2", "9.81m/s2"]),
         ("s", 3e-3, ["3ms", "3000 us"]),
@@ -47,8 +59,12 @@ def _read(text: str, unit: str) -> float:
         ("", -1e-3, ["-1e-3"]),
     ],
 )
-def test_a_text_with_its_unit_is_read(unit: str, value: float, texts: list[str]) -> None:
-    assert [_read(text, unit) for text in texts] == pytest.approx([value] * len(texts), rel=4e-16)
+def test_a_text_with_its_unit_is_read(
+    unit: str, value: float, texts: list[str]
+) -> None:
+    assert [_read(text, unit) for text in texts] == pytest.approx(
+        [value] * len(texts), rel=4e-16
+    )
 
 
 @pytest.mark.parametrize("unit", [*UNITS, "N m/rad"])
@@ -56,7 +72,10 @@ def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> 
     """A unit that the table lacks is read as it is written."""
     assert _read(f"3e4 {unit}", unit) == 3e4
     known = f"known are (.*, )?{re.escape(unit)}"
-    for text, fault in (("1.5", "has no unit"), ("1.5 furlong", ": unknown unit 'furlong'")):
+    for text, fault in (
+        ("1.5", "has no unit"),
+        ("1.5 furlong", ": unknown unit 'furlong'"),
+    ):
         with pytest.raises(InputError, match=f"key = '{text}'.*{fault}.*{known}"):
             _read(text, unit)
 
@@ -64,7 +83,10 @@ def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> 
 @pytest.mark.parametrize(
     ("unit", "texts"),
     [
-        ("m", ["1 kg", "1 Mm", "1,5mm", "1.5", "", "1mm\n2mm", "0_8mm", "0.8m m", "٣m"]),
+        (
+            "m",
+            ["1 kg", "1 Mm", "1,5mm", "1.5", "", "1mm\n2mm", "0_8mm", "0.8m m", "٣m"],
+        ),
         ("rad/s", ["3pi"]),
         ("", ["nan", "1e999", "1 2", "0.3m"]),
     ],
@@ -88,7 +110,9 @@ def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> N
         ("5,,5 N", []),
     ],
 )
-def test_a_number_with_commas_is_answered_with_numbers(text: str, suggested: list[str]) -> None:
+def test_a_number_with_commas_is_answered_with_numbers(
+    text: str, suggested: list[str]
+) -> None:
     with pytest.raises(InputError) as error:
         _read(text, "N")
     assert re.findall(r", '([^,']+)'", f"{error.value}") == suggested
@@ -103,17 +127,39 @@ WHOLE = Quantity("", whole=True)
     [
         (Quantity("m", 0.0, 1.0), ["0m", "1m", 1], ["-1m", 1.1], "allowed is 0 to 1 m"),
         # In the unit of the text
-        (Quantity("m", 0.0, 1.0), [], ["-1mm", "1100 mm"], "mm: allowed is 0 to 1000 mm"),
-        (Quantity("m", 0.0, 1.0, open_low=True), ["1e-9m"], ["0m", 2.0], "is above 0 up to 1 m"),
+        (
+            Quantity("m", 0.0, 1.0),
+            [],
+            ["-1mm", "1100 mm"],
+            "mm: allowed is 0 to 1000 mm",
+        ),
+        (
+            Quantity("m", 0.0, 1.0, open_low=True),
+            ["1e-9m"],
+            ["0m", 2.0],
+            "is above 0 up to 1 m",
+        ),
         (Quantity("", 2.0), ["2", "1e300"], ["1.999"], "allowed is at least 2"),
         (Quantity("s", 0.0, open_low=True), ["1us"], ["0s"], "allowed is above 0 s"),
-        (WHOLE, ["3", "3.0", " 3 "], ["3.5", "1e999", "-1e-9", True], "a whole number is expected"),
+        (
+            WHOLE,
+            ["3", "3.0", " 3 "],
+            ["3.5", "1e999", "-1e-9", True],
+            "a whole number is expected",
+        ),
         (Quantity("m"), [], [math.nan, math.inf, -math.inf], "any finite number in m"),
         # A value just outside is not rounded to one inside.
-        (Quantity("", 0.0, 0.8), [], [math.nextafter(0.8, 1.0)], r"0\.8000000000000\d+: all"),
+        (
+            Quantity("", 0.0, 0.8),
+            [],
+            [math.nextafter(0.8, 1.0)],
+            r"0\.8000000000000\d+: all",
+        ),
     ],
 )
-def test_ranges(meaning: Quantity, inside: list[Any], outside: list[Any], message: str) -> None:
+def test_ranges(
+    meaning: Quantity, inside: list[Any], outside: list[Any], message: str
+) -> None:
     for value in inside:
         assert isinstance(meaning.convert("key", value), int) == meaning.whole
     for value in outside:
@@ -122,7 +168,8 @@ def test_ranges(meaning: Quantity, inside: list[Any], outside: list[Any], messag
 
 
 texts = st.text(max_size=30) | st.from_regex(
-    r"[+-]?[0-9]{0,5}(\.[0-9]*)?(e[+-]?[0-9]{1,4})? ?(mm|m|pi|rad/s|kg|%|\s)?", fullmatch=True
+    r"[+-]?[0-9]{0,5}(\.[0-9]*)?(e[+-]?[0-9]{1,4})? ?(mm|m|pi|rad/s|kg|%|\s)?",
+    fullmatch=True,
 )
 
 
@@ -133,7 +180,9 @@ texts = st.text(max_size=30) | st.from_regex(
 @example("9" * 400, "", True)
 @example("1m\n", "m", False)
 @example("²", "", False)
-def test_any_text_is_read_or_refused_in_one_line(text: str, unit: str, whole: bool) -> None:
+def test_any_text_is_read_or_refused_in_one_line(
+    text: str, unit: str, whole: bool
+) -> None:
     refusal = ""
     try:
         value = parse_quantity("key", text, Quantity(unit, -1e3, 1e9, whole=whole))
@@ -160,5 +209,7 @@ def test_speeds_are_read_in_turns(text: str) -> None:
 
 def test_a_unit_of_another_quantity_is_answered_with_the_units_of_this_one() -> None:
     for unit in ("N", "mmm", "inch"):
-        with pytest.raises(InputError, match=f"unit '{unit}'; known are m, cm, mm, um, µm, in$"):
+        with pytest.raises(
+            InputError, match=f"unit '{unit}'; known are m, cm, mm, um, µm, in$"
+        ):
             _read(f"5 {unit}", "m")

@@ -24,7 +24,10 @@ def test_same_text_is_the_same_law(tmp_path: Path) -> None:
     file = tmp_path / "laws.py"
     file.write_text(function.source)
     assert UserFunction.read("law", f"{file}:spring") == function
-    assert UserFunction.read("law", {"name": function.name, "source": function.source}) == function
+    assert (
+        UserFunction.read("law", {"name": function.name, "source": function.source})
+        == function
+    )
     assert function.parameters("law", KNOWN) == ("b", "a")
     assert function.number("law", KNOWN, {"a": 3.0, "b": 1.0, "c": 9.0}) == 5.0
     assert str(UserFunction(function.name, function.source + "\n")) != str(function)
@@ -96,7 +99,10 @@ def test_unreadable_function_is_refused(value: object) -> None:
             "    return a\n",
             39.0,
         ),
-        ("K = 2.0\ndef half(x):\n    return 0.5 * x\ndef law(a):\n    return K * half(a)\n", 3.0),
+        (
+            "K = 2.0\ndef half(x):\n    return 0.5 * x\ndef law(a):\n    return K * half(a)\n",
+            3.0,
+        ),
         # Fails at a = 0 alone.
         ("def law(a):\n    return math.sqrt(a) / a\n", 3.0**-0.5),
     ],
@@ -115,15 +121,22 @@ def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
             "unknown_name * a",
             "^F1: law fails: line 2, .return unknown_name .*: name 'unknown_name'",
         ),
-        ("a + eval('2.0')", '^F1: law cannot be compiled: line 2, "return a .*": .*eval'),
+        (
+            "a + eval('2.0')",
+            '^F1: law cannot be compiled: line 2, "return a .*": .*eval',
+        ),
     ],
 )
-def test_a_law_that_cannot_be_compiled_is_refused_by_name(body: str, message: str) -> None:
+def test_a_law_that_cannot_be_compiled_is_refused_by_name(
+    body: str, message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         law(body).check_compiles("F1", KNOWN)
 
 
-def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(tmp_path: Path) -> None:
+def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
+    tmp_path: Path,
+) -> None:
     """A file may take seconds to execute, or print."""
     log = tmp_path / "log"
     text = f"with open({str(log)!r}, 'a') as file:\n    file.write('x')\n"
@@ -137,7 +150,9 @@ def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(tmp_path:
 
 
 def test_a_law_file_that_fails_is_refused_by_name() -> None:
-    function = UserFunction("law", "import not_there\ndef law(a):\n    return a\n").trusted()
+    function = UserFunction(
+        "law", "import not_there\ndef law(a):\n    return a\n"
+    ).trusted()
     with pytest.raises(
         InputError,
         match=r"^F1: law fails: line 1, \"import not_there\": No module named 'not_there'",

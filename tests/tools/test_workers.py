@@ -19,7 +19,14 @@ import pytest
 
 import presswear
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.processes import GRACE, Job, Report, Stopped, Workers, end_with_parent
+from presswear.tools.processes import (
+    GRACE,
+    Job,
+    Report,
+    Stopped,
+    Workers,
+    end_with_parent,
+)
 
 PATIENCE = 60.0  # s, for a busy machine
 
@@ -58,7 +65,11 @@ class Collects:
 
     def __call__(self, key: int, outcome: Any) -> Mapping[int, Job | None]:
         self.results[key] = outcome
-        return {key: outcome} if isinstance(outcome, Adds) and outcome.done < outcome.until else {}
+        return (
+            {key: outcome}
+            if isinstance(outcome, Adds) and outcome.done < outcome.until
+            else {}
+        )
 
 
 def test_results_are_equal_in_workers_and_in_this_process(pool: Workers) -> None:
@@ -114,7 +125,9 @@ def reports_rows(report: Report) -> None:
 def test_rows_of_a_job_are_reported_once(pool: Workers) -> None:
     rows: list[Any] = []
     for workers in (Workers(), pool):
-        workers.run({0: reports_rows}, nothing, lambda key, done, word, each: rows.append(each))
+        workers.run(
+            {0: reports_rows}, nothing, lambda key, done, word, each: rows.append(each)
+        )
     assert [each.tolist() for each in rows if each is not None] == [[3.0, 4.0]] * 2
 
 
@@ -168,7 +181,9 @@ def runs_out_of_memory(report: Report) -> None:
         (runs_out_of_memory, RunFailed, "memory ran out"),
     ],
 )
-def test_an_error_or_a_kill_ends_the_run(job: Job, error: type[Exception], words: str) -> None:
+def test_an_error_or_a_kill_ends_the_run(
+    job: Job, error: type[Exception], words: str
+) -> None:
     with Workers(2) as pool, pytest.raises(error, match=words):
         pool.run({0: Waits(), 1: job}, nothing, nothing)
 
@@ -196,7 +211,9 @@ def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
     def run() -> None:
         with Workers(2) as pool:
             try:
-                pool.run({0: partial(returns_large, delay), 1: Waits(1.0)}, collects, nothing)
+                pool.run(
+                    {0: partial(returns_large, delay), 1: Waits(1.0)}, collects, nothing
+                )
             except RunFailed as error:
                 errors.append(str(error))
 
@@ -231,7 +248,8 @@ if __name__ == "__main__":
         workers.run({0: str, 1: str}, lambda key, outcome: {}, print)
     print("completed")
 """
-# SIGTERM to all processes: it reaches one that has not read its arguments. They exceed a pipe.
+# SIGTERM to all processes: it reaches one that has not read its arguments. They exceed
+# a pipe.
 _ENDS = """
 import os, signal, sys
 if "--multiprocessing-fork" in sys.orig_argv:
@@ -278,7 +296,11 @@ def started(tmp_path: Path, text: str) -> "subprocess.Popen[str]":
     (tmp_path / "script.py").write_text(text)
     places = Path(presswear.__path__[0]).parent, Path(__file__).parent, tmp_path
     path = os.pathsep.join(map(str, (*places, os.environ.get("PYTHONPATH", ""))))
-    options: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    options: dict[str, Any] = {
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+        "text": True,
+    }
     options |= {"env": {**os.environ, "PYTHONPATH": path}, "start_new_session": True}
     return subprocess.Popen([sys.executable, str(tmp_path / "script.py")], **options)
 
@@ -312,7 +334,9 @@ def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
     assert errors.strip().endswith("KeyboardInterrupt")
 
 
-def test_a_process_that_is_ended_as_it_starts_does_not_keep_its_parent(tmp_path: Path) -> None:
+def test_a_process_that_is_ended_as_it_starts_does_not_keep_its_parent(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "sitecustomize.py").write_text(_ENDS)
     process = started(tmp_path, _TERMINATED)
     try:

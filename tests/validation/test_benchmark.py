@@ -43,7 +43,9 @@ def silent(name: str, part: float) -> None:
 @pytest.fixture(scope="module")
 def points() -> list[Point]:
     progress: list[float] = []
-    points = benchmark.work_precision(SCENE, SHORT, lambda name, part: progress.append(part))
+    points = benchmark.work_precision(
+        SCENE, SHORT, lambda name, part: progress.append(part)
+    )
     assert progress == sorted(progress)
     assert 0.0 == progress[0] < progress[-1] <= 1.0
     assert all(point.timing or point.failure for point in points)
@@ -68,10 +70,14 @@ def order(points: list[Point], quantity: str) -> float:
 
 def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]) -> None:
     for quantity in ("slider (m)", "slider velocity (m/s)", "constraints (m, rad)"):
-        assert order(family(points, 0, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.05)
+        assert order(family(points, 0, TRAPEZOIDAL), quantity) == pytest.approx(
+            2.0, abs=0.05
+        )
         assert order(family(points, 0, RK4), quantity) == pytest.approx(4.0, abs=0.15)
     for quantity in ("angles (rad)", "rates (rad/s)"):
-        assert order(family(points, 1, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.1)
+        assert order(family(points, 1, TRAPEZOIDAL), quantity) == pytest.approx(
+            2.0, abs=0.1
+        )
         assert order(family(points, 1, RK4), quantity) == pytest.approx(4.0, abs=0.5)
 
 
@@ -88,7 +94,9 @@ def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None
 def test_contact_time_is_that_of_the_integrated_motion() -> None:
     impact = Impact(0.8, stiffness=1e9, speed=0.2)
     engine = pw.InHouse(integration_tolerance=1e-13)
-    contact = first_contact(engine.simulate(impact.linkage, impact.start, Plan(0.01, 1)))
+    contact = first_contact(
+        engine.simulate(impact.linkage, impact.start, Plan(0.01, 1))
+    )
     time, uncertainty = impact.duration()
     assert time == pytest.approx(contact["separation"] - contact["touchdown"], rel=1e-8)
     assert uncertainty < 1e-10 * time
@@ -105,17 +113,25 @@ def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
 
 def test_every_engine_solves_an_impact(points: list[Point]) -> None:
     impact = family(points, 2)
-    assert {point.method.engine.word for point in impact} == {"exudyn-joints", "exudyn-tree", "dae"}
+    assert {point.method.engine.word for point in impact} == {
+        "exudyn-joints",
+        "exudyn-tree",
+        "dae",
+    }
     for name in {point.method.family for point in impact}:
         bound = 1e-3 if "equal" in name else 1e-4
         assert family(points, 2, name)[-1].errors["restitution"] < bound
     for quantity in ("restitution", "contact time (s)"):
-        assert order(family(points, 2, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.3)
+        assert order(family(points, 2, TRAPEZOIDAL), quantity) == pytest.approx(
+            2.0, abs=0.3
+        )
     (paper,) = (point for point in impact if point.method.is_paper)
     assert paper.errors["energy residual / kinetic"] > 0.1
 
 
-def test_the_paper_fails_with_clearance_and_others_converge(points: list[Point]) -> None:
+def test_the_paper_fails_with_clearance_and_others_converge(
+    points: list[Point],
+) -> None:
     press = family(points, 3)
     failed = {point.method.label for point in press if point.failure}
     assert failed == {"dae, RK4, step 0.0001", "dae, RK4, step 2e-05"}
@@ -131,9 +147,15 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     defaults = [p.method.engine for p in family(points, 3) if p.method.is_default]
     numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
     dae = replace(numerics.dae, free_step=period / 500.0)
-    assert defaults == [numerics.joints.for_cycle(period), numerics.tree.for_cycle(period), dae]
+    assert defaults == [
+        numerics.joints.for_cycle(period),
+        numerics.tree.for_cycle(period),
+        dae,
+    ]
     settings = {"steps_per_contact": 70, "tree_tolerance": 3e-7, "equal_step": 3e-5}
-    numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics.resolved("trajectory")
+    numerics = changed(SCENE, settings | {"integrator": "rk4"}).numerics.resolved(
+        "trajectory"
+    )
     methods = contact_methods(SHORT, numerics, 0.5, 1e-3, SCENE.linkage())
     assert {method.label for method in methods if method.is_default} == {
         "exudyn-joints, trapezoidal rule, steps in an impact 70",
@@ -153,7 +175,9 @@ def test_the_work_per_cycle_of_the_reference_has_no_error() -> None:
     half = stats.norm.ppf(0.975) * np.abs(first - second) / np.sqrt(2.0)
     expected = half / (0.5 * (first + second))
     assert list(problem.quantities.values()) == pytest.approx(list(expected), rel=1e-3)
-    shorter = engine.simulate(problem.linkage, problem.start, replace(problem.plan, cycles=3))
+    shorter = engine.simulate(
+        problem.linkage, problem.start, replace(problem.plan, cycles=3)
+    )
     assert min(problem.errors(shorter)) > 0.0
     assert run.cpu > shorter.cpu > 0.0
 
@@ -176,7 +200,9 @@ def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(pw.InputError, match="no clearance"):
         benchmark.work_precision(replace(SCENE, joints="none"), SHORT, silent)
     with pytest.raises(pw.InputError, match="clearance at A and C"):
-        benchmark.feature_costs(replace(SCENE, joints="A"), benchmark.FeatureExtent(), silent)
+        benchmark.feature_costs(
+            replace(SCENE, joints="A"), benchmark.FeatureExtent(), silent
+        )
 
 
 def rows_of(file: Path) -> list[dict[str, str]]:
@@ -196,8 +222,13 @@ def test_the_command_writes_table_and_figure(
     shown = command(f"benchmark --quick --repeats 3 --out {folder}")
     assert extents == [replace(benchmark_problems.QUICK, repeats=3)]
     assert "step 0.0001 failed" in shown
-    whole = str(folder), " failed: "  # lines of messages are not divided outside of a terminal
-    tables = [line for line in shown.splitlines() if not any(part in line for part in whole)]
+    whole = (
+        str(folder),
+        " failed: ",
+    )  # lines of messages are not divided outside of a terminal
+    tables = [
+        line for line in shown.splitlines() if not any(part in line for part in whole)
+    ]
     assert max(map(len, tables)) <= 80
     assert (folder / "benchmark.png").stat().st_size > 10_000
     rows = rows_of(folder / "benchmark.csv")
@@ -213,20 +244,32 @@ def test_the_command_writes_table_and_figure(
 
 @pytest.fixture(scope="module")
 def costs() -> list[dict[str, Any]]:
-    extent = benchmark.FeatureExtent(repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1)
+    extent = benchmark.FeatureExtent(
+        repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1
+    )
     return benchmark.feature_costs(SCENE, extent, silent)
 
 
 def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
     for engine, features in benchmark.ENGINES.items():
         rows = [row for row in costs if row["engine"] == engine]
-        expected = [(name, state) for name in features for state in benchmark.FEATURES[name]]
+        expected = [
+            (name, state) for name in features for state in benchmark.FEATURES[name]
+        ]
         assert [(row["feature"], row["state"]) for row in rows] == expected
         for row in rows:
             off = next(each for each in rows if each["feature"] == row["feature"])
-            assert row["cpu_s_per_step"] == row["cpu_s"] / (row["steps"] + row["rejected_steps"])
-            assert row["ratio_per_step"] == row["cpu_s_per_step"] / off["cpu_s_per_step"]
-    tree = {(r["feature"], r["state"]): r["steps"] for r in costs if r["engine"] == "exudyn-tree"}
+            assert row["cpu_s_per_step"] == row["cpu_s"] / (
+                row["steps"] + row["rejected_steps"]
+            )
+            assert (
+                row["ratio_per_step"] == row["cpu_s_per_step"] / off["cpu_s_per_step"]
+            )
+    tree = {
+        (r["feature"], r["state"]): r["steps"]
+        for r in costs
+        if r["engine"] == "exudyn-tree"
+    }
     # Neither computed wear nor stored torques change the motion.
     for feature in benchmark.ENGINES["exudyn-tree"]:
         is_equal = feature in ("wear", "torques stored")
@@ -234,11 +277,16 @@ def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
 
 
 def test_the_features_command_writes_its_table(
-    costs: list[dict[str, Any]], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
+    costs: list[dict[str, Any]],
+    tmp_path: Path,
+    monkeypatch: Any,
+    command: Callable[..., str],
 ) -> None:
     monkeypatch.setattr(benchmark, "feature_costs", lambda *arguments: costs)
     folder = tmp_path / "out"
-    assert "torques stored: on" in command(f"benchmark --features --quick --out {folder}")
+    assert "torques stored: on" in command(
+        f"benchmark --features --quick --out {folder}"
+    )
     ratios = [float(row["ratio_per_step"]) for row in rows_of(folder / "features.csv")]
     assert ratios == [row["ratio_per_step"] for row in costs]
 

@@ -32,7 +32,9 @@ def _marked(case: cases.Case) -> object:
 def test_case_is_within_its_bounds_or_refused(case: cases.Case) -> None:
     results = list(cases.outcomes(case))
     assert results
-    assert [f"{each.label} {each.check}" for each in results if each.verdict == "MISS"] == []
+    assert [
+        f"{each.label} {each.check}" for each in results if each.verdict == "MISS"
+    ] == []
     assert all((each.verdict == "refused") == bool(case.refusal) for each in results)
 
 
@@ -45,7 +47,11 @@ def test_cases_have_unique_names() -> None:
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     coarse = pw.InHouse("rk4", equal_step=5e-6)
     monkeypatch.setattr(reference_problems, "TIGHT", coarse)
-    missed = [check.quantity for check in reference_problems.impact_checks() if not check.passed]
+    missed = [
+        check.quantity
+        for check in reference_problems.impact_checks()
+        if not check.passed
+    ]
     assert "restitution, nominal 0.9, dae" in missed
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
     checks = hard_cases.strikes(coarse, 8e-4, 0.25, 8e-4, 0.9)
@@ -55,8 +61,12 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard_cases, "ONSET_SPEED_FLOOR", 2e-6)
     assert not next(iter(hard_cases.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
-    monkeypatch.setattr(reference_problems, "FRICTION", pw.FrictionLaw(0.1001, 1e-4, 1e-3))
-    on_flat = reference_problems.block(0.0, GRAVITY, pw.FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
+    monkeypatch.setattr(
+        reference_problems, "FRICTION", pw.FrictionLaw(0.1001, 1e-4, 1e-3)
+    )
+    on_flat = reference_problems.block(
+        0.0, GRAVITY, pw.FrictionLaw(0.1, 1e-4, 1e-3), 0.0
+    )
     monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
     assert not next(iter(hard_cases.creeps(TIGHT, 0.05))).passed
 
@@ -86,12 +96,20 @@ def test_a_run_that_takes_too_long_is_stopped() -> None:
 
 
 def test_the_order_is_the_slope() -> None:
-    assert cases.order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
-    for steps, errors in (((1, 2), [math.inf, 1e-6]), ((1, 2), [0.0, 1e-6]), ((1, 1), [1e-6] * 2)):
+    assert cases.order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(
+        2.0
+    )
+    for steps, errors in (
+        ((1, 2), [math.inf, 1e-6]),
+        ((1, 2), [0.0, 1e-6]),
+        ((1, 1), [1e-6] * 2),
+    ):
         assert math.isnan(cases.order_of(steps, errors))
 
 
-def _case(refusal: str = "", *, error: Exception | None = None, value: float = 0.5) -> cases.Case:
+def _case(
+    refusal: str = "", *, error: Exception | None = None, value: float = 0.5
+) -> cases.Case:
     def checks() -> Iterator[cases.Check]:
         if error is not None:
             raise error
@@ -115,7 +133,10 @@ REFUSED = pw.InputError("c = 0 m: allowed is 1 to 2 m")
         (_case(error=REFUSED), "MISS"),
         (_case("c = 0 m", error=REFUSED), "refused"),
         (_case("c = 1 m", error=REFUSED), "MISS"),
-        (_case("c = 0 m", error=pw.RunFailed("c = 0 m: the state ran away")), "refused"),
+        (
+            _case("c = 0 m", error=pw.RunFailed("c = 0 m: the state ran away")),
+            "refused",
+        ),
         (_case("c = 0 m", error=pw.RunFailed("the step vanished")), "MISS"),
         (_case("c = 0 m"), "MISS"),
     ],
@@ -143,4 +164,6 @@ def test_the_commands_print_the_cases_and_fail_on_a_miss(
     assert max(len(line.rstrip()) for line in (out + hard).splitlines()) <= 100
     problems.append(_case(error=pw.RunFailed("the step vanished (t = 0.1 s)")))
     out = command("verify", 1)
-    assert all(words in out for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)"))
+    assert all(
+        words in out for words in ("MISS", "1 of 2", "the step vanished (t = 0.1 s)")
+    )

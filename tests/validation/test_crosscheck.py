@@ -23,10 +23,14 @@ def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
     linkage, start = scene.linkage(), start_of(scene)
     moved = disturbed(linkage, start, crosscheck.DISTURBANCE)
     assert moved is not None
-    assert np.abs(moved.position - start.position).max() == pytest.approx(1e-9, rel=1e-6)
+    assert np.abs(moved.position - start.position).max() == pytest.approx(
+        1e-9, rel=1e-6
+    )
     slider = 3 * linkage.index("slider 6") + 1
     assert abs(moved.position[slider] - start.position[slider]) > 1e-11
-    phi, phi_t, _, _ = constraints_of(linkage).evaluate(0.0, moved.position, moved.velocity)
+    phi, phi_t, _, _ = constraints_of(linkage).evaluate(
+        0.0, moved.position, moved.velocity
+    )
     # The ideal start itself holds to round-off.
     assert np.abs(phi).max() < 1e-15
     assert np.abs(phi_t).max() < 1e-14
@@ -48,7 +52,9 @@ def _trajectory(offset: Callable[[np.ndarray], np.ndarray]) -> crosscheck.Trajec
 def test_the_horizon_is_where_the_distance_is_reached() -> None:
     still = _trajectory(np.zeros_like)
     growing = _trajectory(lambda time: 1e-9 * np.exp(time * math.log(1e6)))
-    assert crosscheck.divergence_time(still, growing, 1e-6) == pytest.approx(0.5, abs=1e-3)
+    assert crosscheck.divergence_time(still, growing, 1e-6) == pytest.approx(
+        0.5, abs=1e-3
+    )
     assert crosscheck.divergence_time(still, growing, 1.0) is None
 
 
@@ -57,7 +63,9 @@ def test_touches_are_matched_joint_by_joint() -> None:
     # The order of touches in different joints may change; their numbers may not.
     theirs = np.array([[1, 0.9, 0.5, 80.0], [0, 1.3, 0.2, 60.0]])
     differences = crosscheck.touchdown_differences(ours, theirs)
-    np.testing.assert_allclose(differences[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(
+        differences[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12
+    )
     assert np.all(np.isinf(differences[2]))
 
 
@@ -77,7 +85,12 @@ def document_of(folder: Path) -> dict[str, Any]:
     ],
 )
 def test_the_engines_agree_on_the_first_touches(
-    engine: str, name: str, distance: str, bound: float, tmp_path: Path, command: Callable[..., str]
+    engine: str,
+    name: str,
+    distance: str,
+    bound: float,
+    tmp_path: Path,
+    command: Callable[..., str],
 ) -> None:
     folder = tmp_path / "check"
     shown = command(f"{SHORT} --set engine={engine} --out {folder}")
@@ -88,7 +101,11 @@ def test_the_engines_agree_on_the_first_touches(
     assert document["diverged"] is False
     assert [touch["joint"] for touch in document["touchdowns"]] == ["A", "C", "A"]
     bounds = {check["quantity"]: check["bound"] for check in document["checks"]}
-    assert bounds[f"{name}: {distance}"] == bounds[f"{name}: first 3 touches, times"] == bound
+    assert (
+        bounds[f"{name}: {distance}"]
+        == bounds[f"{name}: first 3 touches, times"]
+        == bound
+    )
     assert bounds["first 3 touches, dop853 to dopri5 in fewest coordinates"] == 1e-10
     assert (folder / "difference.png").stat().st_size > 10_000
     command(f"{SHORT} --out {folder}", 2)
@@ -100,7 +117,9 @@ def test_a_small_change_of_one_engine_is_noticed(
     simulate = pw.ExudynTree.simulate
 
     def heavier(engine: pw.ExudynTree, linkage: pw.Linkage, *rest: Any) -> Any:
-        return simulate(engine, replace(linkage, gravity=1.001 * linkage.gravity), *rest)
+        return simulate(
+            engine, replace(linkage, gravity=1.001 * linkage.gravity), *rest
+        )
 
     monkeypatch.setattr(pw.ExudynTree, "simulate", heavier)
     shown = command(f"{SHORT} --out {tmp_path / 'check'}", 1)
@@ -110,7 +129,9 @@ def test_a_small_change_of_one_engine_is_noticed(
     assert shown.count("MISS") == len(missed)
 
 
-def test_without_clearance_all_is_compared(tmp_path: Path, command: Callable[..., str]) -> None:
+def test_without_clearance_all_is_compared(
+    tmp_path: Path, command: Callable[..., str]
+) -> None:
     shown = command(f"crosscheck ideal --duration 0.05 --out {tmp_path / 'ideal'}")
     document = document_of(tmp_path / "ideal")
     assert (document["horizon_s"], document["touchdowns"]) == (0.05, [])
@@ -122,7 +143,10 @@ def test_without_clearance_all_is_compared(tmp_path: Path, command: Callable[...
     [
         (pw.Estimate(103.0, 101.0, 105.0), True),
         (pw.Estimate(125.0, 123.0, 127.0), False),
-        (pw.Estimate(115.0, 65.0, 165.0), None),  # an interval that holds any mean of interest
+        (
+            pw.Estimate(115.0, 65.0, 165.0),
+            None,
+        ),  # an interval that holds any mean of interest
         (pw.Estimate(108.0, 104.0, 112.0), None),
         (pw.Estimate(100.0), None),
     ],
@@ -157,14 +181,19 @@ def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
     def rougher(engine: pw.ExudynTree, linkage: pw.Linkage, *rest: Any) -> Any:
         joints = [
             replace(
-                one, friction=replace(one.friction, coefficient=10.0 * one.friction.coefficient)
+                one,
+                friction=replace(
+                    one.friction, coefficient=10.0 * one.friction.coefficient
+                ),
             )
             for one in linkage.clearances
         ]
         return simulate(engine, replace(linkage, clearances=tuple(joints)), *rest)
 
     monkeypatch.setattr(pw.ExudynTree, "simulate", rougher)
-    outcome = crosscheck.check_engines(pw.scenes.wear_times(), None, lambda word, part: None)
+    outcome = crosscheck.check_engines(
+        pw.scenes.wear_times(), None, lambda word, part: None
+    )
     missed = [check.quantity for check in outcome.checks if not check.passed]
     assert {"mean load distance in A", "mean load distance in C"} <= set(missed)
 

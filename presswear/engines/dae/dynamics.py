@@ -1,12 +1,14 @@
 """Equations of motion, in all coordinates or in the fewest.
 
-In all coordinates they are of index 1 (equations 14 to 20 of the paper): M q'' + Phi_q^T lambda
+In all coordinates they are of index 1 (equations 14 to 20 of the paper): M q'' +
+Phi_q^T lambda
 = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  Where clearance cuts every loop that has
-a freedom, the coordinates of the open tree do, and there are no constraints. These equations are
-written for the linkage (``physics.equations``) and called by the address of their machine code,
-as are the forces on all bodies in the other case.
+a freedom, the coordinates of the open tree do, and there are no constraints. These
+equations are written for the linkage (``physics.equations``) and called by the address
+of their machine code, as are the forces on all bodies in the other case.
 
-The state is y = (x, x', states of interactions, integrals), see ``physics.equations.layout``.
+The state is y = (x, x', states of interactions, integrals), see
+``physics.equations.layout``.
 """
 
 from typing import NamedTuple
@@ -45,7 +47,8 @@ class System(NamedTuple):
     held: Held | None  # constraints, in all coordinates
     equations: Written  # where there are constraints, the forces on all bodies
     layout: Layout  # places of the parts of the state
-    # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3 bodies)
+    # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3
+    # bodies)
     state: Array
     contacts: Records
     has_abrupt: bool  # the force of a joint begins with a jump
@@ -63,7 +66,8 @@ def system_of(
 ) -> System:
     """Return the equations of a linkage; ``model`` holds the arrays that they fill.
 
-    With constraints, ``equations`` are the forces on all bodies; Baumgarte's coefficients are 1/s.
+    With constraints, ``equations`` are the forces on all bodies; Baumgarte's
+    coefficients are 1/s.
     """
     return System(
         packed=packed,
@@ -79,7 +83,9 @@ def system_of(
 
 
 @inlined
-def evaluate(system: System, held: Held | None, t: float, y: Array, out: Array, level: int) -> None:
+def evaluate(
+    system: System, held: Held | None, t: float, y: Array, out: Array, level: int
+) -> None:
     """Fill dy/dt, and at level END the motion and the contacts; leaves multipliers behind.
 
     ``held`` is that of the system, so that the compiler sees whether it is None.
@@ -101,7 +107,9 @@ def place_held(system: System, t: float, y: Array, out: Array, level: int) -> No
 
 
 @compiled
-def evaluate_held(system: System, held: Held, t: float, y: Array, out: Array, level: int) -> None:
+def evaluate_held(
+    system: System, held: Held, t: float, y: Array, out: Array, level: int
+) -> None:
     """Fill dy/dt, the motion and the contacts of a linkage with constraints."""
     packed, layout = system.packed, system.layout
     n = layout.coordinates
@@ -112,7 +120,9 @@ def evaluate_held(system: System, held: Held, t: float, y: Array, out: Array, le
     for i in range(n):
         force[i] += packed.weight[i]
     coefficients = system.alpha, system.beta
-    power, heat = solve_multipliers(held, packed.rubbing, *coefficients, system.state, t, out)
+    power, heat = solve_multipliers(
+        held, packed.rubbing, *coefficients, system.state, t, out
+    )
     copy_to(out[:n], v)
     copy_to(a, out[n : 2 * n])
     if level >= RATES:
@@ -143,7 +153,8 @@ def solve_multipliers(
 ) -> tuple[float, float]:
     """Fill multipliers and accelerations.
 
-    Returns the power of the drives and that which friction in rigid joints turns into heat, W.
+    Returns the power of the drives and that which friction in rigid joints turns into
+    heat, W.
     """
     q, v, _, force, _ = state
     out = slopes[v.shape[0] : 2 * v.shape[0]]

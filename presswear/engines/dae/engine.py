@@ -25,7 +25,11 @@ from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
-from presswear.physics.equations.writer import Equations, write_body_forces, write_equations
+from presswear.physics.equations.writer import (
+    Equations,
+    write_body_forces,
+    write_equations,
+)
 from presswear.physics.ledger import (
     Ledger,
     made_energy,
@@ -43,7 +47,9 @@ from presswear.tools.packing import bind
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
 
-RESOLVED_DIGITS = 8.0  # units in the last place of a coordinate that round-off may reach
+RESOLVED_DIGITS = (
+    8.0  # units in the last place of a coordinate that round-off may reach
+)
 
 _CHUNK = 2000  # steps between two looks at the clock and the keyboard
 
@@ -68,7 +74,9 @@ def check_start(constraints: Constraints, start: Start) -> None:
         )
 
 
-def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> str | None:
+def dependent_joint(
+    jacobian: Array, names: tuple[str, ...], least: float
+) -> str | None:
     """Return the first joint whose constraint adds less than ``least`` to those before it."""
     rows = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
     added = np.abs(np.diag(np.linalg.qr(rows.T).R))
@@ -88,12 +96,18 @@ def _problem(
         what = "the state is no longer finite"
         if rubs:
             what += (
-                "; friction in rigid joints blocks motion where mu r exceeds the levers of forces"
+                "; friction in rigid joints blocks motion where mu r exceeds "
+                "the levers of forces"
             )
         return Finding("state", what, time, "", REMEDY)
-    singular = dependent_joint(constraints.evaluate(time, q, v)[3], constraints.names, 1e-2)
+    singular = dependent_joint(
+        constraints.evaluate(time, q, v)[3], constraints.names, 1e-2
+    )
     if singular:
-        what, remedy = "the step vanished near a singular position", "other lengths of the links"
+        what, remedy = (
+            "the step vanished near a singular position",
+            "other lengths of the links",
+        )
         return Finding("state", what, time, singular, remedy)
     remedy = "a larger integration_tolerance may help"
     return Finding("state", "the step vanished", time, "", remedy)
@@ -133,19 +147,35 @@ class _Solver:
     """Equations of a linkage with their state, and the kernels that integrate them."""
 
     def __init__(
-        self, linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
+        self,
+        linkage: Linkage,
+        start: Start,
+        settings: InHouse,
+        plan: Plan,
+        recorder: Recorder,
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
-        self.linkage, self.settings, self.plan, self.recorder = linkage, settings, plan, recorder
+        self.linkage, self.settings, self.plan, self.recorder = (
+            linkage,
+            settings,
+            plan,
+            recorder,
+        )
         self.records, packed = recorder.records, recorder.records.packed
         self.constraints = constraints_of(linkage)
         check_start(self.constraints, start)
-        tree = None if settings.takes_all_coordinates else write_equations(linkage, packed)
+        tree = (
+            None if settings.takes_all_coordinates else write_equations(linkage, packed)
+        )
         self.is_tree = isinstance(tree, Equations)
-        self.equations = tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
+        self.equations = (
+            tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
+        )
         contacts = np.zeros(len(packed.joints), CONTACT)
-        self.model = model_of(linkage, self.equations, packed, self.records.onset, contacts)
+        self.model = model_of(
+            linkage, self.equations, packed, self.records.onset, contacts
+        )
         if self.is_tree:
             begin_motion(self.model.prescribed, 0.0, start.position)
         layout = self.equations.layout
@@ -216,7 +246,10 @@ class _Solver:
         """Report the time reached; return what went wrong in the last steps, if anything."""
         packed, time = self.records.packed, self.time
         self.plan.advanced(time, self.recorder)
-        lost, exchange = float(self.energies[CONTACT_LOSS]), float(self.energies[DRIVE_EXCHANGE])
+        lost, exchange = (
+            float(self.energies[CONTACT_LOSS]),
+            float(self.energies[DRIVE_EXCHANGE]),
+        )
         made = made_energy(packed, lost, exchange) if time > self.plan.settled else ""
         if made:
             return Finding("energy", made, time, "", made_remedy(packed, REMEDY))
@@ -243,7 +276,9 @@ class _Solver:
     def _stored(self) -> float:
         records = self.records
         _, q, v = self.motion()
-        return stored_energy(self.linkage, records.packed, records.memory["energy"], q, v)
+        return stored_energy(
+            self.linkage, records.packed, records.memory["energy"], q, v
+        )
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
@@ -280,6 +315,10 @@ class _Solver:
             model = described(linkage, words, prescribed_of(linkage))
             return {"model": model, "solver": f"in-house, {steps}"}
         words = f"{len(linkage.bodies)} bodies, {self.constraints.rows} constraints"
-        solver = f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
-        solver += f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
+        solver = (
+            f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
+        )
+        solver += (
+            f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
+        )
         return {"model": described(linkage, words), "solver": solver}

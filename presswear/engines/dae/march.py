@@ -1,12 +1,19 @@
 """The run loops: error-controlled with located events, and with equal steps.
 
-Events are touchdowns, separations, corners of friction and changes of the laws of loads.  A trial
-step that holds one is repeated until it ends there, so that no step crosses a change of law.  Equal
-steps are cut in two where a load's law changes; contacts change between them only.
+Events are touchdowns, separations, corners of friction and changes of the laws of
+loads.  A trial step that holds one is repeated until it ends there, so that no step
+crosses a change of law.  Equal steps are cut in two where a load's law changes;
+contacts change between them only.
 """
 
 from presswear.engines.dae.dynamics import place_held
-from presswear.engines.dae.runge_kutta import SPARE, START, classical_step, embedded_step, rates
+from presswear.engines.dae.runge_kutta import (
+    SPARE,
+    START,
+    classical_step,
+    embedded_step,
+    rates,
+)
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import Held, project
 from presswear.physics.contact import copy_contacts
@@ -23,7 +30,12 @@ from presswear.physics.equations.layout import (
     WORK,
 )
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_value
+from presswear.physics.loads import (
+    count_transitions,
+    next_break,
+    settle_loads,
+    transition_value,
+)
 from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import (
     HELD_OPEN,
@@ -50,15 +62,22 @@ SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
-DEPTH_TOL = 1e-12  # penetration up to which a place that round-off keeps from it is one, m
-MIN_SEPARATION = 1e-14  # s; a later event differs from the one on which the last step ended
-# A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s.
+DEPTH_TOL = (
+    1e-12  # penetration up to which a place that round-off keeps from it is one, m
+)
+MIN_SEPARATION = (
+    1e-14  # s; a later event differs from the one on which the last step ended
+)
+# A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or
+# rad/s.
 BEHIND = 1e-13
 MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
 
 
 @compiled
-def reach_end(address: PackedArguments, classical: int | None, t: float, h: float) -> None:
+def reach_end(
+    address: PackedArguments, classical: int | None, t: float, h: float
+) -> None:
     """Fill the state of all bodies at the end of a trial step, with accelerations."""
     # An embedded method evaluates its last slopes there.
     if classical is not None:
@@ -72,9 +91,9 @@ def event_value(
 ) -> tuple[float, float]:
     """Return the switching function of event ``k`` at the end of a trial step, and its rate.
 
-    Events are those of the joints, for which slopes were evaluated last in that state, then the
-    ways out of the modes of the loads, then the corners of friction: of each joint the next one
-    upwards and the next one downwards.
+    Events are those of the joints, for which slopes were evaluated last in that state,
+    then the ways out of the modes of the loads, then the corners of friction: of each
+    joint the next one upwards and the next one downwards.
     """
     (run,) = unpack(address)
     system, records = run.system, run.records
@@ -84,7 +103,9 @@ def event_value(
         if records.onset[k] <= 0.0:
             return contact.penetration, contact.rate
         if is_reversed(records.memory[k], contact):
-            return -seen_from_opposite(contact.penetration, contact.eccentricity), contact.rate
+            return -seen_from_opposite(
+                contact.penetration, contact.eccentricity
+            ), contact.rate
         return -contact.penetration, -contact.rate
     k -= joints
     transitions = count_transitions(system.packed.loads)
@@ -102,13 +123,19 @@ def event_value(
 
 @compiled
 def is_repeated(
-    last: Records, is_closed: bool, after: float, value: float, rate: float, resolution: float
+    last: Records,
+    is_closed: bool,
+    after: float,
+    value: float,
+    rate: float,
+    resolution: float,
 ) -> bool:
     """Return whether a crossing is the event on which the last step ended, seen once more.
 
-    A joint that was just placed on an event moves away from it. Round-off alone brings it back, by
-    less than the resolution of its coordinates, m. ``value`` and ``rate`` are those of
-    ``joint_crossing``; ``after`` is the time from the start of the step, s.
+    A joint that was just placed on an event moves away from it. Round-off alone brings
+    it back, by less than the resolution of its coordinates, m. ``value`` and ``rate``
+    are those of ``joint_crossing``; ``after`` is the time from the start of the step,
+    s.
     """
     if rate > 0.0:
         return False
@@ -122,9 +149,9 @@ def is_repeated(
 def settle_joints(address: PackedArguments, event: int, t: float) -> int:
     """Begin and end the contacts whose events come with the end of a step; return their number.
 
-    Those are joint ``event`` and each joint nearer to its event than the resolution of its
-    coordinates, m, on its way there: handled one after the other, they would need steps in which
-    no coordinate changes.
+    Those are joint ``event`` and each joint nearer to its event than the resolution of
+    its coordinates, m, on its way there: handled one after the other, they would need
+    steps in which no coordinate changes.
     """
     (run,) = unpack(address)
     system, records, state = run.system, run.records, run.control[0]
@@ -160,11 +187,17 @@ def first_event(
 ) -> tuple[int, float]:
     """Return the event that comes first in a trial step, and at which part of it; or -1.
 
-    Slopes were last evaluated at the end of the step; see ``event_value`` for the events.  Those
-    of the first ``joints`` joints count, but not ``excluded``, the one on which the step ends.
+    Slopes were last evaluated at the end of the step; see ``event_value`` for the
+    events.  Those of the first ``joints`` joints count, but not ``excluded``, the one
+    on which the step ends.
     """
     (run,) = unpack(address)
-    system, classical, records, control = run.system, run.classical, run.records, run.control
+    system, classical, records, control = (
+        run.system,
+        run.classical,
+        run.records,
+        run.control,
+    )
     loads = system.packed.loads
     count, transitions = system.contacts.shape[0], count_transitions(loads)
     event = -1
@@ -175,7 +208,9 @@ def first_event(
         last = records.memory[k]
         is_closed = records.onset[k] > 0.0
         s, value, rate, _ = joint_crossing(last, system.contacts[k], is_closed, h)
-        if s < part and not is_repeated(last, is_closed, s * h, value, rate, control[0].resolution):
+        if s < part and not is_repeated(
+            last, is_closed, s * h, value, rate, control[0].resolution
+        ):
             event, part = k, s
     if transitions > 0:
         reach_end(address, classical, t, h)
@@ -183,7 +218,8 @@ def first_event(
     for k in range(transitions):
         if count + k == excluded:
             continue
-        # What goes no further behind is round-off, or comes with that on which the step ends.
+        # What goes no further behind is round-off, or comes with that on which the step
+        # ends.
         s, value, rate = load_crossing(loads, k, q, v, a, h, 2.0 * BEHIND)
         if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND):
             event, part = count + k, s
@@ -214,8 +250,9 @@ def start_search(control: Records, h: float) -> None:
 def is_abrupt_touchdown(joints: Records, onset: Array, k: int) -> bool:
     """Return whether the force of a joint jumps at the event that ends its open state.
 
-    Such a step must end with the pin in the wall. A step from the open side of the touchdown starts
-    without the force, and no step is short enough for the jump within it.
+    Such a step must end with the pin in the wall. A step from the open side of the
+    touchdown starts without the force, and no step is short enough for the jump within
+    it.
     """
     return bool(onset[k] <= 0.0 and joints[k].normal.abrupt)
 
@@ -230,9 +267,10 @@ def search_event(
 ) -> bool:
     """Search in a trial step for the first event; return whether a trial of another length follows.
 
-    At the end of the step that is found a joint has zero penetration, or is just closed if its
-    force begins with a jump, and a load is just behind the change of its law.  Newton's method,
-    held between the ends of the trial step: where a surface is steep it would stray.
+    At the end of the step that is found a joint has zero penetration, or is just closed
+    if its force begins with a jump, and a load is just behind the change of its law.
+    Newton's method, held between the ends of the trial step: where a surface is steep
+    it would stray.
     """
     (run,) = unpack(address)
     state, contacts = run.control[0], run.system.contacts.shape[0]
@@ -240,7 +278,9 @@ def search_event(
         aim, near, accepted = 0.0, EVENT_DEPTH, max(DEPTH_TOL, state.resolution)
         if state.event >= contacts:
             aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
-        elif is_abrupt_touchdown(run.system.packed.joints, run.records.onset, state.event):
+        elif is_abrupt_touchdown(
+            run.system.packed.joints, run.records.onset, state.event
+        ):
             aim = 2.0 * EVENT_DEPTH
         value, rate = event_value(address, classical, state.event, t, state.length)
         value -= aim
@@ -257,7 +297,8 @@ def search_event(
                 if aim == 0.0 or value > 0.0:
                     is_found = True
                 else:
-                    # Round-off keeps it from ending just behind: the nearest that is behind.
+                    # Round-off keeps it from ending just behind: the nearest that is
+                    # behind.
                     following = min(state.length + state.further, state.high)
                     state.further *= 4.0
                     state.is_last = following == state.high
@@ -266,7 +307,9 @@ def search_event(
             state.moves += 1
             return True
         state.moves = 0
-        state.is_located = abs(value) <= accepted if aim == 0.0 else -near <= value <= accepted
+        state.is_located = (
+            abs(value) <= accepted if aim == 0.0 else -near <= value <= accepted
+        )
         if not state.is_located:
             return False
     # The cubics may see events of two joints in the wrong order.
@@ -277,7 +320,12 @@ def search_event(
     if earlier < 0:
         return False
     state.event, state.moves = earlier, 1
-    state.low, state.high, state.further, state.is_last = 0.0, state.length, SHORTEST_MOVE, False
+    state.low, state.high, state.further, state.is_last = (
+        0.0,
+        state.length,
+        SHORTEST_MOVE,
+        False,
+    )
     state.length *= part
     return True
 
@@ -319,7 +367,9 @@ def place_state(address: PackedArguments, t: float) -> None:
 
 
 @compiled
-def finish_step(address: PackedArguments, held: Held | None, t: float, h: float) -> None:
+def finish_step(
+    address: PackedArguments, held: Held | None, t: float, h: float
+) -> None:
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
     (run,) = unpack(address)
     system, records, control, motion = run.system, run.records, run.control, run.motion
@@ -380,8 +430,8 @@ def judge_step(
 ) -> int:
     """Accept a trial step, shorten it, or search for the event that ends it.
 
-    Returns TRYING if the step is to be repeated with another length, and RUNNING if a new one is to
-    be proposed.
+    Returns TRYING if the step is to be repeated with another length, and RUNNING if a
+    new one is to be proposed.
     """
     (run,) = unpack(address)
     system, motion, last = run.system, run.motion, run.last
@@ -460,7 +510,12 @@ def march_controlled(address: PackedArguments, end: float) -> int:
 def march_fixed(address: PackedArguments, end: float) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     (run,) = unpack(address)
-    system, tableau, classical, records = run.system, run.tableau, run.classical, run.records
+    system, tableau, classical, records = (
+        run.system,
+        run.tableau,
+        run.classical,
+        run.records,
+    )
     control, motion = run.control, run.motion
     n, state = system.layout.coordinates, control[0]
     start_march(address)
@@ -472,7 +527,9 @@ def march_fixed(address: PackedArguments, end: float) -> int:
             return DONE
         h = min(state.due - t if state.due > t else state.step, left)
         whole = h
-        h = min(step_to_break(records.motions, t, h), next_break(system.packed.loads) - t)
+        h = min(
+            step_to_break(records.motions, t, h), next_break(system.packed.loads) - t
+        )
         classical_step(address, t, h)
         start_search(control, h)
         while search_event(address, tableau, classical, t, 0):

@@ -16,8 +16,11 @@ from presswear.tools.packing import PackedArguments, unpack
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
-UNEXCHANGED = 1e-3  # part of the kinetic energy to which the error of a loss is compared at least
-# Indices of the slopes at the start of a step, and of spare ones; compiled as any other index
+UNEXCHANGED = (
+    1e-3  # part of the kinetic energy to which the error of a loss is compared at least
+)
+# Indices of the slopes at the start of a step, and of spare ones; compiled as any other
+# index
 START: Any = np.int64(0)
 SPARE: Any = np.int64(DOP853.b.size + 1)
 
@@ -30,15 +33,20 @@ CONTROL = np.dtype(
         ("whole", np.float64),  # step on trial before events cut it, s
         ("length", np.float64),  # of the step on trial, s
         ("reaches_end", np.bool_),  # of a march
-        # Search for the event that ends the step: events looked for, Newton steps towards the
-        # present one, its number or -1, and whether it was located
+        # Search for the event that ends the step: events looked for, Newton steps
+        # towards the present one, its number or -1, and whether it was located
         ("searches", np.int64),
         ("moves", np.int64),
         ("event", np.int64),
         ("is_located", np.bool_),
-        *floats("low", "high", "further"),  # lengths between which it lies, and beyond the last, s
+        *floats(
+            "low", "high", "further"
+        ),  # lengths between which it lies, and beyond the last, s
         ("is_last", np.bool_),  # the last length that is tried
-        ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
+        (
+            "due",
+            np.float64,
+        ),  # time at which an equal step that was cut is to end, s; or 0
         ("longest", np.float64),  # s
         ("shortest", np.float64),  # s
         ("resolution", np.float64),  # of the coordinates, m: below it lies round-off
@@ -47,7 +55,10 @@ CONTROL = np.dtype(
         ("projected", np.bool_),
         ("has_started", np.bool_),  # the initial state is recorded
         ("has_slope", np.bool_),  # the slopes of the state are evaluated
-        ("ignores_corners", np.bool_),  # the next step does not end where friction has a corner
+        (
+            "ignores_corners",
+            np.bool_,
+        ),  # the next step does not end where friction has a corner
         ("steps", np.int64),
         ("rejected", np.int64),
         ("events", np.int64),
@@ -63,7 +74,8 @@ class Motion(NamedTuple):
 
     y: Array  # (m,)
     trial: Array  # the state's successor on trial, (m,)
-    slopes: Array  # of the stages, (14, m); the first holds dy/dt at the start, the last is spare
+    # of the stages, (14, m); the first holds dy/dt at the start, the last is spare
+    slopes: Array
 
 
 class Integration(NamedTuple):
@@ -71,7 +83,8 @@ class Integration(NamedTuple):
 
     system: System
     tableau: Tableau | None  # of an embedded method
-    # Stages of the classical method, for equal steps; the compiler leaves out the None of both
+    # Stages of the classical method, for equal steps; the compiler leaves out the None
+    # of both
     classical: int | None
     records: RecorderState
     control: Records  # one of CONTROL
@@ -106,7 +119,9 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
 
 
 @inlined
-def weighted_sum(target: Array, slopes: Array, weights: Array, count: int, size: int) -> None:
+def weighted_sum(
+    target: Array, slopes: Array, weights: Array, count: int, size: int
+) -> None:
     """Fill the sum of the first rows of slopes, each times its weight, in the first columns."""
     odd = count & 1
     for i in range(size):
@@ -126,9 +141,9 @@ def weighted_sum(target: Array, slopes: Array, weights: Array, count: int, size:
 def mean_error(run: Integration, weights: Array) -> float:
     """Return an estimate of the error of a trial step over the allowed one, squared, per step^2.
 
-    It is the mean over coordinates, rates and states of interactions. Where the force of a joint
-    ends before its contact does, the loss of contacts counts, too: no rate feels the energy lost
-    until then.
+    It is the mean over coordinates, rates and states of interactions. Where the force
+    of a joint ends before its contact does, the loss of contacts counts, too: no rate
+    feels the energy lost until then.
     """
     system, tolerance = run.system, run.control[0].tolerance
     layout = system.layout
@@ -165,11 +180,13 @@ def kinetic_energy(system: System) -> float:
 
 
 @compiled
-def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float) -> float:
+def embedded_step(
+    address: PackedArguments, tableau: Tableau, t: float, h: float
+) -> float:
     """Make a trial step; returns its error over the allowed one.
 
-    The slopes of the last stage hold dy/dt at the end afterwards.  The error of the integrals
-    follows that of positions, rates and states.
+    The slopes of the last stage hold dy/dt at the end afterwards.  The error of the
+    integrals follows that of positions, rates and states.
     """
     (run,) = unpack(address)
     system = run.system
@@ -184,7 +201,9 @@ def embedded_step(address: PackedArguments, tableau: Tableau, t: float, h: float
             new[i] = y[i] + h * new[i]
         # Powers are summed with the weights of the step.
         level = RATES if tableau.b[stage] != 0.0 else ACCELERATIONS
-        evaluate(system, system.held, t + tableau.c[stage] * h, new, slopes[stage], level)
+        evaluate(
+            system, system.held, t + tableau.c[stage] * h, new, slopes[stage], level
+        )
     size = y.shape[0]
     weighted_sum(new, slopes, tableau.b, stages, size)
     for i in range(size):

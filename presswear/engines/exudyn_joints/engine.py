@@ -1,12 +1,12 @@
 """Exudyn with bodies and joints, implicit: any linkage.
 
-Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and
-all clearance joints, springs and loads with a law are one ``ObjectGenericODE2`` over the nodes of
-their bodies: its Python user function returns the exact generalized forces on all of them.
-(A connector between two markers cannot: it applies equal and opposite moments, while
-pin and bearing have different radii.)  Bodies without freedom that only clearance joints
-hold on to are left out: their motion is prescribed, and the torques of their drives follow from
-the contact forces.
+Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and all
+clearance joints, springs and loads with a law are one ``ObjectGenericODE2`` over the
+nodes of their bodies: its Python user function returns the exact generalized forces on
+all of them. (A connector between two markers cannot: it applies equal and opposite
+moments, while pin and bearing have different radii.)  Bodies without freedom that only
+clearance joints hold on to are left out: their motion is prescribed, and the torques of
+their drives follow from the contact forces.
 
 Contact state changes only between accepted steps, in ``PostStep``; the user
 functions are pure.  The same call chooses the next step and writes it into the
@@ -64,14 +64,21 @@ from presswear.tools.packing import pack_arguments
 
 exu = exudyn_module()
 
-REMEDY = "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
+REMEDY = (
+    "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
+)
 
 # Where rigid joints have friction: most iterations of a step, smallest tolerance
 NEWTON_STEPS, LEAST_NEWTON = 50, 1e-10
 SPRING_STEPS = 100  # fewest steps in the period of a body on its spring
 
 # Names that Exudyn gives to coordinates, rates, accelerations and multipliers
-_SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
+_SOLVED = (
+    "ODE2Coordinates",
+    "ODE2Coordinates_t",
+    "ODE2Coordinates_tt",
+    "AECoordinates",
+)
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
@@ -85,7 +92,9 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
-        held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= omitted))
+        held = frozenset[str]().union(
+            *(bodies for bodies in joined if not bodies <= omitted)
+        )
         if not held & omitted:
             return omitted
         omitted -= held
@@ -111,12 +120,23 @@ def add_bodies(
         )
         inertia = body.effective_inertia
         bodies[body.name] = rigid = add(
-            system, "Object", "RigidBody2D", mass=body.mass, inertia=inertia, nodeNumber=node
+            system,
+            "Object",
+            "RigidBody2D",
+            mass=body.mass,
+            inertia=inertia,
+            nodeNumber=node,
         )
         if linkage.gravity != 0.0:
             marker = add(system, "Marker", "BodyMass", bodyNumber=rigid)
             weight = [0.0, -linkage.gravity, 0.0]
-            add(system, "Load", "MassProportional", markerNumber=marker, loadVector=weight)
+            add(
+                system,
+                "Load",
+                "MassProportional",
+                markerNumber=marker,
+                loadVector=weight,
+            )
     return nodes, bodies
 
 
@@ -136,14 +156,20 @@ def add_joints(
     def marker_at(point: Attachment) -> Any:
         place = [point.x, point.y, 0.0]
         return add(
-            system, "Marker", "BodyRigid", bodyNumber=bodies[point.body], localPosition=place
+            system,
+            "Marker",
+            "BodyRigid",
+            bodyNumber=bodies[point.body],
+            localPosition=place,
         )
 
     objects: dict[str, int] = {}
     for joint in linkage.revolutes:
         if not bodies_of(joint) <= omitted:
             markers = [marker_at(joint.first), marker_at(joint.second)]
-            objects[joint.name] = add(system, "Object", "JointRevolute2D", markerNumbers=markers)
+            objects[joint.name] = add(
+                system, "Object", "JointRevolute2D", markerNumbers=markers
+            )
     for guide in linkage.guides:
         if guide.body in omitted:
             continue
@@ -163,9 +189,15 @@ def add_joints(
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body in omitted:
             continue
-        turned = add(system, "Marker", "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
-        # At velocity level; the trapezoidal rule integrates a constant speed exactly, and what it
-        # makes of another is put right behind each step (``kernels.hold``).
+        turned = add(
+            system,
+            "Marker",
+            "NodeCoordinate",
+            nodeNumber=nodes[drive.body],
+            coordinate=2,
+        )
+        # At velocity level; the trapezoidal rule integrates a constant speed exactly,
+        # and what it makes of another is put right behind each step (``kernels.hold``).
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
             turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
@@ -180,8 +212,20 @@ def add_joints(
     for load in linkage.dead_loads:
         if load.body not in omitted:
             at = marker_at(Attachment(load.body, 0.0, 0.0))
-            add(system, "Load", "ForceVector", markerNumber=at, loadVector=[load.x, load.y, 0.0])
-            add(system, "Load", "TorqueVector", markerNumber=at, loadVector=[0.0, 0.0, load.moment])
+            add(
+                system,
+                "Load",
+                "ForceVector",
+                markerNumber=at,
+                loadVector=[load.x, load.y, 0.0],
+            )
+            add(
+                system,
+                "Load",
+                "TorqueVector",
+                markerNumber=at,
+                loadVector=[0.0, 0.0, load.moment],
+            )
     return objects
 
 
@@ -246,14 +290,15 @@ def _bristle_places(joints: Records, layout: Layout) -> NDArray[np.int64]:
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
-    # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its back.
+    # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its
+    # back.
     integration.adaptiveStepRecoverySteps = 2**30
     integration.newton.relativeTolerance = accuracy.newton
     integration.newton.absoluteTolerance = accuracy.newton
     integration.newton.modifiedNewtonContractivity = 0.01
     if rubs:
-        # No Jacobian knows how friction depends on joint forces: convergence is linear, and ends
-        # at the round-off of the joint forces.
+        # No Jacobian knows how friction depends on joint forces: convergence is linear,
+        # and ends at the round-off of the joint forces.
         tolerance = max(accuracy.newton, LEAST_NEWTON)
         integration.newton.relativeTolerance = tolerance
         integration.newton.absoluteTolerance = tolerance
@@ -264,7 +309,11 @@ def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
 
 
 def _drives(
-    system: Any, linkage: Linkage, objects: dict[str, int], multipliers: Any, mass: Array
+    system: Any,
+    linkage: Linkage,
+    objects: dict[str, int],
+    multipliers: Any,
+    mass: Array,
 ) -> Drives:
     """Return the sources of the drive torques, with the projection where it is needed."""
     number = system.systemData.GetObjectLTGAE
@@ -272,7 +321,8 @@ def _drives(
     rows = [number(objects[name])[0] if name in objects else -1 for name in names]
     modelled = [drive for drive in linkage.drives if drive.name in objects]
     are_steady = all(is_steady(linkage, drive) for drive in modelled)
-    # Behind the short step to a bend in a load the accelerations would swing about the right ones.
+    # Behind the short step to a bend in a load the accelerations would swing about the
+    # right ones.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
     return Drives(
         multiplier=np.array(rows, np.int64),
@@ -283,7 +333,11 @@ def _drives(
 
 
 def prepare(
-    linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
+    linkage: Linkage,
+    start: Start,
+    settings: ExudynJoints,
+    plan: Plan,
+    recorder: Recorder,
 ) -> Simulation:
     """Build the bodies and joints in a start; see ``Simulation``."""
     model = _Joints(linkage, start, settings, plan, recorder)
@@ -308,13 +362,23 @@ class _Joints:
     """
 
     def __init__(
-        self, linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
+        self,
+        linkage: Linkage,
+        start: Start,
+        settings: ExudynJoints,
+        plan: Plan,
+        recorder: Recorder,
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
-        self.linkage, self.records, self.omitted = linkage, recorder.records, left_out(linkage)
+        self.linkage, self.records, self.omitted = (
+            linkage,
+            recorder.records,
+            left_out(linkage),
+        )
         self.joined = _joined_bodies(linkage, self.records.packed, self.omitted)
-        # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+        # Exudyn reads numbers one by one: they come faster out of an array of Python's
+        # own.
         self.force = array("d", bytes(8 * 3 * len(self.joined)))
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
@@ -341,7 +405,9 @@ class _Joints:
             held = constraints_of(linkage).held(packed.mass)
             begin_friction(frame, held, packed, self.drives, friction)
         self.energies = self.records.memory["energy"]
-        self.energies[:] = self.records.contacts["energy"]  # of pins that start pressed in
+        self.energies[:] = self.records.contacts[
+            "energy"
+        ]  # of pins that start pressed in
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
@@ -362,21 +428,31 @@ class _Joints:
             return None
         pins = self.linkage.rubbing_pins
         ends = [end.body for joint in pins for end in (joint.bearing, joint.pin)]
-        slots = [3 * self.joined.index(name) if name in self.joined else -1 for name in ends]
+        slots = [
+            3 * self.joined.index(name) if name in self.joined else -1 for name in ends
+        ]
         number = self.system.systemData.GetObjectLTGAE
-        rows = np.array([number(self.objects[joint.name])[0] for joint in pins], np.int64)
+        rows = np.array(
+            [number(self.objects[joint.name])[0] for joint in pins], np.int64
+        )
         places = np.array(slots, np.int64).reshape(-1, 2)
         return Friction(self.records.packed.rubbing, rows, places, multipliers)
 
-    def _prepare_solver(self, settings: ExudynJoints, plan: Plan, recorder: Recorder) -> Solver:
+    def _prepare_solver(
+        self, settings: ExudynJoints, plan: Plan, recorder: Recorder
+    ) -> Solver:
         """Return Exudyn's solver, which calls the kernels of trial steps and accepted ones."""
-        longest = min(settings.longest(plan.cycle), spring_period(self.linkage) / SPRING_STEPS)
+        longest = min(
+            settings.longest(plan.cycle), spring_period(self.linkage) / SPRING_STEPS
+        )
         steps = np.zeros(1, STEPS)
         steps["free"] = longest
         steps["least"] = settings.least_step
         steps["per_contact"] = settings.steps_per_contact
         steps["sustained"] = settings.steps_sustained
-        rows = [3 * self.linkage.index(name) + c for name in self.joined for c in range(3)]
+        rows = [
+            3 * self.linkage.index(name) + c for name in self.joined for c in range(3)
+        ]
         out = np.frombuffer(self.force) if self.joined else np.zeros(0)
         packed = pack_arguments(
             self.frame, self.drives, self.records, steps, np.array(rows, np.int64), out
@@ -416,7 +492,8 @@ class _Joints:
 
     def advance(self, end: float) -> Finding | None:
         """Integrate up to a time, s."""
-        # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
+        # Exudyn's own are those of even drives; a cycle goes on with what the last one
+        # ended with.
         compute = self.drives.held is None or self.solver.time == 0.0
         integration = self.solver.settings.timeIntegration
         integration.generalizedAlpha.computeInitialAccelerations = compute
@@ -441,15 +518,24 @@ class _Joints:
         return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
-        return stored_energy(self.linkage, self.records.packed, self.energies, *self.motion()[1:])
+        return stored_energy(
+            self.linkage, self.records.packed, self.energies, *self.motion()[1:]
+        )
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
         frame = self.frame
-        arrays = dict(zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True))
+        arrays = dict(
+            zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True)
+        )
         arrays |= {"force": self.drives.force, "started": frame.started}
         if self.omitted:
-            arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
+            arrays |= {
+                "all_q": frame.q,
+                "all_v": frame.v,
+                "all_a": frame.a,
+                "axes": frame.axes,
+            }
             arrays["prescribed"] = frame.prescribed.work
         return {name: np.asarray(array) for name, array in arrays.items()}
 
@@ -469,8 +555,12 @@ class _Joints:
         }
 
 
-def _joined_bodies(linkage: Linkage, packed: Packed, omitted: frozenset[str]) -> list[str]:
+def _joined_bodies(
+    linkage: Linkage, packed: Packed, omitted: frozenset[str]
+) -> list[str]:
     """Return the bodies of the connector: those on which interactions or rubbing pins act."""
     names = [body for one in interactions_of(linkage, packed) for body in one.bodies]
-    names += [end.body for pin in linkage.rubbing_pins for end in (pin.bearing, pin.pin)]
+    names += [
+        end.body for pin in linkage.rubbing_pins for end in (pin.bearing, pin.pin)
+    ]
     return [name for name in dict.fromkeys(names) if name not in {GROUND, *omitted}]

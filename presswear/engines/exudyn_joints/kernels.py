@@ -55,7 +55,8 @@ from presswear.tools.packing import PackedArguments, unpack
 
 Indices = NDArray[np.int64]
 
-# Change of a load on passing from one piece of its law to the next that is a jump, part of it.
+# Change of a load on passing from one piece of its law to the next that is a jump, part
+# of it.
 JUMP = 1e-3
 FORCES, START, ACCEPTED, SHORTER = range(4)
 """Tasks of ``run_task``."""
@@ -73,7 +74,8 @@ class Friction(NamedTuple):
 class Frame(NamedTuple):
     """Coordinates of all bodies from those that Exudyn solves for.
 
-    If Exudyn solves for all, ``q``, ``v`` and ``a`` are its live arrays, and ``places`` is empty.
+    If Exudyn solves for all, ``q``, ``v`` and ``a`` are its live arrays, and ``places``
+    is empty.
     """
 
     solved_q: Array  # Exudyn's live coordinates, rates and accelerations
@@ -86,12 +88,14 @@ class Frame(NamedTuple):
     a: Array
     axes: Array
     forces: Written  # of contacts, springs and loads on all bodies
-    model: Model  # the arrays that they read and fill, with the contacts of states on trial
+    # the arrays that they read and fill, with the contacts of states on trial
+    model: Model
     y: Array  # state for them, and rates of its integrals
     rates: Array
     layout: Layout  # places of their parts
     bristles: Indices  # places in ``y`` of the bristles of the joints, -1 for none
-    started: Array  # their deflections, m, and sliding, m/s, where a step starts, (2, joints)
+    # their deflections, m, and sliding, m/s, where a step starts, (2, joints)
+    started: Array
     friction: Friction | None  # None without friction in rigid joints
 
 
@@ -136,8 +140,9 @@ def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> 
 def note_friction(friction: Friction | None, v: Array) -> float:
     """Fill the friction moments of rigid joints under the present joint forces.
 
-    Returns the power that they turn into heat, W. In Newton's method the joint forces are those of
-    the present iterate, so that moments and joint forces converge together.
+    Returns the power that they turn into heat, W. In Newton's method the joint forces
+    are those of the present iterate, so that moments and joint forces converge
+    together.
     """
     if friction is None:
         return 0.0
@@ -168,8 +173,8 @@ def add_moments(friction: Friction | None, out: Array) -> None:
 def connector_forces(address: PackedArguments, t: float) -> None:
     """Fill the generalized forces of joints, springs and loads.
 
-    The last two parts of ``address`` are where each of the connector's coordinates belongs in q,
-    and the forces.
+    The last two parts of ``address`` are where each of the connector's coordinates
+    belongs in q, and the forces.
     """
     frame, _, records, _, places, out = unpack(address)
     refresh(frame, t)
@@ -183,11 +188,12 @@ def connector_forces(address: PackedArguments, t: float) -> None:
 class Drives(NamedTuple):
     """Sources of the torques of the drives."""
 
-    multiplier: Indices  # index of each drive's multiplier; -1 for that of a body that is left out
+    # index of each drive's multiplier; -1 for that of a body that is left out
+    multiplier: Indices
     multipliers: Array  # Exudyn's live ones; the torque of a drive is minus its own
     force: Array  # working space, (3 bodies,)
-    # Constraints, where a drive of Exudyn's turns unevenly or a load bends over position: see
-    # ``hold``
+    # Constraints, where a drive of Exudyn's turns unevenly or a load bends over
+    # position: see ``hold``
     held: Held | None
 
 
@@ -231,9 +237,9 @@ def begin_friction(
 def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
     """Move an accepted state onto joints and drives: to round-off in all levels.
 
-    The trapezoidal rule holds them in velocities alone.  Of an uneven speed it makes an angle with
-    an error of third order in each step, and an acceleration that swings about the right one for
-    ever, as it does behind a very short step.
+    The trapezoidal rule holds them in velocities alone.  Of an uneven speed it makes an
+    angle with an error of third order in each step, and an acceleration that swings
+    about the right one for ever, as it does behind a very short step.
     """
     if held is None:
         return
@@ -251,7 +257,9 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
 
 @compiled
-def drive_power(frame: Frame, drives: Drives, records: RecorderState, t: float) -> float:
+def drive_power(
+    frame: Frame, drives: Drives, records: RecorderState, t: float
+) -> float:
     """Fill the torques of the drives; return their power, W."""
     prescribed = frame.prescribed
     if prescribed.parts.shape[0] > 0:
@@ -267,11 +275,14 @@ def drive_power(frame: Frame, drives: Drives, records: RecorderState, t: float) 
 
 
 @compiled
-def sum_step(frame: Frame, records: RecorderState, power: float, t: float, h: float) -> None:
+def sum_step(
+    frame: Frame, records: RecorderState, power: float, t: float, h: float
+) -> None:
     """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
 
-    ``power`` is that of the drives. A step that began open has force only since its touchdown. The
-    wear of a step that ends open, which has no place any more, is left out.
+    ``power`` is that of the drives. A step that began open has force only since its
+    touchdown. The wear of a step that ends open, which has no place any more, is left
+    out.
     """
     layout = frame.layout
     energies, powers = records.energies, records.powers
@@ -315,7 +326,9 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     sum_step(frame, records, drive_power(frame, drives, records, t), t, h)
     sum_drives(records, h, frame.v)
     packed = records.packed
-    records.energies[LOAD_WORK] += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
+    records.energies[LOAD_WORK] += work_beyond_trapezoid(
+        packed.loads, t, frame.q, frame.v
+    )
     changes = settle_loads(packed.loads, t, frame.q, frame.v, frame.a)
     observe(records, t, h, frame.q, frame.v, frame.a)
     following = next_step(records, steps, frame.a)
@@ -345,8 +358,9 @@ def shorter_joint_step(address: PackedArguments, t: float) -> float:
 def run_task(address: PackedArguments, task: int, t: float) -> float:
     """Call one of the kernels above; returns a step, s, for those that choose one.
 
-    They are compiled together, because they share what places the bodies. ``address`` packs Frame,
-    Drives, RecorderState, one record of STEPS, and two arrays for ``connector_forces``.
+    They are compiled together, because they share what places the bodies. ``address``
+    packs Frame, Drives, RecorderState, one record of STEPS, and two arrays for
+    ``connector_forces``.
     """
     if task == FORCES:
         connector_forces(address, t)

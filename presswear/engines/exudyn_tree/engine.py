@@ -1,10 +1,11 @@
 """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
 
-For linkages in which the clearance joints cut every loop that has a freedom.  The tree's inertia,
-gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python user function
-hands the live state to the forces that are written for the linkage (``physics.equations``):
-those of all contacts, weights and moving hinges at once.  Contact state changes only between
-accepted steps, and steps end where a pin touches or leaves.
+For linkages in which the clearance joints cut every loop that has a freedom.  The
+tree's inertia, gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python
+user function hands the live state to the forces that are written for the linkage
+(``physics.equations``): those of all contacts, weights and moving hinges at once.
+Contact state changes only between accepted steps, and steps end where a pin touches or
+leaves.
 """
 
 import time as clock
@@ -45,8 +46,9 @@ exu = exudyn_module()
 
 SHORTEST_STEP = 1e-13  # s
 FIRST_STEP = 1e-7  # s
-# Calls for forces without an accepted step after which there is no way on: a thousand steps sent
-# back, where thirty reach the shortest.  Exudyn would repeat that one for ever.
+# Calls for forces without an accepted step after which there is no way on: a thousand
+# steps sent back, where thirty reach the shortest.  Exudyn would repeat that one for
+# ever.
 MOST_CALLS = 7000
 _INITIAL = ("ODE2Coordinates", "ODE2Coordinates_t")  # state that a solve begins from
 
@@ -63,7 +65,9 @@ def prepare(
     """
     branches = branches_of(linkage)
     if isinstance(branches, str):
-        raise InputError(f"engine exudyn-tree needs a linkage without free loops: {branches}")
+        raise InputError(
+            f"engine exudyn-tree needs a linkage without free loops: {branches}"
+        )
     tree = _Tree(linkage, start, settings, plan, recorder)
     return Simulation(
         tree.advance,
@@ -85,7 +89,12 @@ class _Tree:
     """
 
     def __init__(
-        self, linkage: Linkage, start: Start, settings: ExudynTree, plan: Plan, recorder: Recorder
+        self,
+        linkage: Linkage,
+        start: Start,
+        settings: ExudynTree,
+        plan: Plan,
+        recorder: Recorder,
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
@@ -95,7 +104,8 @@ class _Tree:
         assert isinstance(equations, Equations)
         self.chain = equations.chain
         states = len(equations.states)
-        # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+        # Exudyn reads numbers one by one: they come faster out of an array of Python's
+        # own.
         self.force = array("d", bytes(8 * self.chain.size))
         self.state_rates = np.zeros(states)
         self.container = exu.SystemContainer()
@@ -104,7 +114,9 @@ class _Tree:
         if states:
             _add_states(self.system, states, self.stage_states)
         self.system.Assemble()
-        self.model = model_of(linkage, equations, packed, np.zeros(joints), self.records.contacts)
+        self.model = model_of(
+            linkage, equations, packed, np.zeros(joints), self.records.contacts
+        )
         begin_motion(self.model.prescribed, 0.0, start.position)
         self.live, live = self._live_arrays(states)
         self.tree = _tree_system(equations, self.model, live)
@@ -117,7 +129,9 @@ class _Tree:
             self._states = bind(stage_states, self.tree, self.state_rates)
         self.solver = self._prepare_solver(plan, recorder)
         self._place_start(0.0)
-        self.records.memory["energy"] = self.records.contacts["energy"]  # of pins pressed in
+        self.records.memory["energy"] = self.records.contacts[
+            "energy"
+        ]  # of pins pressed in
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
@@ -129,7 +143,9 @@ class _Tree:
         x, u = (initial[name] for name in _INITIAL)
         live_states = np.zeros(0)
         if states:
-            live_states = initial["ODE1Coordinates"] = data.GetODE1Coordinates(copy=False)
+            live_states = initial["ODE1Coordinates"] = data.GetODE1Coordinates(
+                copy=False
+            )
         return initial, (x, u, accelerations, live_states, np.frombuffer(self.force))
 
     def _prepare_solver(self, plan: Plan, recorder: Recorder) -> Solver:
@@ -180,7 +196,9 @@ class _Tree:
 
     def _stored(self) -> float:
         q, v = self.tree.state[0], self.tree.state[1]
-        return stored_energy(self.linkage, self.records.packed, self.records.memory["energy"], q, v)
+        return stored_energy(
+            self.linkage, self.records.packed, self.records.memory["energy"], q, v
+        )
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
@@ -226,11 +244,13 @@ def _add_states(system: Any, count: int, rates: Callable[..., Any]) -> None:
     add(system, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 
 
-def _tree_system(equations: Equations, model: Model, live: tuple[Array, ...]) -> TreeSystem:
+def _tree_system(
+    equations: Equations, model: Model, live: tuple[Array, ...]
+) -> TreeSystem:
     """Pack a tree for the kernels.
 
-    ``live`` are Exudyn's coordinates, rates, accelerations and states of interactions, and the
-    forces that it is handed.
+    ``live`` are Exudyn's coordinates, rates, accelerations and states of interactions,
+    and the forces that it is handed.
     """
     layout = equations.layout
     width = layout.size + layout.coordinates  # with the forces on the coordinates
@@ -266,7 +286,8 @@ def _solver_settings(accuracy: ExudynTree, longest: float) -> Any:
     integration = settings.timeIntegration
     integration.automaticStepSize = True
     integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
-    # Exudyn's relative part takes the state with its sign; only an absolute one is sound.
+    # Exudyn's relative part takes the state with its sign; only an absolute one is
+    # sound.
     integration.absoluteTolerance = accuracy.tolerance
     integration.relativeTolerance = 0.0
     # The seventh stage of DOPRI5 already is the acceleration at the end of the step.

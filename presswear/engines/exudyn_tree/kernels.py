@@ -1,9 +1,9 @@
 """Compiled part of the open tree: forces of a stage, and one call per accepted step.
 
-Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step ends in.  Each
-fills a row of rates, so that work, losses, torques and wear are integrated with the weights of the
-method and at its order.  Steps end where a law of force changes: at predicted touchdowns,
-separations and changes of the laws of loads.
+Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step ends
+in.  Each fills a row of rates, so that work, losses, torques and wear are integrated
+with the weights of the method and at its order.  Steps end where a law of force
+changes: at predicted touchdowns, separations and changes of the laws of loads.
 """
 
 import math
@@ -14,7 +14,13 @@ import numpy as np
 from presswear.engines.dormand_prince import DOPRI5
 from presswear.physics.contact import penetration_acceleration
 from presswear.physics.drive_motion import step_to_break
-from presswear.physics.equations.function import ACCELERATIONS, END, RATES, Written, fill
+from presswear.physics.equations.function import (
+    ACCELERATIONS,
+    END,
+    RATES,
+    Written,
+    fill,
+)
 from presswear.physics.equations.layout import (
     DOSE_COUNT,
     POWER,
@@ -26,10 +32,20 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
-from presswear.physics.loads import count_transitions, next_break, settle_loads, transition_at_start
+from presswear.physics.loads import (
+    count_transitions,
+    next_break,
+    settle_loads,
+    transition_at_start,
+)
 from presswear.physics.packed import Packed
 from presswear.physics.step_length import contact_step, longest_step
-from presswear.physics.touchdown import settle, step_to_event, time_across, time_to_event
+from presswear.physics.touchdown import (
+    settle,
+    step_to_event,
+    time_across,
+    time_to_event,
+)
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
@@ -38,12 +54,12 @@ from presswear.tools.packing import PackedArguments, unpack
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
 GROWTH = 5.0  # a step is at most so many times the one before
-# A contact with fewer than this part of the steps of a free impact counts as unresolved: its peak
-# could be missed.  A bump of a worn surface can cut a contact short, and there the error control
-# decides.
+# A contact with fewer than this part of the steps of a free impact counts as
+# unresolved: its peak could be missed.  A bump of a worn surface can cut a contact
+# short, and there the error control decides.
 RESOLVED = 1.0 / 3.0
-# A step that ends on a touchdown or separation goes this far behind it, m; on a change of a load's
-# law, m, rad, m/s or rad/s
+# A step that ends on a touchdown or separation goes this far behind it, m; on a change
+# of a load's law, m, rad, m/s or rad/s
 LANDING_DEPTH = 1e-11
 LANDING_PART = 1e-3  # ... but no further than this part of the contact's duration
 # Part of a predicted time that is in doubt while the change of acceleration is unknown
@@ -77,11 +93,14 @@ class TreeSystem(NamedTuple):
     u_t: Array
     states: Array  # of interactions, live where there are any, m, (states,)
     force: Array  # forces that Exudyn is handed, (coordinates,)
-    expected: Array  # closing speed of the next step: latched, or predicted while open, m/s
+    expected: (
+        Array  # closing speed of the next step: latched, or predicted while open, m/s
+    )
     pace: Records  # one of PACE
     state: Array  # q, v, a of all bodies first, (5, 3 bodies)
     y: Array  # state for the equations, (m,)
-    stages: Array  # its rates in the stages and the forces on the coordinates, (7, m + coordinates)
+    # its rates in the stages and the forces on the coordinates, (7, m + coordinates)
+    stages: Array
     out: Array  # the same in other states
     start: Array  # coordinates and rates at the start of a step, (2, coordinates)
     start_states: Array  # states there, m, (states,)
@@ -162,7 +181,9 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         acceleration = penetration_acceleration(
             joint, records.packed.surfaces[k], records.contacts[k], a
         )
-        jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
+        jerk = (
+            (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
+        )
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
             last.longest_step = 2.0 * last.rate / -acceleration / pace.parts
@@ -230,14 +251,17 @@ def sum_stages(system: TreeSystem, records: RecorderState, h: float) -> None:
     for stage in range(STAGES):
         add_rates(system, records, system.stages[stage], h * WEIGHTS[stage])
     for k in range(records.memory.shape[0]):
-        # One weight is negative: a step at the end of a contact may sum to less than nothing.
+        # One weight is negative: a step at the end of a contact may sum to less than
+        # nothing.
         integrals = records.wear_integrals[k]
         integrals.work = max(integrals.work, 0.0)
         integrals.pressure = max(integrals.pressure, 0.0)
 
 
 @compiled
-def add_rates(system: TreeSystem, records: RecorderState, rates: Array, weight: float) -> None:
+def add_rates(
+    system: TreeSystem, records: RecorderState, rates: Array, weight: float
+) -> None:
     """Add the rates of a stage, times a weight, s, to energies, wear and torques of the step."""
     layout = system.layout
     for i in range(records.energies.shape[0]):
@@ -258,7 +282,12 @@ def add_rates(system: TreeSystem, records: RecorderState, rates: Array, weight: 
 
 @compiled
 def place(
-    system: TreeSystem, records: RecorderState, t: float, x: Array, u: Array, states: Array
+    system: TreeSystem,
+    records: RecorderState,
+    t: float,
+    x: Array,
+    u: Array,
+    states: Array,
 ) -> None:
     """Fill motion of all bodies, contacts and torques in a state of the tree."""
     fill_state(system.y, x, u, states)

@@ -43,14 +43,18 @@ def tree_links(chain: Chain) -> list[TreeLink]:
     for link in chain.free:
         joint = link.branch.joint
         end = link.branch.end
-        revolute = TreeLink(exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body)
+        revolute = TreeLink(
+            exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body
+        )
         if link.is_loose:
             # Two links without mass carry it across the plane.
             links.append(TreeLink(exu.JointType.PrismaticX))
             links.append(TreeLink(exu.JointType.PrismaticY, len(links) - 1))
             links.append(revolute._replace(parent=len(links) - 1))
         elif isinstance(joint, Guide):
-            links.append(TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body))
+            links.append(
+                TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body)
+            )
         elif link.parent is not None and link.parent.prefix in numbers:
             revolute = revolute._replace(parent=numbers[link.parent.prefix])
             links.append(_hinged(link, link.parent, revolute))
@@ -71,7 +75,9 @@ def _hinged(link: Link, parent: Link, revolute: TreeLink) -> TreeLink:
     return revolute._replace(turn=turn, offset=(x, y))
 
 
-def add_tree(system: Any, chain: Chain, start: Start, forces: Callable[..., Any]) -> None:
+def add_tree(
+    system: Any, chain: Chain, start: Start, forces: Callable[..., Any]
+) -> None:
     """Add a kinematic tree to a system, with a user function for the forces on its coordinates."""
     x, u = chain.coordinates(start.position, start.velocity)
     node = add(
@@ -93,7 +99,9 @@ def add_tree(system: Any, chain: Chain, start: Start, forces: Callable[..., Any]
         linkParents=[link.parent for link in links],
         jointTransformations=exu.Matrix3DList([_rotation(link.turn) for link in links]),
         jointOffsets=exu.Vector3DList([[*link.offset, 0.0] for link in links]),
-        linkInertiasCOM=exu.Matrix3DList([np.diag([0.0, 0.0, link.inertia]) for link in links]),
+        linkInertiasCOM=exu.Matrix3DList(
+            [np.diag([0.0, 0.0, link.inertia]) for link in links]
+        ),
         linkCOMs=exu.Vector3DList([[*link.centre, 0.0] for link in links]),
         linkMasses=[link.body.mass if link.body else 0.0 for link in links],
         forceUserFunction=forces,

@@ -1,9 +1,10 @@
 """Accelerations of a tree under forces, from articulated bodies.
 
-From the leaves inwards each body presents two things at the hinge to its parent: a mass of two by
-two that resists an acceleration of the hinge, and the force at rest. Outwards the accelerations
-follow (Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.3). The angle of each body counts from
-the frame here, because a hinge transmits a force and no moment.
+From the leaves inwards each body presents two things at the hinge to its parent: a mass
+of two by two that resists an acceleration of the hinge, and the force at rest. Outwards
+the accelerations follow (Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.3). The
+angle of each body counts from the frame here, because a hinge transmits a force and no
+moment.
 """
 
 from typing import NamedTuple
@@ -44,14 +45,19 @@ class Mass(NamedTuple):
 
     def named(self, text: Text, name: str) -> "Mass":
         """Assign the entries to names."""
-        return Mass(*(text.let(f"{name}_{entry}", getattr(self, entry)) for entry in self._fields))
+        return Mass(
+            *(
+                text.let(f"{name}_{entry}", getattr(self, entry))
+                for entry in self._fields
+            )
+        )
 
 
 class Articulated:
     """A free body with all that hangs from it, about its mass centre.
 
-    An acceleration a of the mass centre and an angular acceleration alpha need the force
-    mass a + coupling alpha and the moment coupling . a + inertia alpha.
+    An acceleration a of the mass centre and an angular acceleration alpha need the
+    force mass a + coupling alpha and the moment coupling . a + inertia alpha.
     """
 
     def __init__(self, text: Text, link: Link) -> None:
@@ -59,9 +65,12 @@ class Articulated:
         mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
         self.mass = Mass(mass, ZERO, mass)
         self.coupling = Vector()
-        self.inertia = text.parameter(f"{link.prefix}_inertia", link.body.effective_inertia)
+        self.inertia = text.parameter(
+            f"{link.prefix}_inertia", link.body.effective_inertia
+        )
         self.is_leaf = True
-        # Motion of the mass centre with the coordinate of the body, and what that motion needs
+        # Motion of the mass centre with the coordinate of the body, and what that
+        # motion needs
         self.way = link.guide
         self.momentum = self.force = Vector()
         self.moment = self.effort = self.mobility = ZERO
@@ -70,12 +79,16 @@ class Articulated:
         """Add the mass and the force that a child presents at its hinge."""
         arm = self.link.arm(self.text, child.branch.before, child.joint)
         force = force.plus(mass.times(arm).times(square(self.link.omega)))
-        self.link.add_force(arm, self.text.let_vector(f"{child.prefix}_on_{self.prefix}", force))
+        self.link.add_force(
+            arm, self.text.let_vector(f"{child.prefix}_on_{self.prefix}", force)
+        )
         self.mass = self.mass.plus(mass)
         self.is_leaf = False
         if not self.link.is_guided:
             coupling = mass.times(arm.swept(ONE))
-            coupling = self.text.let_vector(f"{child.prefix}_coupling_on_{self.prefix}", coupling)
+            coupling = self.text.let_vector(
+                f"{child.prefix}_coupling_on_{self.prefix}", coupling
+            )
             self.coupling = self.coupling.plus(coupling)
             self.inertia = total(self.inertia, arm.cross(coupling))
 
@@ -125,7 +138,9 @@ class Articulated:
         circle = text.let_vector(f"{prefix}_centripetal", circle)
         mass, yielding = self.mass, self.momentum.times(link.alpha)
         if link.drive is None:
-            share = text.let_vector(f"{prefix}_share", self.momentum.times(self.mobility))
+            share = text.let_vector(
+                f"{prefix}_share", self.momentum.times(self.mobility)
+            )
             yielding = share.times(self.effort)
             less = Mass(
                 negative(product(share.x, self.momentum.x)),
@@ -160,7 +175,9 @@ class Articulated:
     def _release_hinged(self) -> None:
         text, prefix, link = self.text, self.prefix, self.link
         carried = hinge_acceleration(text, link)
-        carried = carried.plus(centripetal(link, link.arm(text, link.branch.end, link.joint)))
+        carried = carried.plus(
+            centripetal(link, link.arm(text, link.branch.end, link.joint))
+        )
         carried = text.let_vector(f"{prefix}_carried", carried)
         if link.drive is None:
             rest = difference(self.effort, self.momentum.dot(carried))
@@ -180,12 +197,16 @@ class Articulated:
                 f"{prefix}_a", Vector(*(quotient(each, mass.xx) for each in self.force))
             )
             if link.drive is None:
-                link.alpha = text.let(f"{prefix}_alpha", quotient(self.moment, self.inertia))
+                link.alpha = text.let(
+                    f"{prefix}_alpha", quotient(self.moment, self.inertia)
+                )
             return
         determinant = difference(product(mass.xx, mass.yy), square(mass.xy))
         part = text.let(f"{prefix}_part", quotient(ONE, determinant))
         inverse = Mass(
-            product(part, mass.yy), negative(product(part, mass.xy)), product(part, mass.xx)
+            product(part, mass.yy),
+            negative(product(part, mass.xy)),
+            product(part, mass.xx),
         )
         inverse = inverse.named(text, f"{prefix}_mobility")
         free = text.let_vector(f"{prefix}_free", inverse.times(self.force))
@@ -194,7 +215,9 @@ class Articulated:
             moment = difference(self.moment, self.coupling.dot(free))
             inertia = difference(self.inertia, self.coupling.dot(turn))
             link.alpha = text.let(f"{prefix}_alpha", f"({moment}) / ({inertia})")
-        link.acceleration = text.let_vector(f"{prefix}_a", free.minus(turn.times(link.alpha)))
+        link.acceleration = text.let_vector(
+            f"{prefix}_a", free.minus(turn.times(link.alpha))
+        )
 
     def reaction(self) -> Vector:
         """Return the force on the parent at the hinge."""
@@ -208,7 +231,9 @@ class Articulated:
     def torque(self) -> str:
         """Return the torque that the drive of the body gives."""
         link = self.link
-        turning = total(self.coupling.dot(link.acceleration), product(self.inertia, link.alpha))
+        turning = total(
+            self.coupling.dot(link.acceleration), product(self.inertia, link.alpha)
+        )
         if link.is_loose:
             return difference(turning, self.moment)
         return difference(total(turning, self.way.dot(self._needed())), self.effort)

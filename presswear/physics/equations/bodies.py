@@ -49,7 +49,9 @@ def _read_loops(text: Text, chain: Chain) -> None:
         link.angle = text.let(f"{prefix}_angle", f"q[{turn}]")
         link.omega = text.let(f"{prefix}_omega", f"v[{turn}]")
         link.alpha = text.let(f"{prefix}_alpha", f"a[{turn}]")
-        link.axis = text.let_vector(f"{prefix}_axis", Vector(f"axes[{x}]", f"axes[{y}]"))
+        link.axis = text.let_vector(
+            f"{prefix}_axis", Vector(f"axes[{x}]", f"axes[{y}]")
+        )
 
 
 def _turn(text: Text, chain: Chain, link: Link) -> None:
@@ -70,7 +72,10 @@ def _turn(text: Text, chain: Chain, link: Link) -> None:
         angle, omega = f"y[{place}]", f"y[{chain.size + place}]"
         # Coordinates of a body on a free body are relative to it.
         if link.parent is not None and not link.parent.is_prescribed:
-            angle, omega = total(link.parent.angle, angle), total(link.parent.omega, omega)
+            angle, omega = (
+                total(link.parent.angle, angle),
+                total(link.parent.omega, omega),
+            )
         link.angle = text.let(f"{prefix}_angle", angle)
         link.omega = text.let(f"{prefix}_omega", omega)
     link.axis = Vector(f"{prefix}_cos", f"{prefix}_sin")
@@ -124,7 +129,9 @@ def hinge_acceleration(text: Text, link: Link) -> Vector:
     assert parent is not None
     hinge = parent.arm(text, link.branch.before, link.joint)
     turning = hinge.swept(parent.alpha).minus(hinge.times(square(parent.omega)))
-    return text.let_vector(f"{parent.prefix}_{link.joint}_a", parent.acceleration.plus(turning))
+    return text.let_vector(
+        f"{parent.prefix}_{link.joint}_a", parent.acceleration.plus(turning)
+    )
 
 
 def centripetal(link: Link, arm: Vector) -> Vector:

@@ -20,13 +20,15 @@ class BodyForces:
     contacts : ndarray of CONTACT
         Contacts of the state evaluated last, with their forces.
     energies, doses : ndarray
-        Powers in that state, W, in the order of ``layout.ENERGIES``; rates of wear of the joints,
-        shape (joints, DOSE_COUNT).
+        Powers in that state, W, in the order of ``layout.ENERGIES``; rates of wear of
+        the joints, shape (joints, DOSE_COUNT).
     states : ndarray
         States of interactions that the next evaluation takes, m.
     """
 
-    def __init__(self, linkage: Linkage, packed: Packed, onset: Array | None = None) -> None:
+    def __init__(
+        self, linkage: Linkage, packed: Packed, onset: Array | None = None
+    ) -> None:
         """Write the forces; without ``onset``, all contacts close at their present rate."""
         count = len(packed.joints)
         onset = np.zeros(count) if onset is None else onset
@@ -39,7 +41,9 @@ class BodyForces:
         self._y, self._rates = np.zeros((2, layout.size))
         self.states = self._y[layout.first_state : layout.first_energy]
         self.energies = self._rates[layout.first_energy : layout.first_dose]
-        self.doses = self._rates[layout.first_dose : layout.first_torque].reshape(count, DOSE_COUNT)
+        self.doses = self._rates[layout.first_dose : layout.first_torque].reshape(
+            count, DOSE_COUNT
+        )
 
     def __call__(self, t: float, q: Array, v: Array) -> Array:
         """Return forces and moments on the bodies, N and N m, shape (3 bodies,)."""

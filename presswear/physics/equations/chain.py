@@ -9,7 +9,15 @@ import numpy as np
 from presswear.linkage.elements import GROUND, Attachment, Body, Guide
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import Branch, chain_of, free_branches, prescribed_of
-from presswear.physics.equations.text import ONE, ZERO, Text, Vector, difference, product, total
+from presswear.physics.equations.text import (
+    ONE,
+    ZERO,
+    Text,
+    Vector,
+    difference,
+    product,
+    total,
+)
 from presswear.tools.arrays import Array
 
 
@@ -51,7 +59,11 @@ class Link:
     @property
     def size(self) -> int:
         """Number of coordinates."""
-        return 0 if self.is_prescribed else (3 if self.is_loose else 1) - (self.drive is not None)
+        return (
+            0
+            if self.is_prescribed
+            else (3 if self.is_loose else 1) - (self.drive is not None)
+        )
 
     def arm(self, text: Text, point: Attachment, name: str) -> Vector:
         """Return the vector from the mass centre to a point of the body, in global directions.
@@ -153,7 +165,9 @@ def open_chain(linkage: Linkage, text: Text) -> Chain | str:
         return branches
     prescribed, pins = chain_of(linkage, prescribed_of(linkage))
     centre = Attachment(GROUND, 0.0, 0.0)
-    frame = Link(Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None)
+    frame = Link(
+        Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None
+    )
     links = [*_links(linkage, prescribed, text, frame)]
     links += _links(linkage, branches, text, frame, links)
     place = 0
@@ -166,7 +180,9 @@ def open_chain(linkage: Linkage, text: Text) -> Chain | str:
 def loose_chain(linkage: Linkage, text: Text) -> Chain:
     """Return all bodies in their order, as if no ideal joint and no drive held them."""
     centre = Attachment(GROUND, 0.0, 0.0)
-    frame = Link(Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None)
+    frame = Link(
+        Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None
+    )
     links = [
         Link(
             body,
@@ -198,7 +214,10 @@ def _links(
         name = branch.end.body
         number = linkage.index(name)
         parent = links[branch.before.body] if branch.joint else None
-        names = text.prefix(name), text.prefix(branch.joint.name) if branch.joint else ""
+        names = (
+            text.prefix(name),
+            text.prefix(branch.joint.name) if branch.joint else "",
+        )
         drive, body = drives.get(name), linkage.bodies[number]
         links[name] = Link(body, *names, 3 * number, branch, parent, drive)
         added.append(links[name])

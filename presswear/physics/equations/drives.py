@@ -48,7 +48,9 @@ def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
     for link in chain.free:
         parent = link.parent
         if parent is not None and parent.is_prescribed and parent is not chain.frame:
-            force = text.let_vector(f"{link.prefix}_{link.joint}", bodies[link.prefix].reaction())
+            force = text.let_vector(
+                f"{link.prefix}_{link.joint}", bodies[link.prefix].reaction()
+            )
             parent.add_force(parent.arm(text, link.branch.before, link.joint), force)
 
 

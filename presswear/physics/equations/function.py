@@ -35,11 +35,13 @@ FORCE = 3
 class Model(NamedTuple):
     """Arrays that the equations of a linkage read and fill.
 
-    ``contacts`` are the numbers of ``contact_records``, shape (joints, fields of CONTACT).
+    ``contacts`` are the numbers of ``contact_records``, shape (joints, fields of
+    CONTACT).
     """
 
     parameters: Array
-    # Closing speeds of the joints at touchdown, m/s; 0: that of the state; below zero: held open
+    # Closing speeds of the joints at touchdown, m/s; 0: that of the state; below zero:
+    # held open
     onset: Array
     contacts: Array
     bodies: Array  # q, v, a, forces and axes of all bodies, (5, 3 bodies)
@@ -86,24 +88,31 @@ def function_of(text: str) -> Kernel:
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     exec(compile(text, name, "exec"), names)
     function: Callable[..., Any] = names["equations"]
-    # Of two equal names in machine code that other processes stored, only one would be found.
+    # Of two equal names in machine code that other processes stored, only one would be
+    # found.
     function.__qualname__ = f"equations_{short}"
     return Kernel(function, file=__file__)
 
 
 def model_of(
-    linkage: Linkage, equations: Equations, packed: Packed, onset: Array, contacts: Records
+    linkage: Linkage,
+    equations: Equations,
+    packed: Packed,
+    onset: Array,
+    contacts: Records,
 ) -> Model:
     """Return the arrays that the equations of a linkage read and fill.
 
-    ``contacts`` are records of CONTACT. Closed loops of prescribed bodies go on from the motion
-    that ``begin_motion`` notes in ``prescribed``.
+    ``contacts`` are records of CONTACT. Closed loops of prescribed bodies go on from
+    the motion that ``begin_motion`` notes in ``prescribed``.
     """
     prescribed = frozenset(link.body.name for link in equations.chain.prescribed)
     return Model(
         parameters=equations.parameters,
         onset=onset,
-        contacts=contacts.view(np.float64).reshape(len(contacts), len(CONTACT.names or ())),
+        contacts=contacts.view(np.float64).reshape(
+            len(contacts), len(CONTACT.names or ())
+        ),
         bodies=np.zeros((5, packed.mass.size)),
         joints=packed.joints,
         surfaces=packed.surfaces,
@@ -118,7 +127,9 @@ def model_of(
 def written(equations: Equations, model: Model) -> Written:
     """Return equations for ``fill``."""
     packed, y = pack_arguments(model), np.zeros(equations.layout.size)
-    return Written(entry_of(function_of(equations.text), packed, 0.0, y, y, END), packed)
+    return Written(
+        entry_of(function_of(equations.text), packed, 0.0, y, y, END), packed
+    )
 
 
 @inlined

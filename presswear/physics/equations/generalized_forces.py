@@ -1,8 +1,8 @@
 """Generalized forces on the coordinates of an open tree, by virtual work.
 
-They are the forces on all bodies times their Jacobian, J^T f. A branch that hangs from a prescribed
-body moves in axes that translate with its hinge. The motion of the hinge enters as a force -m a on
-each body of the branch, and is exact.
+They are the forces on all bodies times their Jacobian, J^T f. A branch that hangs from
+a prescribed body moves in axes that translate with its hinge. The motion of the hinge
+enters as a force -m a on each body of the branch, and is exact.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,9 @@ class _Transmitted:
 def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
     """Write the forces on the coordinates of a tree, from a place in ``out``."""
     text.comment("forces on the coordinates")
-    carried: dict[str, Vector] = {}  # accelerations of the hinges of whole branches, by body
+    carried: dict[
+        str, Vector
+    ] = {}  # accelerations of the hinges of whole branches, by body
     transmitted: dict[str, _Transmitted] = {}
     for link in chain.free:
         acceleration = carried[link.prefix] = _branch_acceleration(text, link, carried)
@@ -45,11 +47,17 @@ def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> 
     return hinge_acceleration(text, link)
 
 
-def _write_force(text: Text, link: Link, transmitted: dict[str, _Transmitted], place: int) -> None:
+def _write_force(
+    text: Text, link: Link, transmitted: dict[str, _Transmitted], place: int
+) -> None:
     """Write the forces on the coordinates of a body, and pass them on to what it hangs from."""
     prefix, parent = link.prefix, link.parent
-    force = text.let_vector(f"{prefix}_transmitted", Vector().plus(*transmitted[prefix].forces))
-    moment = text.let(f"{prefix}_transmitted_moment", total(*transmitted[prefix].moments))
+    force = text.let_vector(
+        f"{prefix}_transmitted", Vector().plus(*transmitted[prefix].forces)
+    )
+    moment = text.let(
+        f"{prefix}_transmitted_moment", total(*transmitted[prefix].moments)
+    )
     if link.is_guided:
         text.write(f"out[{place}] = {link.guide.dot(force)}")
         return
@@ -59,7 +67,9 @@ def _write_force(text: Text, link: Link, transmitted: dict[str, _Transmitted], p
         text.write(f"out[{place + 2}] = {moment}")
         return
     arm = link.arm(text, link.branch.end, link.joint)
-    about_hinge = text.let(f"{prefix}_about_{link.joint}", difference(moment, arm.cross(force)))
+    about_hinge = text.let(
+        f"{prefix}_about_{link.joint}", difference(moment, arm.cross(force))
+    )
     text.write(f"out[{place}] = {about_hinge}")
     if parent is not None and parent.prefix in transmitted:
         hinge = parent.arm(text, link.branch.before, link.joint)

@@ -1,15 +1,22 @@
 """Places in the state of the equations of motion.
 
-Behind coordinates and rates follow the states of interactions, such as the deflection of bristles,
-then integrals: the energies of the ledger, two doses of wear of each clearance joint, and four
-integrals of each drive.
+Behind coordinates and rates follow the states of interactions, such as the deflection
+of bristles, then integrals: the energies of the ledger, two doses of wear of each
+clearance joint, and four integrals of each drive.
 """
 
 from typing import NamedTuple
 
-# Energies of the ledger, J: work of all drives, its absolute value, of loads less that which
-# dampers take; lost in contacts and in friction, and made by the normal law
-ENERGIES = ("drive_work", "drive_exchange", "load_work", "contact_loss", "friction_loss", "made")
+# Energies of the ledger, J: work of all drives, its absolute value, of loads less that
+# which dampers take; lost in contacts and in friction, and made by the normal law
+ENERGIES = (
+    "drive_work",
+    "drive_exchange",
+    "load_work",
+    "contact_loss",
+    "friction_loss",
+    "made",
+)
 DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, MADE = range(6)
 # Doses of wear of a joint: F_n ds, N m, and p ds, N/m
 DOSES = ("work", "pressure")
@@ -44,4 +51,6 @@ def layout_of(coordinates: int, states: int, joints: int, drives: int) -> Layout
     first_dose = first_energy + len(ENERGIES)
     first_torque = first_dose + DOSE_COUNT * joints
     size = first_torque + TORQUE_INTEGRALS * drives
-    return Layout(coordinates, first_state, first_energy, first_dose, first_torque, size)
+    return Layout(
+        coordinates, first_state, first_energy, first_dose, first_torque, size
+    )

@@ -1,7 +1,7 @@
 """Text of a function in scalars, and the numbers that it takes from an array.
 
-Terms that are zero by the topology of a linkage are left out of sums and products, so that the text
-holds what a person would write down.
+Terms that are zero by the topology of a linkage are left out of sums and products, so
+that the text holds what a person would write down.
 """
 
 import re

@@ -1,8 +1,8 @@
 """The equations of motion of a linkage as text, with the numbers that they take.
 
-The text is a Python function that fills the rates of a state y = (x, x', integrals): coordinates
-and rates of the open tree, then those of ``integrals``. Topology stands in the text; numbers are in
-one array, so that another clearance needs no other text.
+The text is a Python function that fills the rates of a state y = (x, x', integrals):
+coordinates and rates of the open tree, then those of ``integrals``. Topology stands in
+the text; numbers are in one array, so that another clearance needs no other text.
 """
 
 import re
@@ -69,8 +69,9 @@ def write_equations(
 ) -> Equations | str:
     """Return the equations of a linkage, or the reason why none can be written.
 
-    ``packed`` is the linkage for kernels, which tells whether its surfaces are round. With forces,
-    those on the coordinates follow in ``out`` behind the state; no drive may turn a free body then.
+    ``packed`` is the linkage for kernels, which tells whether its surfaces are round.
+    With forces, those on the coordinates follow in ``out`` behind the state; no drive
+    may turn a free body then.
     """
     text = Text()
     chain = open_chain(linkage, text)
@@ -98,9 +99,9 @@ def write_equations(
 def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
     """Return forces and moments of contacts, springs and loads as text, whatever holds the bodies.
 
-    The coordinates are those of all bodies. The function fills the row of forces in ``bodies``, and
-    in ``out`` the rates of states and integrals but for those of drives. Weights and constant loads
-    are left to ``packed.weight``.
+    The coordinates are those of all bodies. The function fills the row of forces in
+    ``bodies``, and in ``out`` the rates of states and integrals but for those of
+    drives. Weights and constant loads are left to ``packed.weight``.
     """
     text = Text()
     chain = loose_chain(linkage, text)
@@ -155,7 +156,9 @@ def _record(text: Text, chain: Chain, link: Link) -> None:
 def _equations(linkage: Linkage, page: Page) -> Equations:
     """Return what is written on a page."""
     text, states = page.text, tuple(page.states)
-    return Equations(_function(linkage, text), text.numbers, page.chain, states, page.layout)
+    return Equations(
+        _function(linkage, text), text.numbers, page.chain, states, page.layout
+    )
 
 
 def _function(linkage: Linkage, text: Text) -> str:

@@ -28,7 +28,8 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
 FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
-# What surfaces that are not round fill in; see ``contact.note_radial`` and ``note_foundation``.
+# What surfaces that are not round fill in; see ``contact.note_radial`` and
+# ``note_foundation``.
 _FILLED = (
     *("penetration", "rate", "normal_x", "normal_y", "pin_arm", "bearing_arm"),
     *("approach", "closing", "elastic", "energy", "place", "couple"),
@@ -83,7 +84,9 @@ class _ContactText:
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
         self.is_worn = bool(contact.record["surface_bins"] > 0)
         self.fields: dict[str, str] = {}
-        self.friction = friction_of(page, self.prefix, joint.friction, self.record["friction"])
+        self.friction = friction_of(
+            page, self.prefix, joint.friction, self.record["friction"]
+        )
 
     @property
     def makes_energy(self) -> bool:
@@ -138,7 +141,10 @@ class _ContactText:
             with text.block(f"if {onset} >= {ZERO} or level == END:"):
                 self._write_contact(onset)
         force = Vector(self.name("force_x"), self.name("force_y"))
-        for link, sign, end in ((self.pin, ONE, "pin"), (self.bearing, f"-{ONE}", "bearing")):
+        for link, sign, end in (
+            (self.pin, ONE, "pin"),
+            (self.bearing, f"-{ONE}", "bearing"),
+        ):
             link.forces.append(force.times(sign))
             link.moments.append(self.name(f"{end}_moment"))
 
@@ -196,7 +202,10 @@ class _ContactText:
         self.fields |= {"eccentricity": size}
         self._set_fields("eccentricity", place)
         self._set_fields("velocity", velocity)
-        for end, link, lever in (("bearing", bearing, at_bearing), ("pin", pin, at_pin)):
+        for end, link, lever in (
+            ("bearing", bearing, at_bearing),
+            ("pin", pin, at_pin),
+        ):
             self.fields |= {f"{end}_angle": link.angle, f"{end}_spin": link.omega}
             self._set_fields(f"{end}_lever", lever if link.place >= 0 else Vector())
 
@@ -219,7 +228,9 @@ class _ContactText:
         # A pin exactly in the centre touches nothing: any direction serves.
         for axis, centred in (("x", ONE), ("y", ZERO)):
             quotient = f"{self.value(f'eccentricity_{axis}')} / {size}"
-            cosine = self.let(f"normal_{axis}", f"{quotient} if {size} > {ZERO} else {centred}")
+            cosine = self.let(
+                f"normal_{axis}", f"{quotient} if {size} > {ZERO} else {centred}"
+            )
             self.fields[f"normal_{axis}"] = cosine
         normal = self.vector("normal")
         velocity = self.vector("velocity")
@@ -229,7 +240,10 @@ class _ContactText:
         self.fields["pin_arm"] = self.let("pin_arm", difference(radius, indentation))
         radius = self.parameter("bearing_radius", joint.bearing_radius)
         self.fields["bearing_arm"] = self.let("bearing_arm", total(radius, indentation))
-        self.fields |= {"penetration": penetration, "elastic": self.name("elastic_force")}
+        self.fields |= {
+            "penetration": penetration,
+            "elastic": self.name("elastic_force"),
+        }
         self.fields |= dict.fromkeys(("rate", "approach", "closing"), rate)
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
 
@@ -239,7 +253,9 @@ class _ContactText:
         place = self.let("contact", f"data.contacts[{self.number}]")
         for word, value in self.fields.items():
             self.text.write(f"{place}[{FIELDS[word]}] = {value}")
-        kernel = "note_radial" if self.record["foundation"] == 0.0 else "note_foundation"
+        kernel = (
+            "note_radial" if self.record["foundation"] == 0.0 else "note_foundation"
+        )
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
         self.text.write(f"{kernel}({arguments})")
@@ -251,7 +267,9 @@ class _ContactText:
         depth, law = self.value("penetration"), self.joint.round_normal
         numbers = self.record["normal"]
         stiffness = self.parameter("stiffness", numbers["stiffness"])
-        if law.user_law is not None or not isinstance(ELASTICITIES[law.elasticity], int):
+        if law.user_law is not None or not isinstance(
+            ELASTICITIES[law.elasticity], int
+        ):
             force = self._call_normal(depth, ZERO, ONE)
         elif law.elasticity == "foundation":
             clearance = self.parameter("clearance", self.joint.clearance)
@@ -259,7 +277,9 @@ class _ContactText:
         elif law.exponent == 1.5:
             force = f"{stiffness} * {depth} * math.sqrt({depth})"
         else:
-            force = f"{stiffness} * {depth} ** {self.parameter('exponent', law.exponent)}"
+            force = (
+                f"{stiffness} * {depth} ** {self.parameter('exponent', law.exponent)}"
+            )
         self.text.write(f"{self.value('elastic')} = {force}")
 
     def _call_normal(self, depth: str, rate: str, onset: str) -> str:
@@ -304,7 +324,9 @@ class _ContactText:
         speed = f"{onset} if {onset} > {ZERO} else {self.value('rate')}"
         started = self.let("touchdown_speed", f"max({speed}, ONSET_SPEED_FLOOR)")
         if law.user_law is None:
-            return f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"
+            return (
+                f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"
+            )
         return f"max({self._call_normal(self.value('penetration'), closing, started)}, {ZERO})"
 
     def _write_moments(self, size: str, normal: Vector, force: Vector) -> None:
@@ -316,10 +338,16 @@ class _ContactText:
             # A penetration of 1e-19 m is closed, and its force rounds to zero.
             elastic = self.value("elastic")
             couple = f"{size} / {elastic} * {self.value('couple')}"
-            couple = self.let("couple_moment", f"{couple} if {elastic} > {ZERO} else {ZERO}")
+            couple = self.let(
+                "couple_moment", f"{couple} if {elastic} > {ZERO} else {ZERO}"
+            )
         if self.pin.place >= 0:
-            point = self.text.let_vector(self.name("pin_point"), self.pin_arm.plus(reach))
-            self.text.write(f"{self.name('pin_moment')} = {total(point.cross(force), couple)}")
+            point = self.text.let_vector(
+                self.name("pin_point"), self.pin_arm.plus(reach)
+            )
+            self.text.write(
+                f"{self.name('pin_moment')} = {total(point.cross(force), couple)}"
+            )
         if self.bearing.place >= 0:
             point = self.bearing_arm.plus(place, reach)
             point = self.text.let_vector(self.name("bearing_point"), point)
@@ -328,7 +356,11 @@ class _ContactText:
 
     def _write_losses(self, normal: str, across: str) -> None:
         """Write the powers lost in contact and in friction, and made by the normal law."""
-        write, elastic, closing = self.text.write, self.value("elastic"), self.value("closing")
+        write, elastic, closing = (
+            self.text.write,
+            self.value("elastic"),
+            self.value("closing"),
+        )
         contact_loss = self.name("contact_loss")
         lost = product(difference(normal, elastic), closing)
         write(f"{contact_loss} = {lost}")

@@ -37,7 +37,9 @@ class ElasticPin:
         energy = 0.0
         for pin in linkage.elastic_pins:
             assert pin.stiffness is not None
-            bearing, centre = (place_of(linkage, end, position.tolist()) for end in pin.ends)
+            bearing, centre = (
+                place_of(linkage, end, position.tolist()) for end in pin.ends
+            )
             stretch = math.dist(bearing, centre)
             energy += 0.5 * pin.stiffness * stretch * stretch
         return energy
@@ -47,15 +49,21 @@ class ElasticPin:
         text, pin = page.text, self.pin
         prefix = text.prefix(pin.name)
         bearing, body = (page.chain.of(end.body) for end in pin.ends)
-        text.comment(f"{pin.name}: elastic pin of {pin.second.body} in {pin.first.body}")
+        text.comment(
+            f"{pin.name}: elastic pin of {pin.second.body} in {pin.first.body}"
+        )
         stretch, rate = page.chain.way(text, pin.ends, prefix)
         stiffness = text.parameter(f"{prefix}_stiffness", pin.stiffness or 0.0)
         damping = text.parameter(f"{prefix}_damping", self.damping)
-        force = stretch.times(f"-{stiffness}").plus(rate.times(damping).times(f"-{ONE}"))
+        force = stretch.times(f"-{stiffness}").plus(
+            rate.times(damping).times(f"-{ONE}")
+        )
         force = text.let_vector(f"{prefix}_force", force)
         half = text.let_vector(f"{prefix}_half", stretch.times("0.5"))
         body.add_force(body.arm(text, pin.second, prefix).minus(half), force)
-        bearing.add_force(bearing.arm(text, pin.first, prefix).plus(half), force.times(f"-{ONE}"))
+        bearing.add_force(
+            bearing.arm(text, pin.first, prefix).plus(half), force.times(f"-{ONE}")
+        )
         if self.damping != 0.0:
             page.add_power("load_work", negative(product(damping, rate.dot(rate))))
 

@@ -57,7 +57,9 @@ class FrictionWithoutState:
         return f"call(int({address}), ({arguments}))"
 
 
-def friction_of(page: Page, prefix: str, law: FrictionLaw, record: Records) -> FrictionText:
+def friction_of(
+    page: Page, prefix: str, law: FrictionLaw, record: Records
+) -> FrictionText:
     """Return the friction law of a joint, whose names in the text begin with a prefix."""
     if record["bristle_stiffness"] > 0.0:
         return LuGre(page, prefix, record)

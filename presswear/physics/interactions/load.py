@@ -44,7 +44,9 @@ class LoadWithLaw:
     def write(self, page: Page) -> None:
         """Write the force or moment on the body, and its power."""
         text, load, record = page.text, self.load, self.record
-        name = (load.name if isinstance(load, Force) else "") or f"load {self.number + 1}"
+        name = (
+            load.name if isinstance(load, Force) else ""
+        ) or f"load {self.number + 1}"
         prefix, link = text.prefix(name), page.chain.of(load.body)
         text.comment(f"{name}: on {load.body}")
         zero = text.parameter(f"{prefix}_zero", record["zero"])
@@ -54,7 +56,10 @@ class LoadWithLaw:
         )
         if isinstance(load, Force):
             arm = link.arm(text, load.attachment, prefix)
-            place, speed = along.dot(link.position.plus(arm)), along.dot(link.velocity_at(arm))
+            place, speed = (
+                along.dot(link.position.plus(arm)),
+                along.dot(link.velocity_at(arm)),
+            )
         else:
             place, speed = product(along.x, link.angle), product(along.x, link.omega)
         place = text.let(f"{prefix}_place", difference(place, zero))

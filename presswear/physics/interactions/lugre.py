@@ -1,7 +1,7 @@
 """LuGre's friction: bristles with a deflection that is a state of the contact.
 
-Stiffness and damping are per unit of normal force (Canudas de Wit, Olsson, Astrom and Lischinsky,
-1995).
+Stiffness and damping are per unit of normal force (Canudas de Wit, Olsson, Astrom and
+Lischinsky, 1995).
 """
 
 import math
@@ -31,12 +31,14 @@ def stribeck_coefficient(sliding: float, law: Records) -> float:
 
 
 @compiled
-def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
+def bristle_rate(
+    sliding: float, bristle: float, is_closed: bool, law: Records
+) -> float:
     """Return the rate of the mean deflection z, m, of the bristles of LuGre's law, m/s.
 
-    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
-    Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that touch nothing bear
-    no force: sigma_0 z + sigma_1 z' = 0.
+    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit,
+    Olsson, Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that
+    touch nothing bear no force: sigma_0 z + sigma_1 z' = 0.
     """
     free = -law.bristle_stiffness / law.bristle_damping * bristle
     slip_coefficient = stribeck_coefficient(sliding, law)
@@ -50,8 +52,9 @@ def bristle_force(
 ) -> float:
     """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
 
-    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z changes,
-    ``linkage.laws.greatest_bristle_damping`` keeps the force from driving the sliding.
+    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z
+    changes, ``linkage.laws.greatest_bristle_damping`` keeps the force from driving the
+    sliding.
     """
     ratio = sliding / law.stribeck
     damping = law.bristle_damping * math.exp(-ratio * ratio)
@@ -74,7 +77,9 @@ class LuGre:
     def _law(self) -> str:
         """Parameters of the law."""
         numbers = (
-            self.page.text.parameter(f"{self.prefix}_friction_{word}", self.record[word])
+            self.page.text.parameter(
+                f"{self.prefix}_friction_{word}", self.record[word]
+            )
             for word in Bristles._fields
         )
         return f"Bristles({', '.join(numbers)})"
@@ -84,7 +89,9 @@ class LuGre:
         text, record = self.page.text, self.record
         name = f"{self.prefix}_bristle"
         # Bristles slip at the deflection c_s / sigma_0.
-        place = self.page.add_state(name, record["static"] / record["bristle_stiffness"])
+        place = self.page.add_state(
+            name, record["static"] / record["bristle_stiffness"]
+        )
         self.sliding = sliding
         bristle = text.let(name, f"y[{place}]")
         rate = f"bristle_rate({sliding}, {bristle}, {is_closed}, {self._law})"
@@ -93,7 +100,9 @@ class LuGre:
     def force(self, normal: str) -> str:
         """Return the call of the law."""
         name = f"{self.prefix}_bristle"
-        return f"bristle_force({normal}, {self.sliding}, {name}, {name}_rate, {self._law})"
+        return (
+            f"bristle_force({normal}, {self.sliding}, {name}, {name}_rate, {self._law})"
+        )
 
 
 @compiled
@@ -102,9 +111,9 @@ def bristle_in_contact(
 ) -> float:
     """Return the deflection of the bristles, m, after a step h, s, in contact.
 
-    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends,
-    ``started`` and ``sliding``, m/s. The rule is of second order, exact at constant speed, and
-    does not oscillate where b h is large.
+    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both
+    ends, ``started`` and ``sliding``, m/s. The rule is of second order, exact at
+    constant speed, and does not oscillate where b h is large.
     """
     b = abs(started) / stribeck_coefficient(started, law)
     b += abs(sliding) / stribeck_coefficient(sliding, law)
@@ -121,13 +130,19 @@ def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
 
 @compiled
 def next_bristle(
-    law: Records, last: Records, contact: Records, bristle: float, started: float, t: float
+    law: Records,
+    last: Records,
+    contact: Records,
+    bristle: float,
+    started: float,
+    t: float,
 ) -> float:
     """Return the deflection of the bristles, m, at ``t``, s, the end of a step.
 
-    ``last`` is a record of MEMORY, ``bristle`` the deflection and ``started`` the sliding speed,
-    m/s, of the start of the step. The trapezoidal rule would swing where bristles are stiff. A step
-    in which the pin touches down or separates is divided there.
+    ``last`` is a record of MEMORY, ``bristle`` the deflection and ``started`` the
+    sliding speed, m/s, of the start of the step. The trapezoidal rule would swing where
+    bristles are stiff. A step in which the pin touches down or separates is divided
+    there.
     """
     h, sliding = t - last.time, contact.sliding
     is_closed = last.penetration > 0.0
@@ -135,7 +150,8 @@ def next_bristle(
     if contact.penetration > 0.0:
         if is_closed:
             return bristle_in_contact(bristle, started, sliding, h, law)
-        # Only the part behind the touchdown slides in contact, at nearly the final speed.
+        # Only the part behind the touchdown slides in contact, at nearly the final
+        # speed.
         touched = bristle_in_flight(bristle, event, law)
         return bristle_in_contact(touched, sliding, sliding, h - event, law)
     if is_closed:

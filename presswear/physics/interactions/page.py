@@ -21,7 +21,9 @@ class Page:
     text: Text
     chain: Chain
     states: list[State] = field(default_factory=list)
-    powers: dict[str, list[str]] = field(default_factory=lambda: {name: [] for name in ENERGIES})
+    powers: dict[str, list[str]] = field(
+        default_factory=lambda: {name: [] for name in ENERGIES}
+    )
     doses: dict[tuple[int, str], str] = field(default_factory=dict)  # by joint and name
 
     def add_state(self, name: str, scale: float) -> int:
@@ -83,6 +85,7 @@ class Interaction(Protocol):
     def write(self, page: Page) -> None:
         """Write forces and moments on the bodies; declare states, powers and doses of wear.
 
-        What is a rate of an integral is needed at level RATES only, what is recorded at level END.
+        What is a rate of an integral is needed at level RATES only, what is recorded at
+        level END.
         """
         ...

@@ -14,7 +14,9 @@ from presswear.tools.compile import inlined
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
-ENDS_MEET = 1e-9  # distance of the ends of a spring, part of its length, without a direction
+ENDS_MEET = (
+    1e-9  # distance of the ends of a spring, part of its length, without a direction
+)
 
 
 @inlined
@@ -29,9 +31,9 @@ def spring_pull(
 ) -> tuple[float, float, float]:
     """Return the force on the first end of a spring, N, and the power of its damper, W.
 
-    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A spring of
-    length 0 is linear, k e, and has no force where its ends meet. With another length the force has
-    no direction there, and is not finite.
+    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A
+    spring of length 0 is linear, k e, and has no force where its ends meet. With
+    another length the force has no direction there, and is not finite.
     """
     distance = math.sqrt(dx * dx + dy * dy)
     elastic = stiffness * (distance - length)
@@ -79,7 +81,9 @@ class SpringAndDamper:
         text, spring = page.text, self.spring
         prefix = text.prefix(spring.name)
         first, second = (page.chain.of(end.body) for end in spring.ends)
-        text.comment(f"{spring.name}: spring between {first.body.name} and {second.body.name}")
+        text.comment(
+            f"{spring.name}: spring between {first.body.name} and {second.body.name}"
+        )
         way, velocity = page.chain.way(text, spring.ends, prefix)
         numbers = [
             text.parameter(f"{prefix}_{word}", getattr(spring, word))
@@ -91,7 +95,9 @@ class SpringAndDamper:
         if spring.damping != 0.0:
             page.add_power("load_work", f"{prefix}_power")
         first.add_force(first.arm(text, spring.ends[0], prefix), pull)
-        second.add_force(second.arm(text, spring.ends[1], prefix), pull.times(f"-{ONE}"))
+        second.add_force(
+            second.arm(text, spring.ends[1], prefix), pull.times(f"-{ONE}")
+        )
 
 
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:

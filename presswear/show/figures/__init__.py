@@ -16,14 +16,31 @@ from PIL import Image
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
 from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
-from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, WIDTH, Axes, Drawing, Stages
+from presswear.show.figures.style import (
+    DOTS_PER_INCH,
+    SETTINGS,
+    WIDTH,
+    Axes,
+    Drawing,
+    Stages,
+)
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import write_whole
 
-__all__ = ["NAMES", "Drawing", "drawings", "first_drawings", "plot", "rendered", "save", "write"]
+__all__ = [
+    "NAMES",
+    "Drawing",
+    "drawings",
+    "first_drawings",
+    "plot",
+    "rendered",
+    "save",
+    "write",
+]
 
-# Figures by name, in the order of the report: the stages that are drawn, and the function that
-# returns the drawings of at least one stage, none where it would be empty.
+# Figures by name, in the order of the report: the stages that are drawn, and the
+# function that returns the drawings of at least one stage, none where it would be
+# empty.
 NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "life": ("all", life.service_life),
     "mechanism": ("all", lambda result, stages: [mechanism.labelled(result.scene)]),
@@ -45,8 +62,12 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "oil": ("all", motion.film_thickness),
 }
 # Figures that are drawn after a run, the most important first, and how many of them
-FIRST, FIRST_COUNT = ("life", "force", "wear", "stroke", "bottom", "response", "drives"), 3
-_PYPLOT = "matplotlib.pyplot"  # keeps figures until they are closed, so it gets only shown ones
+FIRST, FIRST_COUNT = (
+    ("life", "force", "wear", "stroke", "bottom", "response", "drives"),
+    3,
+)
+# keeps figures until they are closed, so it gets only shown ones
+_PYPLOT = "matplotlib.pyplot"
 
 
 def drawings(
@@ -54,8 +75,8 @@ def drawings(
 ) -> Iterator[Drawing]:
     """Draw figures of ``NAMES``, or all that show something, of one stage or all.
 
-    Of all, those whose series the result does not contain are left out. InputError for an unknown
-    stage or name, and a name for which there is nothing to draw.
+    Of all, those whose series the result does not contain are left out. InputError for
+    an unknown stage or name, and a name for which there is nothing to draw.
     """
     for name in names:
         if not (isinstance(name, str) and name in NAMES):
@@ -72,7 +93,9 @@ def drawings(
             raise NotStored(f"{error}; presswear {version} wrote the result") from None
         if not figures:
             of_stage = f"stage {stage} of " if stage is not None else ""
-            raise InputError(f"{of_stage}{result.scene.name} has nothing to draw as {name!r}")
+            raise InputError(
+                f"{of_stage}{result.scene.name} has nothing to draw as {name!r}"
+            )
         yield from figures
 
 
@@ -97,7 +120,9 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
     with matplotlib.rc_context(SETTINGS):
         shown = style.shown_stages(result, stages) if stages else []
         # The numbers of a failed stage are meaningless.
-        moving = [each for each in shown if not each.data.failed and each.data.time.size > 1]
+        moving = [
+            each for each in shown if not each.data.failed and each.data.time.size > 1
+        ]
         choices: dict[str, Sequence[Any]] = {
             "all": stages,
             "shown": shown,
@@ -108,15 +133,20 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
         return draw(result, choices[choice]) if choices[choice] else []
 
 
-def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) -> list[Axes]:
+def plot(
+    result: Result, names: Sequence[str] = (), stage: int | None = None
+) -> list[Axes]:
     """Draw figures as ``drawings`` does, show them in a notebook and return their axes."""
     axes = []
     for drawing in drawings(result, names, stage):
         sheet = drawing.sheet
         with matplotlib.rc_context(SETTINGS):
-            sheet.draw_without_rendering()  # ticks get their look when they are first drawn
+            # ticks get their look when they are first drawn
+            sheet.draw_without_rendering()
         # Pyplot gets a figure where it shows figures by itself.
-        if "ipykernel" in sys.modules or (_PYPLOT in sys.modules and matplotlib.is_interactive()):
+        if "ipykernel" in sys.modules or (
+            _PYPLOT in sys.modules and matplotlib.is_interactive()
+        ):
             import_module(_PYPLOT).figure(FigureClass=lambda sheet=sheet, **_: sheet)
         axes += sheet.axes
     return axes
@@ -143,6 +173,8 @@ def write(image: Image.Image, path: Path) -> Path:
     """Write an image into a PNG file, whose folder is created where needed; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     # A palette makes the file three times smaller, and is faster to write.
-    few = image.convert("RGB").quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few = image.convert("RGB").quantize(
+        256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
+    )
     write_whole(path, lambda file: few.save(file, format="png"))
     return path

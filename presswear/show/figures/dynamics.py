@@ -33,16 +33,22 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
     scene, joints = result.scene, result.scene.clearance_joints
-    share: Any = "row" if len(shown) > 1 else False  # both stages of a joint have the same scale
+    share: Any = (
+        "row" if len(shown) > 1 else False
+    )  # both stages of a joint have the same scale
     names = ["", *joints]
     sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
-    factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
+    factor, unit = unit_scale(
+        "m", max(scene.bearing(joint).clearance for joint in joints)
+    )
     for axes, joint, stage in places:
         data = style.between(stage.data, *press.sampled_span(scene, stage.data))
         look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         if not joint:
             axes.plot(1e3 * data.displacement, data.velocity, **look)
-            axes.set_title(f"{scene.output}, {stage.pen.label}", loc="left", fontweight="bold")
+            axes.set_title(
+                f"{scene.output}, {stage.pen.label}", loc="left", fontweight="bold"
+            )
             axes.set(xlabel="displacement (mm)", ylabel="velocity (m/s)")
             continue
         distance = np.hypot(*data.joints[joint].eccentricity.T)
@@ -50,7 +56,9 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
         time, rows = np.unique(data.time, return_index=True)
         axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
         clearance = factor * scene.bearing(joint).clearance
-        axes.axvline(clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed")
+        axes.axvline(
+            clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed"
+        )
         axes.set(xlabel=f"|e| ({unit})", ylabel="d|e|/dt (m/s)")
     return style.finished("phase", sheet, scene=scene)
 
@@ -71,14 +79,20 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
     sheet, circle = pin_panels(result, shown, draw)
     shown = [*shown[:1], *shown[1:][-1:]]
     periods = [f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown]
-    content = {"angle": 360.0 * (phase % 1.0), "fewest": min(counts), "periods": periods}
+    content = {
+        "angle": 360.0 * (phase % 1.0),
+        "fewest": min(counts),
+        "periods": periods,
+    }
     return style.finished("poincare", sheet, [circle], scene=scene, **content)
 
 
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     scene, joints = result.scene, result.scene.clearance_joints
-    impacts = {(j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown}
+    impacts = {
+        (j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown
+    }
     if not any(speed.any() for _, speed in impacts.values()):
         return []
     label, sharing = "closing speed (m/s)", {"sharex": True, "sharey": True}
@@ -97,7 +111,9 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
 def _label_phase(lowest: list[Axes], result: Result) -> None:
     """Label the lowest panels with the phase of the cycle."""
     for axes in lowest:
-        axes.set_xlabel(f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)")
+        axes.set_xlabel(
+            f"{result.scene.mechanism.linkage().phase} in the cycle (degrees)"
+        )
         axes.set_xticks(np.arange(0.0, 361.0, 90.0))
         axes.set_xlim(0.0, 360.0)
 
@@ -120,7 +136,9 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
         title = f"joint {joint}, {stage.pen.label}\n{text} %"
         axes.set_title(title, loc="left", fontsize=7.0)
     _label_phase(lowest, result)
-    pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
+    pens = [
+        Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)
+    ]
     return style.finished("modes", sheet, pens)
 
 
@@ -131,7 +149,9 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
     resonances = []
     for stage in shown:
-        for axes, density in zip(column, spectra_of(scene, stage.data).values(), strict=True):
+        for axes, density in zip(
+            column, spectra_of(scene, stage.data).values(), strict=True
+        ):
             stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
         hertz = []
@@ -154,7 +174,9 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     for axes in lowest:
         axes.set_xlabel("frequency in turns of the cycle (orders)")
     content = {"harmonics": _HARMONICS, "resonances": resonances}
-    return style.finished("spectrum", sheet, [one.pen for one in shown], scene=scene, **content)
+    return style.finished(
+        "spectrum", sheet, [one.pen for one in shown], scene=scene, **content
+    )
 
 
 def _axis(diagram: "Diagram") -> tuple[float, str]:
@@ -167,7 +189,11 @@ def _axis(diagram: "Diagram") -> tuple[float, str]:
 @matplotlib.rc_context(style.SETTINGS)
 def draw_diagram(diagram: "Diagram") -> Drawing:
     """Return the bifurcation diagram with both branches."""
-    parameter, cycles, joints = diagram.parameter, diagram.cycles, diagram.scene.clearance_joints
+    parameter, cycles, joints = (
+        diagram.parameter,
+        diagram.cycles,
+        diagram.scene.clearance_joints,
+    )
     has_exponent = cycles.exponent > 0
     count = len(joints) + 1 + has_exponent
     sheet, grid = style.panels(count, 1, 0.8 + 1.9 * count, sharex=True)
@@ -183,7 +209,9 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
             x, y = np.moveaxis(branch.pins[:, :, -1, k], -1, 0)
             angle = np.degrees(np.arctan2(y, x))
             values = np.repeat(value[:, None], angle.shape[1], axis=1)
-            axes.scatter(values, angle, s=size, color=colour, linewidths=0.0, rasterized=True)
+            axes.scatter(
+                values, angle, s=size, color=colour, linewidths=0.0, rasterized=True
+            )
         if has_exponent:
             order = np.argsort(value)
             mean, half = branch.exponent[order].T
@@ -196,7 +224,9 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
         column[-1].plot(value, periods, marker, color=colour, **look)
     for axes, joint in zip(column, joints, strict=False):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
-        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1.0, 1.5, 3.0, 4.5, 9.0, 10.0]))
+        axes.yaxis.set_major_locator(
+            MaxNLocator(5, steps=[1.0, 1.5, 3.0, 4.5, 9.0, 10.0])
+        )
     if has_exponent:
         column[-2].axhline(0.0, color=style.REFERENCE, linewidth=0.7)
         column[-2].set_ylabel("largest Lyapunov\nexponent (1/s)")
@@ -205,4 +235,6 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     column[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
     column[-1].set_xlabel(label)
     content = {"parameter": parameter, "cycles": cycles, "summary": diagram.summary()}
-    return style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)[0]
+    return style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)[
+        0
+    ]

@@ -13,7 +13,10 @@ from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
-_HEADROOM = 1.15, 1.4  # height of a panel over its largest value, without and with a note
+_HEADROOM = (
+    1.15,
+    1.4,
+)  # height of a panel over its largest value, without and with a note
 _NARROW = 0.2  # fraction of the strokes below which the name of a phase is upright
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
@@ -43,7 +46,12 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
         axes.xaxis.set_major_formatter(lambda value, _: f"{factor * value:g}")
     for axes in lowest:
         axes.set_xlabel(f"({unit} strokes)" if unit else "(strokes)")
-    pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(services)]
+    pens = [
+        _MEAN,
+        _LIMIT,
+        *[_LIFE] * (life.ended == "limit"),
+        *[_SERVICE] * bool(services),
+    ]
     curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
     first = life.first if life.ended == "limit" else None
     return style.finished(
@@ -61,7 +69,10 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
 def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     """Draw a quantity with its band and its limits."""
     (mean, low, high), strokes = life.curves[key].T, life.curves["strokes"]
-    limits, top = [limit for limit in life.limits if limit.key == key], float(high.max())
+    limits, top = (
+        [limit for limit in life.limits if limit.key == key],
+        float(high.max()),
+    )
     near = [limit for limit in limits if limit.value <= _FAR * top or top == 0.0]
     largest = max([top, *(limit.value for limit in near)])
     # None of these quantities is negative.
@@ -97,14 +108,27 @@ def _draw_marks(
         if service.joint == joint:
             word = "turned" if service.is_turned else "replaced"
             box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
-            look = small | {"rotation": 90.0, "ha": "right", "va": "bottom", "bbox": box}
+            look = small | {
+                "rotation": 90.0,
+                "ha": "right",
+                "va": "bottom",
+                "bbox": box,
+            }
             axes.text(service.strokes, 0.03, word, **look)
-    phases = [phase for phase in life.phases if name == "wear_volume" and phase.joint == joint]
+    phases = [
+        phase for phase in life.phases if name == "wear_volume" and phase.joint == joint
+    ]
     for k, phase in enumerate(phases):
         if k % 2:
-            axes.axvspan(phase.since, phase.until, color=style.MUTED, alpha=0.12, linewidth=0.0)
+            axes.axvspan(
+                phase.since, phase.until, color=style.MUTED, alpha=0.12, linewidth=0.0
+            )
         is_narrow = phase.until - phase.since < _NARROW * end
-        look = small | {"rotation": 90.0 if is_narrow else 0.0, "ha": "center", "va": "top"}
+        look = small | {
+            "rotation": 90.0 if is_narrow else 0.0,
+            "ha": "center",
+            "va": "top",
+        }
         axes.text(0.5 * (phase.since + phase.until), 0.96, phase.name, **look)
 
 

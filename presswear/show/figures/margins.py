@@ -11,14 +11,16 @@ _EDGE = 0.05  # of a sheet, inches
 _LINE, _LETTER = 0.15, 0.07  # height of a line of text, and width of a digit, inches
 _TICK = 0.09  # from a panel to the numbers of an axis, and around a label, inches
 
-Room = tuple[float, float, float, float]  # left, right, above and below of a panel, inches
+Room = tuple[
+    float, float, float, float
+]  # left, right, above and below of a panel, inches
 
 
 class Margins(LayoutEngine):
     """Margins of a grid of panels, from the number of lines and letters beside each panel.
 
-    Matplotlib's constrained layout measures each text, which takes a third of the time of a figure.
-    Colour bars, and legends beside a panel, need it.
+    Matplotlib's constrained layout measures each text, which takes a third of the time
+    of a figure. Colour bars, and legends beside a panel, need it.
     """
 
     _adjust_compatible = True
@@ -26,14 +28,22 @@ class Margins(LayoutEngine):
 
     def execute(self, fig: Any) -> None:
         """Set the margins of a sheet, matplotlib's ``Figure``, before it is drawn."""
-        rooms = [(axes.get_subplotspec(), _room_around(axes)) for axes in fig.axes if axes.axison]
+        rooms = [
+            (axes.get_subplotspec(), _room_around(axes))
+            for axes in fig.axes
+            if axes.axison
+        ]
         grid = fig.axes[0].get_subplotspec().get_gridspec()
         width, height = fig.get_size_inches()
         right, above = (max(room[side] for _, room in rooms) for side in (1, 2))
         outer = max(room[0] for place, room in rooms if place.is_first_col())
         below = max(room[3] for place, room in rooms if place.is_last_row())
-        beside = right + max((r[0] for place, r in rooms if not place.is_first_col()), default=0.0)
-        between = above + max((r[3] for place, r in rooms if not place.is_last_row()), default=0.0)
+        beside = right + max(
+            (r[0] for place, r in rooms if not place.is_first_col()), default=0.0
+        )
+        between = above + max(
+            (r[3] for place, r in rooms if not place.is_last_row()), default=0.0
+        )
         top = height - _EDGE - sum(map(_height_of, fig.legends)) - above
         wide = (width - outer - right - (grid.ncols - 1) * beside) / grid.ncols
         tall = (top - below - (grid.nrows - 1) * between) / grid.nrows
@@ -76,7 +86,9 @@ def _numbers_of(axis: Axis) -> list[str]:
         (axis.get_minorticklocs(), axis.get_minor_formatter()),
         (axis.get_majorticklocs(), axis.get_major_formatter()),
     ):
-        texts = zip(places, formatter.format_ticks(list(map(float, places))), strict=True)
+        texts = zip(
+            places, formatter.format_ticks(list(map(float, places))), strict=True
+        )
         result += [text for place, text in texts if low <= place <= high]
     return result
 

@@ -31,10 +31,13 @@ _MANY_LABELS = 3  # joints with the same clearance, above which it is in the cap
 _SLIMMEST = 0.6  # width over height, at least
 # Of a place, for its label, degrees
 _SIDES = 90, 0, 180, 270, 45, 135, 315, 225, 20, 160, 340, 200
-_STEPS = np.array([0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0])  # that a label may be farther, points
+_STEPS = np.array(
+    [0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0]
+)  # that a label may be farther, points
 _SAMPLING = 3.0  # points between samples of drawn lines
 _FREE = 2.0  # points around a label that are free of lines, too
-# Costs in lines that a label covers: of a point farther, of a path or guide, of another label
+# Costs in lines that a label covers: of a point farther, of a path or guide, of another
+# label
 _FARTHER, _PATH, _OVERLAP = 0.04, 0.6, 100.0
 
 
@@ -56,45 +59,78 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     def moving(point: Attachment) -> Array:
         return points_of(linkage, position, point)[:, :2]
 
-    ends = [(joint.name, end) for joint in linkage.revolutes for end in (joint.first, joint.second)]
+    ends = [
+        (joint.name, end)
+        for joint in linkage.revolutes
+        for end in (joint.first, joint.second)
+    ]
     paths = {name: moving(end) for name, end in ends}
-    origins = {body.name: moving(Attachment(body.name, 0.0, 0.0)) for body in linkage.bodies}
+    origins = {
+        body.name: moving(Attachment(body.name, 0.0, 0.0)) for body in linkage.bodies
+    }
     hung = [moving(end) for spring in linkage.springs for end in spring.ends]
     everything = np.vstack([*paths.values(), *origins.values(), *hung])
     size = float(np.hypot(*np.ptp(everything, axis=0)))
-    low, high = everything.min(axis=0) - _MARGIN * size, everything.max(axis=0) + _MARGIN * size
+    low, high = (
+        everything.min(axis=0) - _MARGIN * size,
+        everything.max(axis=0) + _MARGIN * size,
+    )
     wide, tall = high - low
     room = max(_SLIMMEST * tall - wide, 0.0)  # for the labels of an upright mechanism
     low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
-    height = min(max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]), _HEIGHTS[1])
+    height = min(
+        max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]),
+        _HEIGHTS[1],
+    )
     sheet, ((axes,),) = style.panels(1, 1, height)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for path in paths.values():
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
     place = moving(Attachment(output.body, output.x, output.y))[0]
-    _arrow(axes, place, place + 0.14 * size * direction_at(output.direction), "black", 1.6)
-    labels = _draw_joints(axes, scene, ends, {name: path[0] for name, path in paths.items()}, size)
+    _arrow(
+        axes, place, place + 0.14 * size * direction_at(output.direction), "black", 1.6
+    )
+    labels = _draw_joints(
+        axes, scene, ends, {name: path[0] for name, path in paths.items()}, size
+    )
     for drive in linkage.drives:
-        hinge = next((paths[name][0] for name, end in ends if end.body == drive.body), None)
+        hinge = next(
+            (paths[name][0] for name, end in ends if end.body == drive.body), None
+        )
         if hinge is not None:
             _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
             corners = hinge + 0.06 * size * np.array([[0.5, -0.87], [-0.5, -0.87]])
             labels.append(
-                _Label(f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm", corners, 5.0, {})
+                _Label(
+                    f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm",
+                    corners,
+                    5.0,
+                    {},
+                )
             )
-    labels += [_draw_body(axes, linkage, k, position[:1], size) for k in range(len(linkage.bodies))]
+    labels += [
+        _draw_body(axes, linkage, k, position[:1], size)
+        for k in range(len(linkage.bodies))
+    ]
     labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
     scale = 72.0 * (height - _EDGES[1]) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
-    low[0], high[0] = min(low[0], boxes[:, 0, 0].min()), max(high[0], boxes[:, 1, 0].max())
+    low[0], high[0] = (
+        min(low[0], boxes[:, 0, 0].min()),
+        max(high[0], boxes[:, 1, 0].max()),
+    )
     axes.set_xlim(low[0], high[0])
     width = (height - _EDGES[1]) * (high[0] - low[0]) / tall + _EDGES[0]
     sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    content: dict[str, Any] = {"linkage": linkage, "time": 1e3 * time, "period": 1e3 * period}
+    content: dict[str, Any] = {
+        "linkage": linkage,
+        "time": 1e3 * time,
+        "period": 1e3 * period,
+    }
     content["clearance"] = _common_clearance(scene)
     return style.finished("mechanism", sheet, **content)[0]
 
@@ -105,7 +141,11 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
     The scale is in points per metre. Boxes are lower left and upper right corners.
     """
     artists: list[Any] = [*axes.lines, *axes.patches]
-    lines, weights, sides = [], [], np.array([direction_at(math.radians(a)) for a in _SIDES])
+    lines, weights, sides = (
+        [],
+        [],
+        np.array([direction_at(math.radians(a)) for a in _SIDES]),
+    )
     for artist in artists:
         # The vertices of an arrow contain one without meaning, which closes its head.
         corners = scale * np.vstack(artist.get_path().to_polygons(closed_only=False))
@@ -113,13 +153,17 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
             corners = corners + 0.5 * artist.get_markersize() * sides
         along = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
         at = np.arange(0.0, along[-1] + _SAMPLING, _SAMPLING)
-        lines.append(np.column_stack([np.interp(at, along, column) for column in corners.T]))
+        lines.append(
+            np.column_stack([np.interp(at, along, column) for column in corners.T])
+        )
         weights.append(_PATH if artist.zorder < 2 else 1.0)
     starts = np.cumsum([0, *map(len, lines[:-1])])
     points = np.vstack(lines)
     boxes: list[Array] = []
     for text, places, gap, look in labels:
-        note = axes.annotate(text, places[0], (0, 0), textcoords="offset points", zorder=9, **look)
+        note = axes.annotate(
+            text, places[0], (0, 0), textcoords="offset points", zorder=9, **look
+        )
         note.set(ha="center", va="center", multialignment="center")
         note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         half = 36.0 / axes.figure.dpi * np.array(note.get_window_extent().size)
@@ -128,11 +172,16 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
         middles = (scale * places[:, np.newaxis] + offsets).reshape(-1, 2)
         boxed = np.stack([middles - half, middles + half], axis=1)
         free = boxed[:, 0] - _FREE, boxed[:, 1] + _FREE
-        inside = [((points > a) & (points < b)).all(axis=1) for a, b in zip(*free, strict=True)]
+        inside = [
+            ((points > a) & (points < b)).all(axis=1)
+            for a, b in zip(*free, strict=True)
+        ]
         costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
         costs += _FARTHER * np.tile(np.repeat(_STEPS, len(sides)), len(places))
         for placed in boxes:
-            costs += _OVERLAP * ((boxed[:, 0] < placed[1]) & (boxed[:, 1] > placed[0])).all(axis=1)
+            costs += _OVERLAP * (
+                (boxed[:, 0] < placed[1]) & (boxed[:, 1] > placed[0])
+            ).all(axis=1)
         place, side = divmod(int(costs.argmin()), len(offsets))
         note.xy, note.xyann = tuple(places[place]), tuple(offsets[side])
         boxes.append(boxed[costs.argmin()])
@@ -164,26 +213,43 @@ def _draw_joints(
         if any(end.body == GROUND for name, end in ends if name in names):
             axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
         if loose:
-            axes.plot(*place, "o", markersize=11, fillstyle="none", color="black", zorder=5)
-        axes.plot(*place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6)
+            axes.plot(
+                *place, "o", markersize=11, fillstyle="none", color="black", zorder=5
+            )
+        axes.plot(
+            *place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6
+        )
         lines = [", ".join(names)]
         for name in loose if _common_clearance(scene) is None else ():
             of_joint = f" of {name}" if len(names) > 1 else ""
             lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
         gap = 9.0 if loose else 7.0
-        labels.append(_Label("\n".join(lines), place[np.newaxis], gap, {"weight": "bold"}))
+        labels.append(
+            _Label("\n".join(lines), place[np.newaxis], gap, {"weight": "bold"})
+        )
     return labels
 
 
-def _draw_body(axes: Axes, linkage: Linkage, number: int, position: Array, size: float) -> _Label:
+def _draw_body(
+    axes: Axes, linkage: Linkage, number: int, position: Array, size: float
+) -> _Label:
     """Draw a body with its mass centre and its x axis; its name is beside one of its edges."""
-    name, (colour, _) = linkage.bodies[number].name, style.LINES[number % len(style.LINES)]
+    name, (colour, _) = (
+        linkage.bodies[number].name,
+        style.LINES[number % len(style.LINES)],
+    )
     outline = body_outline(linkage, name, _BAR * size)
     pose = position[0, 3 * number : 3 * number + 3]
     centre, along = pose[:2], direction_at(pose[2])
     turn = np.array([along, across(along)])
     axes.add_patch(
-        Polygon(centre + outline @ turn, facecolor=colour, edgecolor=colour, alpha=0.4, zorder=2)
+        Polygon(
+            centre + outline @ turn,
+            facecolor=colour,
+            edgecolor=colour,
+            alpha=0.4,
+            zorder=2,
+        )
     )
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
@@ -204,17 +270,29 @@ def _draw_guides_and_forces(
     for guide in linkage.guides:
         ends = np.outer([-0.25 * size, 0.25 * size], direction_at(guide.direction))
         line = at(Attachment(guide.body, 0.0, 0.0)) + ends
-        axes.plot(*line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0)
+        axes.plot(
+            *line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0
+        )
     for spring in linkage.springs:
         first, second = map(at, spring.ends)
         part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
-        swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
-        line = first + np.outer(part, second - first) - np.outer(swing, across(second - first))
+        swing = (
+            0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
+        )
+        line = (
+            first
+            + np.outer(part, second - first)
+            - np.outer(swing, across(second - first))
+        )
         axes.plot(*line.T, color=style.MUTED, linewidth=1.0, zorder=2)
         middle = 0.5 * (first + second)[np.newaxis]
         labels.append(_Label(spring.name, middle, 9.0, {"color": style.MUTED}))
     for load in linkage.loads:
-        place = at(load.attachment if isinstance(load, Force) else Attachment(load.body, 0.0, 0.0))
+        place = at(
+            load.attachment
+            if isinstance(load, Force)
+            else Attachment(load.body, 0.0, 0.0)
+        )
         direction, moment = None, 1.0
         if isinstance(load, Force):
             direction, moment = load.direction, 0.0
@@ -222,19 +300,32 @@ def _draw_guides_and_forces(
             direction = math.atan2(load.y, load.x) if load.x or load.y else None
             moment = load.moment
         if direction is not None:  # an arrow to the point; a moment is a bent arrow
-            _arrow(axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4)
+            _arrow(
+                axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4
+            )
         if moment:
             _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
     return labels
 
 
-def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8) -> None:
-    look: dict[str, Any] = {"color": colour, "linewidth": linewidth, "shrinkA": 0, "shrinkB": 0}
+def _arrow(
+    axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8
+) -> None:
+    look: dict[str, Any] = {
+        "color": colour,
+        "linewidth": linewidth,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
     ends = tuple(start), tuple(end)
-    axes.add_patch(FancyArrowPatch(*ends, arrowstyle="-|>", mutation_scale=8, zorder=8, **look))
+    axes.add_patch(
+        FancyArrowPatch(*ends, arrowstyle="-|>", mutation_scale=8, zorder=8, **look)
+    )
 
 
-def _bent_arrow(axes: Axes, place: Array, sense: float, radius: float, colour: str) -> None:
+def _bent_arrow(
+    axes: Axes, place: Array, sense: float, radius: float, colour: str
+) -> None:
     """Draw an arrow below and around a place, counterclockwise for a positive sense."""
     around = np.radians(np.linspace(215.0, 325.0, 30))
     arc = place + radius * np.column_stack([np.cos(around), np.sin(around)])

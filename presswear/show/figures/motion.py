@@ -15,7 +15,15 @@ from presswear.results import press_analysis as press
 from presswear.results.oil_film import FULL_FILM, oil_films
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, ShownStage, Stages
+from presswear.show.figures.style import (
+    Axes,
+    Drawing,
+    Pen,
+    Sheet,
+    Shown,
+    ShownStage,
+    Stages,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
@@ -53,7 +61,9 @@ class Window:
         axes.set_xlim(self.start, self.end)
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
         axes.xaxis.set_major_formatter(
-            lambda time, place: f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
+            lambda time, place: (
+                f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
+            )
         )
         axes.set_xlabel(f"{self.phase} since the start (degrees)")
 
@@ -71,12 +81,26 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     if abs(count - cycles) > 0.02:
         words = f"the first {count:.2g} cycles"
     elif first:
-        words = f"cycle {cycles}" if first + 1 == cycles else f"cycles {first + 1} to {cycles}"
+        words = (
+            f"cycle {cycles}"
+            if first + 1 == cycles
+            else f"cycles {first + 1} to {cycles}"
+        )
     else:
-        words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
-    words = f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
-    shown = [replace(stage, data=style.between(stage.data, start, end)) for stage in stages]
-    return shown, Window(start, end, period, run_up, result.scene.mechanism.linkage().phase, words)
+        words = (
+            "the first cycle, at the start"
+            if cycles == 1
+            else f"the first {cycles} cycles"
+        )
+    words = (
+        f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
+    )
+    shown = [
+        replace(stage, data=style.between(stage.data, start, end)) for stage in stages
+    ]
+    return shown, Window(
+        start, end, period, run_up, result.scene.mechanism.linkage().phase, words
+    )
 
 
 def _pens(stages: Shown) -> list[Pen]:
@@ -93,7 +117,9 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, ((axes,),) = style.panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
-        stage.pen.draw(axes, stage.data.time, factor * press.height_of(scene, stage.data))
+        stage.pen.draw(
+            axes, stage.data.time, factor * press.height_of(scene, stage.data)
+        )
         strokes = press.strokes_of(scene, full.data)
         for name, (mark, words) in _MOMENTS.items() if strokes else ():
             when, height = getattr(strokes, name).T
@@ -104,7 +130,9 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
                 axes.plot(when[inside], factor * height[inside], mark, **look)
     time = np.linspace(window.start, window.end, 1001)
     height = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0] - scene.bottom
-    IDEAL.draw(axes, time, factor * (height + scene.ideal_slider(time, closed=False)[:, 0]))
+    IDEAL.draw(
+        axes, time, factor * (height + scene.ideal_slider(time, closed=False)[:, 0])
+    )
     axes.set_ylabel(f"height of {scene.output}\nover bottom dead centre ({unit})")
     window.label(axes)
     content = {"scene": scene, "window": window, "marks": marks.values()}
@@ -115,19 +143,29 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     """Draw displacement, velocity and acceleration of the output against the ideal."""
     scene = result.scene
     shown, window = sampled(result, moving)
-    heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
+    heights = (
+        [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
+    )
     height = 0.9 + min(1.15, (_TALLEST - 0.9) / sum(heights)) * sum(heights)
-    sheet, grid = style.panels(len(heights), 1, height, sharex=True, height_ratios=heights)
+    sheet, grid = style.panels(
+        len(heights), 1, height, sharex=True, height_ratios=heights
+    )
     column, jagged = grid[:, 0], grid[3 : 3 + len(shown), 0]
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
     deviations = [
-        s.data.displacement - scene.ideal_slider(s.data.time, closed=False)[:, 0] for s in shown
+        s.data.displacement - scene.ideal_slider(s.data.time, closed=False)[:, 0]
+        for s in shown
     ]
-    factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
+    factor, unit = unit_scale(
+        "m", max(float(np.abs(values).max()) for values in deviations)
+    )
     curves = {
         "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
-        f"displacement\nminus\nideal ({unit})": ([factor * d for d in deviations], 0.0 * time),
+        f"displacement\nminus\nideal ({unit})": (
+            [factor * d for d in deviations],
+            0.0 * time,
+        ),
         "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
     }
     for axes, (label, (lines, ideal)) in zip(column, curves.items(), strict=False):
@@ -141,7 +179,9 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         style.note(axes, f"{stage.pen.label}, largest {readable(largest)} m/s²")
         IDEAL.draw(axes, time, acceleration)
         axes.set_ylabel("acceleration\n(m/s²)")
-    everything = np.concatenate([acceleration, *(stage.data.acceleration for stage in shown)])
+    everything = np.concatenate(
+        [acceleration, *(stage.data.acceleration for stage in shown)]
+    )
     low, reach = float(everything.min()), float(np.ptp(everything))
     for axes in jagged:
         axes.set_ylim(low - 0.05 * reach, low + 1.3 * reach)
@@ -150,7 +190,9 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         middle = time[(time >= 0.5 * interval) & (time <= time[-1] - 0.5 * interval)]
         series = [(stage.pen, stage.data.time, stage.data.velocity) for stage in moving]
         for pen, times, speed in [*series, (IDEAL, time, velocity)]:
-            before, after = (np.interp(middle + s * interval, times, speed) for s in (-0.5, 0.5))
+            before, after = (
+                np.interp(middle + s * interval, times, speed) for s in (-0.5, 0.5)
+            )
             pen.draw(column[-1], middle, (after - before) / interval, linewidth=0.8)
         mean = f"{readable(1e3 * interval, 2)} ms mean"
         column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
@@ -182,7 +224,9 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     largest = dict.fromkeys(joints, 0.0)
     for axes, joint, stage in places:
         series = stage.data.joints[joint]
-        peak = _draw_jagged(axes, stage, series.force[:, 0], series.each_cycle("force_max"), window)
+        peak = _draw_jagged(
+            axes, stage, series.force[:, 0], series.each_cycle("force_max"), window
+        )
         style.note(axes, f"largest {quantity_text(peak, 'N')}")
         largest[joint] = max(largest[joint], peak)
     for axes, joint, _ in places:
@@ -206,11 +250,15 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     sheet, (row,) = style.panels(1, len(shown), 2.6, sharey=True)
     for axes, stage, replicates in zip(row, shown, strokes, strict=True):
         for number, rows in replicates:
-            stage.pen.draw(axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0)
+            stage.pen.draw(
+                axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0
+            )
         error = stage.data.bdc.error.scaled(factor)
         ends = (error.mean if end is None else end for end in (error.low, error.high))
         axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
-        axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0)
+        axes.axvspan(
+            0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0
+        )
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
@@ -243,7 +291,9 @@ def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
     maps = [joint for stage in shown for joint in stage.data.joints.values()]
     is_worn = any(np.any(each.depth(side) > 0.0) for each in maps for side in SIDES)
     pens = [circle, _LIMIT] if is_bounded else [circle]
-    return style.finished("path", sheet, pens, window=window, is_open=is_worn and not is_bounded)
+    return style.finished(
+        "path", sheet, pens, window=window, is_open=is_worn and not is_bounded
+    )
 
 
 def pin_panels(
@@ -251,8 +301,8 @@ def pin_panels(
 ) -> tuple[Sheet, Pen]:
     """Draw positions of the pin centres in square panels, one for each joint and stage.
 
-    ``draw`` draws a stage of a joint with a factor from metres, and returns positions, m, shape
-    (2, n). The pen of the clearance circle is returned with the sheet.
+    ``draw`` draws a stage of a joint with a factor from metres, and returns positions,
+    m, shape (2, n). The pen of the clearance circle is returned with the sheet.
     """
     scene = result.scene
     gaps = {joint: scene.bearing(joint).clearance for joint in scene.clearance_joints}
@@ -277,7 +327,10 @@ def pin_panels(
     joints: dict[str, list[str]] = {}
     for joint, gap in gaps.items():
         joints.setdefault(quantity_text(gap, "m"), []).append(joint)
-    texts = [f"{gap} ({', '.join(of)})" if len(joints) > 1 else gap for gap, of in joints.items()]
+    texts = [
+        f"{gap} ({', '.join(of)})" if len(joints) > 1 else gap
+        for gap, of in joints.items()
+    ]
     return sheet, replace(_ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
 
 
@@ -288,7 +341,11 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
         return []
-    joints = scene.clearance_joints if all(one.data.has_joint_series for one, _ in shown) else ()
+    joints = (
+        scene.clearance_joints
+        if all(one.data.has_joint_series for one, _ in shown)
+        else ()
+    )
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
     count = 1 + len(joints)
@@ -300,28 +357,38 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
         series = [force, *(np.hypot(*data.joints[name].force.T) for name in joints)]
         for stroke in strokes:
             # Above the reach nothing presses on the work.
-            inside = (data.time >= stroke.start) & (data.time < stroke.end) & (height <= reach)
+            inside = (
+                (data.time >= stroke.start)
+                & (data.time < stroke.end)
+                & (height <= reach)
+            )
             for axes, values in zip(column, series, strict=True):
-                stage.pen.draw(axes, factor * height[inside], values[inside], linewidth=0.7)
+                stage.pen.draw(
+                    axes, factor * height[inside], values[inside], linewidth=0.7
+                )
     if isinstance(process, Coining):
         depth = np.array([0.0, process.height])
         curve = process.stiffness * depth
     else:
         depth, curve = np.array(process.curve).T
     IDEAL.draw(column[0], factor * (process.height - depth), curve)
-    for axes, name in zip(column, ("of the work", *(f"at {name}" for name in joints)), strict=True):
+    for axes, name in zip(
+        column, ("of the work", *(f"at {name}" for name in joints)), strict=True
+    ):
         style.label_values(axes, f"force {name}", "N")
     column[-1].set_xlim(factor * reach, 0.0)
     for axes in lowest:
         axes.set_xlabel(f"height over bottom dead centre ({unit})")
-    return style.finished("tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene)
+    return style.finished(
+        "tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene
+    )
 
 
 def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     """Draw torque and power of each drive over the phase of the cycle, beside ideal joints.
 
-    Only if torques were stored and ideal torques do not need untrusted stored laws. Short peaks
-    exceed the panels.
+    Only if torques were stored and ideal torques do not need untrusted stored laws.
+    Short peaks exceed the panels.
     """
     scene = result.scene
     moving = [stage for stage in moving if "drive_torque" in stage.data.arrays]
@@ -339,21 +406,27 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     for row, drive in zip(grid, drives, strict=True):
         time = ideal[drive].time - scene.run_up - window.period
         time = np.add.outer(window.start + window.period * cycles, time).ravel()
-        for axes, name, unit in zip(row, ("torque", "power"), ("N m", "W"), strict=True):
+        for axes, name, unit in zip(
+            row, ("torque", "power"), ("N m", "W"), strict=True
+        ):
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
             ends, farthest = [expected.min(), expected.max()], []
             for pen, times, each in curves:
                 values = getattr(each[drive], name)
                 pen.draw(axes, times, values, linewidth=0.7)
                 weights, tails = np.gradient(times), (_TAIL, 1.0 - _TAIL)
-                ends += [*np.quantile(values, tails, weights=weights, method="inverted_cdf")]
+                ends += [
+                    *np.quantile(values, tails, weights=weights, method="inverted_cdf")
+                ]
                 farthest.append(float(values[np.abs(values).argmax()]))
             IDEAL.draw(axes, time, expected)
             margin = 0.08 * float(np.ptp(ends))
             axes.set_ylim(min(ends) - margin, max(ends) + margin)
             factor, shown_unit = style.label_values(axes, name, unit)
             text = ", ".join(readable(factor * value) for value in farthest)
-            axes.set_title(f"farthest: {text} {shown_unit}", loc="right", fontsize="small")
+            axes.set_title(
+                f"farthest: {text} {shown_unit}", loc="right", fontsize="small"
+            )
         row[0].set_title(drive, loc="left", fontweight="bold")
     for axes in grid[-1]:
         window.label(axes)

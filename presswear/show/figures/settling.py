@@ -58,7 +58,9 @@ def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
 
 def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> str:
     """Draw where the pin with the largest force starts, by final motion; return its joint."""
-    forces = np.array([[one.peak_force[j] for j in settled.joints] for one in settled.motions])
+    forces = np.array(
+        [[one.peak_force[j] for j in settled.joints] for one in settled.motions]
+    )
     k = int(forces.max(axis=0).argmax()) if forces.size else 0
     joint = settled.joints[k]
     clearance = result.scene.bearing(joint).clearance
@@ -111,7 +113,9 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     grid[2, 0].set_yscale("log", subs=style.SUBTICKS)
     grid[2, 0].set_ylabel("peak force of the\nfinal motions (N)")
     grid[2, 0].set_xlabel(f"{parameter.key} ({unit})" if unit else parameter.key)
-    grid[0, 0].plot([], [], "^", color=colour, fillstyle="none", label="lower limit, 95 %")
+    grid[0, 0].plot(
+        [], [], "^", color=colour, fillstyle="none", label="lower limit, 95 %"
+    )
     grid[2, 0].plot([], [], "x", color=colour, label="irregular motion")
     for axes in grid[0, 0], grid[2, 0]:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0))
@@ -126,7 +130,11 @@ def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
     if life is not None:
         low, high = life.low or life.mean, life.high or life.mean
         axes.errorbar(
-            value, life.mean, [[life.mean - low], [high - life.mean]], fmt="o", color=colour
+            value,
+            life.mean,
+            [[life.mean - low], [high - life.mean]],
+            fmt="o",
+            color=colour,
         )
     elif settled.least_half_life is not None:
         axes.plot(value, settled.least_half_life, "^", color=colour, fillstyle="none")

@@ -46,8 +46,14 @@ SHOWN_CYCLES = 2  # cycles whose motion is shown
 _TEMPLATES = files("presswear.show") / "templates"
 with as_file(_TEMPLATES / "figures.mplstyle") as file:
     SETTINGS = matplotlib.rc_params_from_file(file, use_default_template=False)
-SUBTICKS = (2.0, 5.0)  # multiples of a power of ten that are marked on a logarithmic axis
-_ROW, _HANDLE = 112, 8  # letters in the width of a figure, and in the handle of a legend
+SUBTICKS = (
+    2.0,
+    5.0,
+)  # multiples of a power of ten that are marked on a logarithmic axis
+_ROW, _HANDLE = (
+    112,
+    8,
+)  # letters in the width of a figure, and in the handle of a legend
 # The palette of Okabe and Ito is distinct with every common colour blindness.
 LINES: tuple[tuple[str, LineStyle], ...] = (
     ("#0072B2", "solid"),
@@ -74,9 +80,13 @@ class _PlainPowers(LogFormatterSciNotation):
     """Powers of ten without mathtext, which is off: a name such as ``$x^$`` is no formula."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        text = super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+        text = (
+            super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+        )
         text = text.replace(r"\times", "·")
-        return re.sub(r"\^\{(.*)\}", lambda power: power[1].translate(SUPERSCRIPT), text)
+        return re.sub(
+            r"\^\{(.*)\}", lambda power: power[1].translate(SUPERSCRIPT), text
+        )
 
 
 @dataclass(frozen=True)
@@ -89,12 +99,18 @@ class Drawing:
     sheet: Sheet
 
     def __post_init__(self) -> None:
-        for axis in (axis for axes in self.sheet.axes for axis in (axes.xaxis, axes.yaxis)):
+        for axis in (
+            axis for axes in self.sheet.axes for axis in (axes.xaxis, axes.yaxis)
+        ):
             major, minor = axis.get_major_formatter(), axis.get_minor_formatter()
             if isinstance(major, LogFormatterSciNotation):
-                axis.set_major_formatter(_PlainPowers(labelOnlyBase=major.labelOnlyBase))
+                axis.set_major_formatter(
+                    _PlainPowers(labelOnlyBase=major.labelOnlyBase)
+                )
             if isinstance(minor, LogFormatterSciNotation):
-                axis.set_minor_formatter(_PlainPowers(labelOnlyBase=minor.labelOnlyBase))
+                axis.set_minor_formatter(
+                    _PlainPowers(labelOnlyBase=minor.labelOnlyBase)
+                )
 
 
 @dataclass(frozen=True)
@@ -135,7 +151,9 @@ Shown = Sequence[ShownStage]
 def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
     """Return the first, the last and evenly spaced stages between, with their line styles."""
     count = len(stages)
-    picked = np.unique(np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int))
+    picked = np.unique(
+        np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int)
+    )
     shown = [stages[int(k)] for k in picked]
     labels = stage_names(result, shown)
     return [
@@ -147,7 +165,9 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     """Return the names of stages; ``computed`` if nothing can wear."""
     has_wear = bool(result.scene.clearance_joints)
-    return [result.stage_name(stage.index) if has_wear else "computed" for stage in stages]
+    return [
+        result.stage_name(stage.index) if has_wear else "computed" for stage in stages
+    ]
 
 
 def between(stage: StageResult, start: float, end: float) -> StageResult:
@@ -155,7 +175,9 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
     first = int(np.searchsorted(stage.time, start))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "slider", "drive_torque"]
-    series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS]
+    series += [
+        f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS
+    ]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
     arrays: Any = copy(stage.arrays)  # which names its file where an array is missing
     arrays.update(cut)
@@ -178,10 +200,12 @@ def panels(
 ) -> tuple[Sheet, Any]:
     """Return a sheet of the common width and its grid of axes, an array of shape (rows, columns).
 
-    The height is in inches; ``sharing`` goes to ``Figure.subplots``. Sheets with colour bars, or
-    with legends beside a panel, are laid out by measured texts.
+    The height is in inches; ``sharing`` goes to ``Figure.subplots``. Sheets with colour
+    bars, or with legends beside a panel, are laid out by measured texts.
     """
-    sheet = Sheet(figsize=(WIDTH, height), layout="constrained" if is_measured else Margins())
+    sheet = Sheet(
+        figsize=(WIDTH, height), layout="constrained" if is_measured else Margins()
+    )
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
 
@@ -205,16 +229,23 @@ def joint_panels(
 ) -> tuple[Sheet, list[tuple[Axes, str, ShownStage]], list[Axes]]:
     """Return a sheet with a panel for each joint in the first and in the last stage.
 
-    ``height`` is that of a row, inches, and the label is that of the vertical axes at the left. The
-    panels come with their joint and stage, and the lowest ones of both columns once more.
+    ``height`` is that of a row, inches, and the label is that of the vertical axes at
+    the left. The panels come with their joint and stage, and the lowest ones of both
+    columns once more.
     """
     places = list(product(joints, [*stages[:1], *stages[1:][-1:]]))
     sheet, shown, lowest = panel_list(len(places), height, **sharing)
     for axes, (joint, stage) in zip(shown, places, strict=True):
-        axes.set_title(f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold")
+        axes.set_title(
+            f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold"
+        )
     for axes in shown[:: len(lowest)]:
         axes.set_ylabel(label, parse_math=True)
-    return sheet, [(axes, *place) for axes, place in zip(shown, places, strict=True)], lowest
+    return (
+        sheet,
+        [(axes, *place) for axes, place in zip(shown, places, strict=True)],
+        lowest,
+    )
 
 
 def finished(
@@ -231,9 +262,13 @@ def finished(
     handles = [pen.handle() for pen in pens]
     if handles:
         letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
-        columns = math.ceil(len(handles) / math.ceil(letters / _ROW))  # one row if they fit
+        columns = math.ceil(
+            len(handles) / math.ceil(letters / _ROW)
+        )  # one row if they fit
         sheet.legend(handles=handles, loc=place, ncols=columns)
-    texts = (TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values())
+    texts = (
+        TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values()
+    )
     file, title, caption = (re.sub(r"[ \n]+", " ", text).strip() for text in texts)
     return [Drawing(file, title, caption, sheet)]
 
@@ -248,12 +283,15 @@ def label_values(
 ) -> tuple[float, str]:
     """Label the vertical axis of values in SI in a display unit; return its factor and name.
 
-    The unit is that in which the largest value, or the largest limit of the axis, reads well.
+    The unit is that in which the largest value, or the largest limit of the axis, reads
+    well.
     """
     largest = max(map(abs, axes.get_ylim())) if largest is None else largest
     factor, shown = unit_scale(unit, largest)
     axes.set_ylabel(f"{name} ({shown})".lstrip())
-    axes.yaxis.set_major_formatter(lambda value, _: f"{factor * value:g}".replace("-", "−"))
+    axes.yaxis.set_major_formatter(
+        lambda value, _: f"{factor * value:g}".replace("-", "−")
+    )
     return factor, shown
 
 
@@ -261,7 +299,10 @@ def round_down(value: float) -> float:
     """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     # A value such as 0.5 may come as 4.9999999 powers of ten.
-    return max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9)) * power
+    return (
+        max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))
+        * power
+    )
 
 
 def note(axes: Axes, text: str) -> None:

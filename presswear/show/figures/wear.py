@@ -16,17 +16,24 @@ from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, Stage
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, unit_factor
 
-_LINEAR_RATIO = 20.0  # largest over smallest peak up to which one linear scale shows both
+_LINEAR_RATIO = (
+    20.0  # largest over smallest peak up to which one linear scale shows both
+)
 _BARELY_WORN = 0.05  # depth relative to the deepest up to which a place is hardly worn
 _TICKS = 60.0  # degrees between ticks of an axis of angles
 _MARKED_STEPS = 60  # most steps whose ends are marked; more would be a thick line
-_NAMED_UPDATES = 2  # most wear updates named beside each other; of more, the last is named
-_SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, style.LINES, strict=False)}
+_NAMED_UPDATES = (
+    2  # most wear updates named beside each other; of more, the last is named
+)
+_SURFACES = {
+    side: Pen(side, *line) for side, line in zip(SIDES, style.LINES, strict=False)
+}
 _MAX_OUTLINES = 4  # joints whose worn surfaces are drawn, each in a figure
 _DRAWN_DEPTH = 0.25  # largest wear depth in an outline, relative to the bearing radius
 _MATERIAL = "0.91"  # colour
 _NEW = Pen("no wear", style.REFERENCE, "dotted", 0.8)
-# Left, bottom, width and height in inches, because the scales of the profiles follow from them.
+# Left, bottom, width and height in inches, because the scales of the profiles follow
+# from them.
 _HEIGHT = 4.3
 _OUTLINE = (0.42, 0.62, 2.75, 2.75)
 _PROFILES = {"bearing": (4.0, 2.45, 2.85, 1.3), "pin": (4.0, 0.5, 2.85, 1.3)}
@@ -50,7 +57,9 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
         _draw_depth(axes, shown[0].data.joints[joint].angle, lines)
         axes.set_xlabel(style.angle_label(result, sides[0]))
         axes.set_ylabel("depth (µm)")
-        axes.set_title(f"joint {joint}, {' + '.join(sides)}", loc="left", fontweight="bold")
+        axes.set_title(
+            f"joint {joint}, {' + '.join(sides)}", loc="left", fontweight="bold"
+        )
     content = {
         "turns": turns,
         "is_shifted": any(axes.get_xlim()[0] for axes in panels),
@@ -69,11 +78,15 @@ def _depth_curves(
     last = shown[-1].data
     if last is result.stages[-1] and not last.failed and result.life is None:
         name = f"{result.stage_name(last.index + 1)}, not simulated"
-        worn.append((Pen(name, style.MUTED, (0.0, (2.0, 2.0)), 0.9), last, ["depth", "wear"]))
+        worn.append(
+            (Pen(name, style.MUTED, (0.0, (2.0, 2.0)), 0.9), last, ["depth", "wear"])
+        )
     curves = []
     for pen, stage, kinds in worn:
         maps = stage.joints[joint].arrays
-        depth = np.sum([maps[f"{kind}_{side}"] for side in sides for kind in kinds], axis=0)
+        depth = np.sum(
+            [maps[f"{kind}_{side}"] for side in sides for kind in kinds], axis=0
+        )
         if np.any(depth > 0.0):
             curves.append((pen, depth))
     return curves
@@ -99,10 +112,12 @@ def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> No
 def seam(angle: Array, depths: list[Array]) -> float:
     """Return the angle at which to cut a full turn open, degrees, so that no lobe is cut in two.
 
-    It is 0 if nothing is worn there, else the middle of the widest part with little wear. Angles
-    are in rad, from 0 to a full turn, depths in m, shape (n,) each.
+    It is 0 if nothing is worn there, else the middle of the widest part with little
+    wear. Angles are in rad, from 0 to a full turn, depths in m, shape (n,) each.
     """
-    deepest = np.max([depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0)
+    deepest = np.max(
+        [depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0
+    )
     is_worn = deepest > max(_BARELY_WORN, float(deepest.min(initial=1.0)))
     if not is_worn.any() or not (is_worn[0] or is_worn[-1]):
         return 0.0
@@ -124,10 +139,14 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     steps = [step for stage in result.stages for step in stage.wear_steps]
     sizes = (unit_factor("million") * step.cycles_per_update for step in steps)
     cycles = list(accumulate(sizes, initial=0.0))
-    ends = list(accumulate((len(stage.wear_steps) for stage in result.stages), initial=0))
+    ends = list(
+        accumulate((len(stage.wear_steps) for stage in result.stages), initial=0)
+    )
     first, last = ends[stages[0].index], ends[stages[-1].index + 1]
     names = [(stage.index + 1, stage.wear_steps) for stage in stages]
-    updates = [(cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied]
+    updates = [
+        (cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied
+    ]
     named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
     marker = "." if last - first < _MARKED_STEPS else ""
     sheet, panels, _ = style.panel_list(len(joints), 2.3)
@@ -136,7 +155,9 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
             depths = [float(result.stages[0].joints[joint].depth(side).max())]
             depths += [step.max_depth[joint][side] for step in steps]
             depth = style.MICRONS * np.array(depths[first : last + 1])
-            pen.draw(axes, cycles[first : last + 1], depth, marker=marker, markersize=4.0)
+            pen.draw(
+                axes, cycles[first : last + 1], depth, marker=marker, markersize=4.0
+            )
         for end, _ in updates:
             axes.axvline(end, color=style.MUTED, linewidth=0.6)
         for end, name in named:
@@ -154,7 +175,8 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
 class _View(NamedTuple):
     """Enlarged part of a surface: middle and half width, rad, and radius of the new surface, m.
 
-    The radial scale is relative to the scale along the surface; the span is radial, in m.
+    The radial scale is relative to the scale along the surface; the span is radial, in
+    m.
     """
 
     side: str
@@ -168,12 +190,19 @@ class _View(NamedTuple):
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
     joints, last = result.scene.clearance_joints, shown[-1].data.joints
-    depths = {name: max(float(last[name].depth(side).max()) for side in SIDES) for name in joints}
-    deepest = sorted(joints, key=lambda name: depths[name], reverse=True)[:_MAX_OUTLINES]
+    depths = {
+        name: max(float(last[name].depth(side).max()) for side in SIDES)
+        for name in joints
+    }
+    deepest = sorted(joints, key=lambda name: depths[name], reverse=True)[
+        :_MAX_OUTLINES
+    ]
     drawings = []
     for joint in (name for name in joints if name in deepest):
         maps = [(stage, stage.data.joints[joint]) for stage in shown]
-        worn = [s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)]
+        worn = [
+            s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)
+        ]
         if worn:
             drawings.append(worn_surface(result, joint, worn))
     return drawings
@@ -196,12 +225,22 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
         axes = sheet.add_axes(tuple(_PROFILES[view.side] / size))
         _draw_profile(axes, worn, view)
         axes.set_xlabel(style.angle_label(result, view.side))
-    sheet.text(0.12 / size[0], 1.0 - 0.2 / size[1], f"joint {joint}", va="center", weight="bold")
+    sheet.text(
+        0.12 / size[0],
+        1.0 - 0.2 / size[1],
+        f"joint {joint}",
+        va="center",
+        weight="bold",
+    )
     middle = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / size[0]
     text = f"wear {scale}, clearance to scale"
     sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
-    content: dict[str, Any] = {"scale": scale, "clearance": bearing.clearance, "deepest": deepest}
+    content: dict[str, Any] = {
+        "scale": scale,
+        "clearance": bearing.clearance,
+        "deepest": deepest,
+    }
     turns = style.maps_turn(result)
     return style.finished(
         "surface", sheet, pens, "upper right", joint=joint, turns=turns, **content
@@ -223,14 +262,23 @@ def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
         reach = math.degrees(float(away[worn >= 0.1 * worn.max()].max()))
         half = math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
         _, _, width, height = _PROFILES[side]
-        spans = 2.0 * half * np.array([radius, min(radii)]) * height / width  # with equal scales
-        # The smaller surface sets the scale, because rounding could separate two equal views.
-        scale = style.round_down(max(1.0, spans[1] / (1.12 * deepest))) if deepest > 0.0 else 1.0
+        spans = (
+            2.0 * half * np.array([radius, min(radii)]) * height / width
+        )  # with equal scales
+        # The smaller surface sets the scale, because rounding could separate two equal
+        # views.
+        scale = (
+            style.round_down(max(1.0, spans[1] / (1.12 * deepest)))
+            if deepest > 0.0
+            else 1.0
+        )
         views.append(_View(side, centre, half, radius, scale, spans[0] / scale))
     return views
 
 
-def _draw_outline(axes: PolarAxes, worn: list[Worn], factor: float, views: list[_View]) -> None:
+def _draw_outline(
+    axes: PolarAxes, worn: list[Worn], factor: float, views: list[_View]
+) -> None:
     bearing = views[0]
     rim = (1.0 + 1.2 * _DRAWN_DEPTH) * bearing.radius
     around = np.linspace(0.0, 2.0 * math.pi, 361)
@@ -240,7 +288,9 @@ def _draw_outline(axes: PolarAxes, worn: list[Worn], factor: float, views: list[
         is_bearing = view is bearing
         for pen, maps in worn:
             depth = maps.depth(view.side)
-            surface = view.radius + _OUTWARDS[view.side] * factor * np.append(depth, depth[0])
+            surface = view.radius + _OUTWARDS[view.side] * factor * np.append(
+                depth, depth[0]
+            )
             if maps is worn[-1][1]:
                 edge = rim if is_bearing else 0.0
                 axes.fill_between(closed, surface, edge, color=_MATERIAL, linewidth=0.0)
@@ -248,7 +298,9 @@ def _draw_outline(axes: PolarAxes, worn: list[Worn], factor: float, views: list[
         _NEW.draw(axes, around, np.full_like(around, view.radius))
         marked = rim if is_bearing else 0.62 * view.radius
         sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
-        axes.plot(sector, np.full_like(sector, marked), color=style.REFERENCE, linewidth=2.0)
+        axes.plot(
+            sector, np.full_like(sector, marked), color=style.REFERENCE, linewidth=2.0
+        )
     axes.set_rlim(0.0, 1.02 * rim)
     axes.set_rticks([])
     axes.set_thetagrids(range(0, 360, 45))
@@ -268,7 +320,9 @@ def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     for pen, maps in worn:
         position = outwards * Surface(maps.depth(view.side))(angle)
         if maps is worn[-1][1]:
-            axes.fill_between(degrees, position, far_edge, color=_MATERIAL, linewidth=0.0)
+            axes.fill_between(
+                degrees, position, far_edge, color=_MATERIAL, linewidth=0.0
+            )
         pen.draw(axes, degrees, position, linewidth=1.0)
     _NEW.draw(axes, degrees, np.zeros_like(degrees))
     axes.grid(visible=False)

@@ -100,7 +100,9 @@ def stage_clip(result: Result, index: int) -> Clip:
         title=name if folder == scene.name else f"{folder}: {name}",
         chapters=(Chapter(result.stage_name(index), scene.linkage(stage.surfaces)),),
         period=scene.mechanism.period,
-        max_depth={joint: max(d[joint] for d in depths) for joint in scene.clearance_joints},
+        max_depth={
+            joint: max(d[joint] for d in depths) for joint in scene.clearance_joints
+        },
         max_force=dict(zip(scene.clearance_joints, largest, strict=True)),
         film=film,
     )
@@ -115,7 +117,10 @@ def life_clip(result: Result) -> Clip:
         )
     clips = equal_limits([stage_clip(result, stage.index) for stage in result.stages])
     cycles = [_last_cycle(clip, place) for place, clip in enumerate(clips)]
-    parts = ([getattr(cycle, name) for cycle in cycles] for name in ("time", "position", "joints"))
+    parts = (
+        [getattr(cycle, name) for cycle in cycles]
+        for name in ("time", "position", "joints")
+    )
     firsts = np.cumsum([0, *(cycle.time.size for cycle in cycles[:-1])])
     return replace(
         clips[0],
@@ -130,7 +135,9 @@ def _last_cycle(clip: Clip, place: int) -> Film:
     film, period, run_up = clip.film, clip.period, clip.linkage.run_up_time
     last = int((clip.span[1] - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
     if last < 0:
-        raise InputError(f"{clip.title}, {clip.chapters[0].stage}: its film has no whole cycle")
+        raise InputError(
+            f"{clip.title}, {clip.chapters[0].stage}: its film has no whole cycle"
+        )
     phase = (film.time - run_up) / period - last
     rows = (phase > -1e-6) & (phase < 1.0 - 1e-6)
     time = run_up + (phase[rows] + place) * period
@@ -171,7 +178,9 @@ def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
     for clip in clips:
         first, last = clip.span
         t = time / clips[0].period * clip.period
-        slack = 2.0 * clip.period / FRAMES_PER_CYCLE  # the last frame stands for its interval
+        slack = (
+            2.0 * clip.period / FRAMES_PER_CYCLE
+        )  # the last frame stands for its interval
         if not first - slack <= t <= last + slack:
             raise InputError(
                 f"time {t:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "
@@ -186,7 +195,8 @@ def frames_between(
 ) -> list[tuple[int, ...]]:
     """Return the frame of each clip in every picture between two times of the first clip, s.
 
-    ``slow`` is time on the screen over time of the clip, ``rate`` are pictures per second.
+    ``slow`` is time on the screen over time of the clip, ``rate`` are pictures per
+    second.
     """
     count = max(round((end - start) * slow * rate), 1)
     if count > MAX_PICTURES:

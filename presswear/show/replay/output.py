@@ -37,14 +37,26 @@ NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
 MAX_START = 30.0  # for a window to open, s
 IDLE_TIME = 0.02  # of the window between two pictures, s
 BAR_REACH = 0.03  # distance of a click from the time bar over the height of the picture
-SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = 32, 262, 263, 264, 265, 268, 269  # key codes of GLFW
+SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = (
+    32,
+    262,
+    263,
+    264,
+    265,
+    268,
+    269,
+)  # key codes of GLFW
 SPEED_STEP = 1.5
 LIVE_INTERVAL = 0.04  # between two pictures of a running simulation, s
-LIVE_FORCE = 500.0  # of the longest arrow, N, because the largest force is not yet available
+LIVE_FORCE = (
+    500.0  # of the longest arrow, N, because the largest force is not yet available
+)
 LIVE_PEAK_FRAMES = 10
 
 
-def still(clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
+def still(
+    clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]
+) -> Pixels:
     """Return one picture, shape (height, width, 3)."""
     first, last = clips[0].span
     part = float((clips[0].film.time[frames[0]] - first) / (last - first))
@@ -56,7 +68,9 @@ def still(clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]) -
 _worker: list[Any] = []  # picture, clips, frames and note of a worker process
 
 
-def _start_worker(clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]) -> None:
+def _start_worker(
+    clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
+) -> None:
     end_with_parent()
     picture = Picture(clips, size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
@@ -80,7 +94,9 @@ def pictures(
     """
     context = multiprocessing.get_context("spawn")
     jobs = min(cores(), len(frames))
-    pool = ProcessPoolExecutor(jobs, context, _start_worker, (clips, frames, note, size))
+    pool = ProcessPoolExecutor(
+        jobs, context, _start_worker, (clips, frames, note, size)
+    )
     try:
         with starting_processes():
             images = pool.map(_draw, range(len(frames)))
@@ -101,10 +117,15 @@ def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     """Write pictures one by one with the palette of the first."""
     first = Image.fromarray(next(images)).quantize(GIF_COLOURS)
     rest = (
-        Image.fromarray(each).quantize(palette=first, dither=Image.Dither.NONE) for each in images
+        Image.fromarray(each).quantize(palette=first, dither=Image.Dither.NONE)
+        for each in images
     )
-    duration = 10 * max(round(100.0 / rate), 2)  # ms; GIF counts in hundredths of a second
-    first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
+    duration = 10 * max(
+        round(100.0 / rate), 2
+    )  # ms; GIF counts in hundredths of a second
+    first.save(
+        part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0
+    )
 
 
 def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
@@ -117,7 +138,9 @@ def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
         *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"),
         *("-movflags", "+faststart", "-f", "mp4", part.name),
     ]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as encoder:
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as encoder:
         assert encoder.stdin is not None
         assert encoder.stderr is not None
         try:
@@ -131,10 +154,14 @@ def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
             raise
         errors = encoder.stderr.read().decode(errors="replace").strip().splitlines()
     if encoder.returncode != 0:
-        raise RunFailed(f"ffmpeg could not write the film: {errors[-1] if errors else 'no reason'}")
+        raise RunFailed(
+            f"ffmpeg could not write the film: {errors[-1] if errors else 'no reason'}"
+        )
 
 
-def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Connection]:
+def _start_window(
+    target: Callable[..., None], *arguments: Any
+) -> tuple[Any, Connection]:
     """Return a process with an open window and a connection to it."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
@@ -161,11 +188,14 @@ def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Co
 class Window:
     """Exudyn's window with a picture in it."""
 
-    def __init__(self, picture: Picture, press: Callable[[int], bool] = lambda key: False) -> None:
+    def __init__(
+        self, picture: Picture, press: Callable[[int], bool] = lambda key: False
+    ) -> None:
         self.picture = picture
         self._renderer: Any = picture.container.renderer
         settings = picture.container.visualizationSettings
-        # The thread of the window could not call Python; without it keys arrive in ``idle``.
+        # The thread of the window could not call Python; without it keys arrive in
+        # ``idle``.
         settings.general.useMultiThreadedRendering = False
         settings.general.showHelpOnStartup = 0
         settings.openGL.multiSampling = 4
@@ -175,7 +205,9 @@ class Window:
         settings.interactive.keyPressUserFunction = self._key
         self._press = press
         self._quits = False
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for the messages of Exudyn's renderer
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), 1
+        )  # for the messages of Exudyn's renderer
         self._renderer.Start()
         picture.set_view()
 
@@ -253,7 +285,9 @@ class Player:
         return (self.time - self.first) / (self.last - self.first)
 
 
-def play(clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float) -> None:
+def play(
+    clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
+) -> None:
     """Play clips in a window until it is closed; raises RunFailed if it cannot be opened."""
     process, _ = _start_window(_play, clips, size, start, slow)
     try:
@@ -265,7 +299,11 @@ def play(clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
 
 
 def _play(
-    caller: Connection, clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
+    caller: Connection,
+    clips: Sequence[Clip],
+    size: tuple[int, int],
+    start: float,
+    slow: float,
 ) -> None:
     end_with_parent()
     first = clips[0]
@@ -292,7 +330,8 @@ def _play(
 class Live(Observer):
     """Window that shows a running simulation; closing it does not stop the run.
 
-    A frame is sent only after the window has shown the previous one, so that the run never waits.
+    A frame is sent only after the window has shown the previous one, so that the run
+    never waits.
     """
 
     frames = clip_module.PATH_FRAMES
@@ -308,8 +347,13 @@ class Live(Observer):
     def _clip(self, stage: int) -> Clip:
         chapter = Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage)
         forces = {joint.name: LIVE_FORCE for joint in self._linkage.clearances}
-        period, depths = self._scene.mechanism.period, clip_module.max_depths(self._linkage)
-        return Clip(short_name_of(self._scene), (chapter,), period, depths, forces, self._film)
+        period, depths = (
+            self._scene.mechanism.period,
+            clip_module.max_depths(self._linkage),
+        )
+        return Clip(
+            short_name_of(self._scene), (chapter,), period, depths, forces, self._film
+        )
 
     def on_progress(self, progress: Progress) -> None:
         """Send the last frames of a run to the window if it is ready."""
@@ -328,7 +372,9 @@ class Live(Observer):
             time = float(film.time[-1])
             peaks = film.joints[-LIVE_PEAK_FRAMES:, :, clip_module.PEAK].max(axis=0)
             part = time / self._scene.mechanism.period % 1.0
-            self._window.send((Snapshot(time, film.position, film.joints[-1], peaks), part))
+            self._window.send(
+                (Snapshot(time, film.position, film.joints[-1], peaks), part)
+            )
             self._is_ready, self._sent = False, now
         except (EOFError, OSError):
             self._sent = np.inf  # the window is closed

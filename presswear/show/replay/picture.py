@@ -12,14 +12,25 @@ from numpy.typing import NDArray
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
-from presswear.show.replay.shapes import FORCE, INK, STEEL, EnlargedJoint, Shape, points_of
+from presswear.show.replay.shapes import (
+    FORCE,
+    INK,
+    STEEL,
+    EnlargedJoint,
+    Shape,
+    points_of,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice of the module)
 
-HEAD, FOOT, MARGIN = 0.11, 0.09, 0.02  # title, time bar and margin over the height of the picture
+HEAD, FOOT, MARGIN = (
+    0.11,
+    0.09,
+    0.02,
+)  # title, time bar and margin over the height of the picture
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
 LETTER_WIDTH = 0.74  # of the height of a letter
 
@@ -44,11 +55,13 @@ class Layout(NamedTuple):
     bar: tuple[Array, Array]
 
 
-def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float) -> Layout:
+def layout_of(
+    boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float
+) -> Layout:
     """Arrange clips side by side, with the enlarged joints of each at its right.
 
-    Boxes are the corners, m, between which each mechanism moves; ``joints`` are the numbers of
-    enlarged joints, and the aspect is width over height of the picture.
+    Boxes are the corners, m, between which each mechanism moves; ``joints`` are the
+    numbers of enlarged joints, and the aspect is width over height of the picture.
     """
     # All lengths except those of the boxes are relative to the height of the picture.
     width, usable = aspect / len(boxes), 1.0 - HEAD - FOOT
@@ -74,7 +87,9 @@ class Picture:
 
     def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
         self.clips = tuple(clips)
-        boxes = [shapes.bounding_box(clip.linkage, clip.film.position) for clip in clips]
+        boxes = [
+            shapes.bounding_box(clip.linkage, clip.film.position) for clip in clips
+        ]
         counts = [len(clip.linkage.clearances) for clip in clips]
         self.layout = layout_of(boxes, counts, size[0] / size[1])
         self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
@@ -89,10 +104,16 @@ class Picture:
         self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
         for clip, panel in zip(clips, self.layout.panels, strict=True):
             frame = shapes.frame_shapes(clip.linkage, clip.film.position, self._bar)
-            self._frame += [shapes.moved(shape, np.append(panel.offset, 0.0)) for shape in frame]
+            self._frame += [
+                shapes.moved(shape, np.append(panel.offset, 0.0)) for shape in frame
+            ]
             bodies = range(len(clip.linkage.bodies))
-            self._bodies.append([shapes.body_shapes(clip.linkage, k, self._bar) for k in bodies])
-            self._joints.append([_enlarged(clip, panel, each) for each in clip.chapters])
+            self._bodies.append(
+                [shapes.body_shapes(clip.linkage, k, self._bar) for k in bodies]
+            )
+            self._joints.append(
+                [_enlarged(clip, panel, each) for each in clip.chapters]
+            )
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
@@ -106,7 +127,8 @@ class Picture:
         # Text in front of everything would keep OpenGL from clearing its depth buffer.
         settings.general.textAlwaysInFront = False
         settings.raytracer.multiSampling = 2
-        self.container.renderer.ResetState()  # otherwise the view set before an image is lost
+        # otherwise the view set before an image is lost
+        self.container.renderer.ResetState()
         self.set_view()
 
     def height(self, layer: int) -> float:
@@ -121,28 +143,47 @@ class Picture:
     def show(self, states: Sequence[Snapshot], part: float, note: str) -> None:
         """Set the renderer to the state of each clip.
 
-        ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the playing speed.
+        ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the
+        playing speed.
         """
         pieces, texts = [*self._frame, *self._time_bar(part)], []
-        drawn = zip(self.clips, self.layout.panels, self._bodies, self._joints, states, strict=True)
+        drawn = zip(
+            self.clips,
+            self.layout.panels,
+            self._bodies,
+            self._joints,
+            states,
+            strict=True,
+        )
         for clip, panel, bodies, chapters, state in drawn:
             texts += self._title(clip, panel, state, note)
             poses = state.positions[-1].reshape(-1, 3) + np.append(panel.offset, 0.0)
             for body, pose in zip(bodies, poses, strict=True):
                 pieces += [shapes.moved(shape, pose) for shape in body]
             for spring in clip.linkage.springs:
-                ends = (points_of(clip.linkage, state.positions[-1:], end) for end in spring.ends)
+                ends = (
+                    points_of(clip.linkage, state.positions[-1:], end)
+                    for end in spring.ends
+                )
                 start, end = (panel.offset + pose[0, :2] for pose in ends)
                 pieces.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
             joints = chapters[state.chapter]
-            for (joint, parts), row, peak in zip(joints, state.joints, state.peaks, strict=True):
+            for (joint, parts), row, peak in zip(
+                joints, state.joints, state.peaks, strict=True
+            ):
                 sides = joint.joint.bearing, joint.joint.pin
-                bearing, pin = (points_of(clip.linkage, state.positions, side) for side in sides)
-                for shape, pose in zip(parts, joint.coordinates(bearing[-1], pin[-1]), strict=True):
+                bearing, pin = (
+                    points_of(clip.linkage, state.positions, side) for side in sides
+                )
+                for shape, pose in zip(
+                    parts, joint.coordinates(bearing[-1], pin[-1]), strict=True
+                ):
                     pieces += [shapes.moved(each, pose) for each in shape]
                 pieces += joint.moving(bearing, pin, row)
                 texts += self._joint_text(joint, row, peak)
-                name = self._text(panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60)
+                name = self._text(
+                    panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60
+                )
                 texts.append({**name, "offset": [0.8, 0.5]})
         data = [self._triangles(pieces), *texts]
         self.system.SetObjectParameter(self._ground, "VgraphicsData", data)
@@ -152,35 +193,61 @@ class Picture:
         counts = [len(shape.points) for shape in pieces]
         starts = np.cumsum([0, *counts[:-1]])
         heights = np.repeat([self.height(shape.layer) for shape in pieces], counts)
-        points = np.column_stack([np.vstack([shape.points for shape in pieces]), heights])
-        triangles = [shape.triangles + start for shape, start in zip(pieces, starts, strict=True)]
+        points = np.column_stack(
+            [np.vstack([shape.points for shape in pieces]), heights]
+        )
+        triangles = [
+            shape.triangles + start for shape, start in zip(pieces, starts, strict=True)
+        ]
         colours = np.repeat([shape.colour for shape in pieces], counts, axis=0)
         normals = np.tile([0.0, 0.0, 1.0], len(points))
-        data: dict[str, Any] = FromPointsAndTrigs(points, np.vstack(triangles), colours, normals)
+        data: dict[str, Any] = FromPointsAndTrigs(
+            points, np.vstack(triangles), colours, normals
+        )
         return data
 
     def _text(
-        self, point: Array, words: str, size: float, paint: shapes.Colour = INK, layer: int = 95
+        self,
+        point: Array,
+        words: str,
+        size: float,
+        paint: shapes.Colour = INK,
+        layer: int = 95,
     ) -> dict[str, Any]:
         """Return a text that starts at a point, with letters of a size relative to the font."""
         position = [float(point[0]), float(point[1]), self.height(layer)]
-        look = {"position": position, "color": list(paint), "fontSize": size * self._font}
+        look = {
+            "position": position,
+            "color": list(paint),
+            "fontSize": size * self._font,
+        }
         return {"type": "Text", "text": words, **look}
 
     def _line_height(self, size: float) -> float:
         """Return the height of a line of text, m, from its size relative to the font."""
         return 1.5 * size * FONT / 640.0 * self.layout.height
 
-    def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
+    def _joint_text(
+        self, joint: EnlargedJoint, row: Array, peak: float
+    ) -> list[dict[str, Any]]:
         force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
         letter = LETTER_WIDTH * FONT / 640.0 * self.layout.height
         size = min(1.0, 3.0 * joint.radius / (letter * len(force)))
-        above, below = (joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19))
-        lines = [below - [0.0, k * self._line_height(0.8)] for k in range(len(joint.labels()))]
-        factors = [self._text(*line, 0.75) for line in zip(lines, joint.labels(), strict=True)]
+        above, below = (
+            joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19)
+        )
+        lines = [
+            below - [0.0, k * self._line_height(0.8)]
+            for k in range(len(joint.labels()))
+        ]
+        factors = [
+            self._text(*line, 0.75) for line in zip(lines, joint.labels(), strict=True)
+        ]
         return [self._text(above, force, size, joint.paint), *factors]
 
-    def _title(self, clip: Clip, panel: Panel, state: Snapshot, note: str) -> list[dict[str, Any]]:
+    def _title(
+        self, clip: Clip, panel: Panel, state: Snapshot, note: str
+    ) -> list[dict[str, Any]]:
         linkage = clip.linkage
         elapsed = run_up_motion(linkage.run_up_time, state.time)[0]
         angle = 360.0 * elapsed / clip.period
@@ -190,7 +257,10 @@ class Picture:
             status = f"t = {state.time:.4f} s   {status} of cycle {cycle}"
         title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
         below = panel.title - [0.0, self._line_height(1.2)]
-        return [self._text(panel.title, title, 1.15), self._text(below, f"{status}   {note}", 1.0)]
+        return [
+            self._text(panel.title, title, 1.15),
+            self._text(below, f"{status}   {note}", 1.0),
+        ]
 
     def _time_bar(self, part: float) -> list[Shape]:
         start, end = self.layout.bar
@@ -215,7 +285,9 @@ class Picture:
 
 def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
     joints = []
-    for k, (joint, centre) in enumerate(zip(chapter.linkage.clearances, panel.joints, strict=True)):
+    for k, (joint, centre) in enumerate(
+        zip(chapter.linkage.clearances, panel.joints, strict=True)
+    ):
         limits = clip.max_depth[joint.name], clip.max_force[joint.name]
         paint = shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)]
         enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)

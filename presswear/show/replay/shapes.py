@@ -1,9 +1,9 @@
 """Shapes of a planar linkage: bodies, frame, and enlarged joints with clearance.
 
-Shapes are triangles in layers, the higher ones in front. In an enlarged joint, clearance and wear
-have the same scale, much larger than that of the radius, so that pin and bearing touch in the
-drawing when they touch in the run. The wear depth is drawn again, with a larger scale, as a band
-behind each surface.
+Shapes are triangles in layers, the higher ones in front. In an enlarged joint,
+clearance and wear have the same scale, much larger than that of the radius, so that pin
+and bearing touch in the drawing when they touch in the run. The wear depth is drawn
+again, with a larger scale, as a band behind each surface.
 """
 
 import math
@@ -33,7 +33,11 @@ INK, PAPER, STEEL = to_rgba("#1a1a1a"), to_rgba("#ffffff"), to_rgba("#c9ced6")
 WORN, FORCE, PIN = to_rgba("#E69F00"), to_rgba("#c1121f"), to_rgba("#9aa5b1")
 LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
 BAR = 0.017  # half width of a bar over the size of the mechanism
-PIN_SHARE, PLAY_SHARE, BAND_SHARE = 0.34, 0.36, 0.13  # of the radius of an enlarged joint
+PIN_SHARE, PLAY_SHARE, BAND_SHARE = (
+    0.34,
+    0.36,
+    0.13,
+)  # of the radius of an enlarged joint
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
 
@@ -50,7 +54,9 @@ class Shape(NamedTuple):
 def moved(shape: Shape, pose: Array) -> Shape:
     """Return a shape of a body in a pose: coordinates of its origin, m, and angle, rad."""
     along = direction(pose[2])
-    return shape._replace(points=pose[:2] + shape.points @ np.array([along, across(along)]))
+    return shape._replace(
+        points=pose[:2] + shape.points @ np.array([along, across(along)])
+    )
 
 
 def direction(angle: float) -> Array:
@@ -65,7 +71,9 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
     base = 3 * linkage.index(point.body)
     x, y, angle = positions[:, base : base + 3].T
     c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
+    return np.column_stack(
+        [x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle]
+    )
 
 
 def attachments(linkage: Linkage, body: str) -> list[Attachment]:
@@ -81,8 +89,9 @@ def attachments(linkage: Linkage, body: str) -> list[Attachment]:
 def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) -> Array:
     """Return the outline of a body in its own frame, m, shape (n, 2).
 
-    It is a block in a guide, with the joints outside of it, otherwise a bar or a plate around the
-    joints, or around one joint and the mass centre. ``bar`` is the half width of a bar.
+    It is a block in a guide, with the joints outside of it, otherwise a bar or a plate
+    around the joints, or around one joint and the mass centre. ``bar`` is the half
+    width of a bar.
     """
     points = [(end.x, end.y) for end in attachments(linkage, body)]
     guide = next((guide for guide in linkage.guides if guide.body == body), None)
@@ -90,7 +99,11 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     if guide is not None:
         half = 0.5 * np.array([5.6 * bar, 4.4 * bar]) - inset
         along = direction(guide.direction - guide.angle)
-        outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half @ [along, across(along)]
+        outline = (
+            np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+            * half
+            @ [along, across(along)]
+        )
         points = [point for point in points if math.hypot(*point) > half.max()]
         if not points:
             return outline
@@ -126,13 +139,19 @@ def band(inner: Array, outer: Array, layer: int, paint: Colour) -> Shape:
     return Shape(np.vstack([inner, outer]), np.hstack(quarters).T, layer, paint)
 
 
-def ring(centre: Point, radius: float, width: float, layer: int, paint: Colour) -> Shape:
+def ring(
+    centre: Point, radius: float, width: float, layer: int, paint: Colour
+) -> Shape:
     """Return a circular line of some width."""
-    inner, outer = (circle(centre, radius + side * width, 2 * SEGMENTS) for side in (-0.5, 0.5))
+    inner, outer = (
+        circle(centre, radius + side * width, 2 * SEGMENTS) for side in (-0.5, 0.5)
+    )
     return band(inner, outer, layer, paint)
 
 
-def strokes(points: Array, width: float, layer: int, paints: Sequence[Colour]) -> list[Shape]:
+def strokes(
+    points: Array, width: float, layer: int, paints: Sequence[Colour]
+) -> list[Shape]:
     """Return the lines between successive points, shape (n, 2), one colour each."""
     normal = np.diff(points, axis=0)[:, ::-1] * (-1.0, 1.0)
     length = np.hypot(*normal.T)
@@ -149,7 +168,9 @@ def line(start: Point, end: Point, width: float, layer: int, paint: Colour) -> S
     return strokes(np.array([start, end], dtype=float), width, layer, [paint])[0]
 
 
-def arrow(start: Array, vector: Array, width: float, layer: int, paint: Colour) -> list[Shape]:
+def arrow(
+    start: Array, vector: Array, width: float, layer: int, paint: Colour
+) -> list[Shape]:
     """Return an arrow from a point along a vector that is not zero."""
     length = float(np.hypot(*vector))
     head = min(4.0 * width, length)
@@ -174,7 +195,9 @@ def hatched(ends: Array, side: float, bar: float) -> list[Shape]:
 
 def mix(first: Colour, second: Colour, share: float) -> Colour:
     """Return ``first`` with a share, 0 to 1, of ``second``."""
-    return tuple((1.0 - share) * x + share * y for x, y in zip(first, second, strict=True))
+    return tuple(
+        (1.0 - share) * x + share * y for x, y in zip(first, second, strict=True)
+    )
 
 
 def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
@@ -221,7 +244,9 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
         along, base = direction(guide.direction), np.array([guide.x, guide.y])
         places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
         travel = (places[:, :2] - base) @ along
-        ends = base + np.outer([travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along)
+        ends = base + np.outer(
+            [travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along
+        )
         for sign in (-1.0, 1.0):
             drawn += hatched(ends + sign * 2.35 * bar * across(along), sign, bar)
     return drawn
@@ -231,8 +256,8 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
 class EnlargedJoint:
     """Joint with clearance, enlarged; its scale factors are rounded down to two digits.
 
-    Lengths of arrows scale with the square root of the force, so that the force of a resting pin is
-    visible beside an impact.
+    Lengths of arrows scale with the square root of the force, so that the force of a
+    resting pin is visible beside an impact.
     """
 
     joint: ClearanceJoint
@@ -261,7 +286,11 @@ class EnlargedJoint:
 
     def labels(self) -> tuple[str, ...]:
         """Return the factors as text."""
-        worn = (f"orange: wear depth x{self.band_factor:.0f}",) if self.band_factor > 0.0 else ()
+        worn = (
+            (f"orange: wear depth x{self.band_factor:.0f}",)
+            if self.band_factor > 0.0
+            else ()
+        )
         return (
             f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}",
             *worn,
@@ -285,11 +314,16 @@ class EnlargedJoint:
                 band(_polar(worn), _polar(worn + outwards * edge), z + 2, INK),
             ]
             if depth.max() > 0.0:
-                reach = outwards * np.minimum(self.band_factor * depth, np.abs(far - worn))
+                reach = outwards * np.minimum(
+                    self.band_factor * depth, np.abs(far - worn)
+                )
                 drawn.append(band(_polar(worn), _polar(worn + reach), z + 1, WORN))
             size = self.radius if far else pin_radius
             mark = (0.55 * size, 0.0), (0.9 * size, 0.0)
-            bodies += [drawn, [line(*mark, 0.02 * self.radius, z + 3, mix(STEEL, INK, 0.6))]]
+            bodies += [
+                drawn,
+                [line(*mark, 0.02 * self.radius, z + 3, mix(STEEL, INK, 0.6))],
+            ]
         bodies[0].append(ring((0.0, 0.0), self.radius, edge, 72, INK))
         return bodies
 
@@ -309,7 +343,8 @@ class EnlargedJoint:
     def moving(self, bearing: Array, pin: Array, row: Array) -> list[Shape]:
         """Return clearance circle, path of the pin, contact and force.
 
-        Poses of bearing and pin have shape (n, 3); the row has the columns ``FILM_JOINT``.
+        Poses of bearing and pin have shape (n, 3); the row has the columns
+        ``FILM_JOINT``.
         """
         eccentricity = (pin - bearing)[:, :2]
         play = self.gap_factor * self.joint.clearance
@@ -320,7 +355,9 @@ class EnlargedJoint:
             shares = 0.85 * (1.0 - np.arange(1, count + 1) / count)
             paints = [mix(self.paint, PAPER, share) for share in shares.tolist()]
             drawn += strokes(points, 0.016 * self.radius, 86, paints)
-            drawn.append(filled(circle(points[-1], 0.03 * self.radius, 16), 86, self.paint))
+            drawn.append(
+                filled(circle(points[-1], 0.03 * self.radius, 16), 86, self.paint)
+            )
         return drawn + self.contact(eccentricity[-1], self._map_angle(pin[-1]), row)
 
     def contact(self, eccentricity: Array, map_angle: float, row: Array) -> list[Shape]:

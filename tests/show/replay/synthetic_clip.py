@@ -10,7 +10,9 @@ from presswear.show.replay.clip import Chapter, Clip
 FRAMES = 101
 
 
-def synthetic_clip(title: str = "title", max_depth: float = 3e-5, max_force: float = 200.0) -> Clip:
+def synthetic_clip(
+    title: str = "title", max_depth: float = 3e-5, max_force: float = 200.0
+) -> Clip:
     """Return one cycle of the press with clearance at A and C and worn surfaces."""
     scene = scene_named("wear-times")
     angle = bin_centres(360)

@@ -27,11 +27,19 @@ CLIP = synthetic_clip()
 
 def test_frames_are_the_nearest_in_time() -> None:
     step = CLIP.film.time[1]
-    assert [frames_at([CLIP], t * step) for t in (0.0, 10.4, 10.6)] == [(0,), (10,), (11,)]
+    assert [frames_at([CLIP], t * step) for t in (0.0, 10.4, 10.6)] == [
+        (0,),
+        (10,),
+        (11,),
+    ]
     slow = 10.0 / CLIP.period
-    assert frames_between([CLIP], 0.0, CLIP.period, slow, 5.0) == [(2 * k,) for k in range(50)]
+    assert frames_between([CLIP], 0.0, CLIP.period, slow, 5.0) == [
+        (2 * k,) for k in range(50)
+    ]
     assert CLIP.default_slow == pytest.approx(slow, rel=0.05)
-    with pytest.raises(pw.InputError, match=r"title, first wear, goes from 0 s to 0\.571"):
+    with pytest.raises(
+        pw.InputError, match=r"title, first wear, goes from 0 s to 0\.571"
+    ):
         frames_at([CLIP], 2.0 * CLIP.period)
     with pytest.raises(pw.InputError, match="at most 20000 are drawn"):
         frames_between([CLIP], 0.0, CLIP.period, 1e5, 25.0)
@@ -77,22 +85,31 @@ def test_a_life_is_the_last_cycle_of_each_stage() -> None:
     life = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
     result = replace(result, scene=replace(result.scene, life=Life()), life=life)
     clip = life_clip(result)
-    assert [each.stage for each in clip.chapters] == ["no wear", "after 3 million strokes"]
+    assert [each.stage for each in clip.chapters] == [
+        "no wear",
+        "after 3 million strokes",
+    ]
     step = np.diff(clip.film.time)
     assert 0.0 < step.min() < step.max() < 2.0 * clip.period / FRAMES_PER_CYCLE
     assert clip.span[1] - clip.span[0] == pytest.approx(2.0 * clip.period, rel=1e-2)
     assert clip.default_start == clip.span[0]
     start = result.scene.run_up + 2.0 * clip.period  # of the third cycle
-    for stage, first, chapter in zip(result.stages, clip.firsts, clip.chapters, strict=True):
+    for stage, first, chapter in zip(
+        result.stages, clip.firsts, clip.chapters, strict=True
+    ):
         row = int(np.flatnonzero(stage.film.time >= start - 1e-9)[0])
-        np.testing.assert_array_equal(clip.film.position[first], stage.film.position[row])
+        np.testing.assert_array_equal(
+            clip.film.position[first], stage.film.position[row]
+        )
         depth = chapter.linkage.clearances[0].bearing_surface.depth
         assert depth.max(initial=0.0) == stage.joints["A"].depth("bearing").max()
     second = clip.firsts[1]
     assert [clip.snapshot(k, k).chapter for k in (0, second - 1, second)] == [0, 0, 1]
     assert len(clip.snapshot(second, second - 2).positions) == 1
     film = result.stages[1].film
-    half = replace(film, time=film.time[:9], position=film.position[:9], joints=film.joints[:9])
+    half = replace(
+        film, time=film.time[:9], position=film.position[:9], joints=film.joints[:9]
+    )
     cut = replace(result.stages[1], read_film=lambda: half)
     with pytest.raises(pw.InputError, match="its film has no whole cycle"):
         life_clip(replace(result, stages=(result.stages[0], cut)))
@@ -126,7 +143,9 @@ def test_an_mp4_is_complete_or_absent(tmp_path: Path) -> None:
     output.write_movie(file, moving(9), 25.0)
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_entries"]
     command += ["stream=nb_read_frames,r_frame_rate,width", "-of", "csv=p=0", str(file)]
-    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    shown = subprocess.run(
+        command, capture_output=True, text=True, check=True
+    ).stdout.strip()
     assert shown == "96,25/1,9"
     film = file.read_bytes()
     with pytest.raises(RuntimeError, match="the renderer failed"):

@@ -49,7 +49,9 @@ def enlarged(radius: float) -> EnlargedJoint:
 
 
 @pytest.mark.parametrize("frame", [0, 17, FRAMES - 1])
-def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame: int) -> None:
+def test_bodies_are_drawn_at_their_stored_positions(
+    picture: Picture, frame: int
+) -> None:
     """Each mass centre is moved to the origin, where single precision is fine enough."""
     offset = picture.layout.panels[0].offset
     stored = CLIP.film.position[[frame]]
@@ -81,10 +83,14 @@ def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture) -> None:
             points[np.hypot(*(points - centre).T) < 1.01 * panel.radius]
             for points in (rings, marks)
         )
-        assert 0.5 * (ring.min(axis=0) + ring.max(axis=0)) == pytest.approx(centre, abs=1e-6)
+        assert 0.5 * (ring.min(axis=0) + ring.max(axis=0)) == pytest.approx(
+            centre, abs=1e-6
+        )
         along = 0.725 * view.pin_factor * joint.pin_radius
         middle = mark.mean(axis=0) - along * np.array([np.cos(pin[2]), np.sin(pin[2])])
-        assert middle - centre == pytest.approx(view.gap_factor * (pin - bearing)[:2], abs=2e-6)
+        assert middle - centre == pytest.approx(
+            view.gap_factor * (pin - bearing)[:2], abs=2e-6
+        )
 
 
 def test_a_touching_pin_meets_the_worn_bearing() -> None:
@@ -93,14 +99,20 @@ def test_a_touching_pin_meets_the_worn_bearing() -> None:
     angle = (86 + 0.5) * np.pi / 180.0  # in the worn part, a bin centre
     normal = np.array([np.cos(angle), np.sin(angle)])
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
-    map_angle = angle - (229 + 0.5) * np.pi / 180.0  # the deepest part of the groove of the pin
+    map_angle = (
+        angle - (229 + 0.5) * np.pi / 180.0
+    )  # the deepest part of the groove of the pin
     reach = joint.clearance + worn[86] + groove[229]
     point = view.contact(reach * normal, map_angle, row)[0].points[0]
-    surface = view.pin_factor * joint.pin_radius + view.gap_factor * (joint.clearance + worn[86])
+    surface = view.pin_factor * joint.pin_radius + view.gap_factor * (
+        joint.clearance + worn[86]
+    )
     assert point == pytest.approx(surface * normal, abs=1e-12)
     inner = view.bodies()[0][0].points[:180]
     nearest = inner[np.argmin(np.hypot(*(inner - point).T))]
-    assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)  # two bins are drawn as one
+    assert np.hypot(*nearest) == pytest.approx(
+        surface, rel=1e-3
+    )  # two bins are drawn as one
 
 
 def test_arrow_length_is_the_root_of_the_force() -> None:
@@ -111,7 +123,9 @@ def test_arrow_length_is_the_root_of_the_force() -> None:
         shapes = view.contact(np.array([view.joint.clearance, 0.0]), 0.0, row)
         if not shapes:
             return 0.0
-        return float(max(s.points[:, 0].max() for s in shapes[1:]) - shapes[0].points[0, 0])
+        return float(
+            max(s.points[:, 0].max() for s in shapes[1:]) - shapes[0].points[0, 0]
+        )
 
     assert length(0.0) == 0.0
     assert length(view.max_force) == pytest.approx(0.55 * view.radius)
@@ -122,8 +136,18 @@ def test_image_and_text(picture: Picture) -> None:
     state = CLIP.snapshot(20, 10)
     picture.show([state], 0.3, "slowed 18 times")
     force = f"A: normal {state.joints[0, 0]:.0f} N, peak {state.peaks[0]:.0f} N"
-    parts = ["title, first wear", f"t = {state.time:.4f} s", "72.0 deg of cycle 1", force]
-    for part in (*parts, "slowed 18 times", "clearance, wear x", "orange: wear depth x"):
+    parts = [
+        "title, first wear",
+        f"t = {state.time:.4f} s",
+        "72.0 deg of cycle 1",
+        force,
+    ]
+    for part in (
+        *parts,
+        "slowed 18 times",
+        "clearance, wear x",
+        "orange: wear depth x",
+    ):
         assert part in words(picture)
     first, second = picture.image(), picture.image()
     assert np.array_equal(first, second)
@@ -134,7 +158,9 @@ def test_image_and_text(picture: Picture) -> None:
 
 
 def test_two_clips_have_one_scale() -> None:
-    pair = equal_limits([CLIP, synthetic_clip("deeper", max_depth=9e-5, max_force=900.0)])
+    pair = equal_limits(
+        [CLIP, synthetic_clip("deeper", max_depth=9e-5, max_force=900.0)]
+    )
     for clip in pair:
         assert (clip.max_depth["A"], clip.max_force["C"]) == (9e-5, 900.0)
     both = Picture(pair, (480, 320))
@@ -149,7 +175,9 @@ def test_two_clips_have_one_scale() -> None:
 
 def test_only_the_joints_of_the_present_stage_are_visible() -> None:
     new = pw.scenes.scene_named("wear-times").linkage()
-    clip = replace(CLIP, chapters=(*CLIP.chapters, Chapter("after", new)), firsts=(0, FRAMES // 2))
+    clip = replace(
+        CLIP, chapters=(*CLIP.chapters, Chapter("after", new)), firsts=(0, FRAMES // 2)
+    )
     picture = Picture([clip], (480, 320))
     for frame, stage in ((5, "first wear"), (FRAMES - 1, "after")):
         picture.show([clip.snapshot(frame, frame)], 0.5, "")
@@ -161,7 +189,9 @@ def test_only_the_joints_of_the_present_stage_are_visible() -> None:
 
 
 def test_a_spring_is_drawn_between_its_ends() -> None:
-    spring = pw.Spring("coil", pw.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1)
+    spring = pw.Spring(
+        "coil", pw.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1
+    )
     chapter = Chapter("first wear", LINKAGE.changed(springs=[spring]))
     picture = Picture([replace(CLIP, chapters=(chapter,))], (480, 320))
     picture.show([CLIP.snapshot(20, 20)], 0.0, "")

@@ -18,7 +18,9 @@ from PIL import Image
 import presswear as pw
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
-needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is missing")
+needs_xdotool = pytest.mark.skipif(
+    shutil.which("xdotool") is None, reason="xdotool is missing"
+)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +40,9 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def test_stills_and_a_film(folder: Path, tmp_path: Path, command: Callable[..., str]) -> None:
+def test_stills_and_a_film(
+    folder: Path, tmp_path: Path, command: Callable[..., str]
+) -> None:
     """At a time with and without unit, two stages side by side, and a part of a cycle."""
 
     def still(options: str) -> NDArray[np.uint8]:
@@ -47,7 +51,9 @@ def test_stills_and_a_film(folder: Path, tmp_path: Path, command: Callable[..., 
         with Image.open(file) as image:
             return np.array(image)
 
-    first, same, later = (still(f"--stage 1 --at {at}") for at in ("0.3", "300ms", "0.31s"))
+    first, same, later = (
+        still(f"--stage 1 --at {at}") for at in ("0.3", "300ms", "0.31s")
+    )
     assert first.shape == (320, 480, 3)
     assert np.array_equal(first, same)
     assert not np.array_equal(first, later)
@@ -79,7 +85,10 @@ BAD_INPUT = """
 
 
 def test_bad_input_is_refused_in_one_line(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: Callable[..., str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shutil, "which", lambda name: None)
@@ -90,8 +99,12 @@ def test_bad_input_is_refused_in_one_line(
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="displays of Linux")
-@pytest.mark.parametrize(("name", "line"), [("", "replay ."), (":987", "run wear-times --live")])
-def test_without_a_display_one_line_names_alternatives(folder: Path, name: str, line: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "line"), [("", "replay ."), (":987", "run wear-times --live")]
+)
+def test_without_a_display_one_line_names_alternatives(
+    folder: Path, name: str, line: str
+) -> None:
     environment, command = {**os.environ, "DISPLAY": name}, [*REPLAY[:3], *line.split()]
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
@@ -120,7 +133,14 @@ def test_ctrl_c_closes_the_window(folder: Path, display: None) -> None:
 @needs_xdotool
 def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: None) -> None:
     options = ["--engine", "dae", "--cycles", "40", "--wear-updates", "0", "--live"]
-    command = [*REPLAY[:3], "run", "wear-times", *options, "--out", str(tmp_path / "live")]
+    command = [
+        *REPLAY[:3],
+        "run",
+        "wear-times",
+        *options,
+        "--out",
+        str(tmp_path / "live"),
+    ]
     run = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     press(run, "q")
     assert run.wait(120) == 0
