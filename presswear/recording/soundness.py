@@ -118,8 +118,10 @@ def _check_contacts(
     for joint, counters in pairs:
         deepest, limit = float(counters["deepest"]), joint.pin_radius
         if deepest > limit:
-            what = f"the penetration of {deepest:.3g} m exceeds "
-            what += f"the radius of the pin, {limit:.3g} m"
+            what = (
+                f"the penetration of {deepest:.3g} m exceeds the radius of the pin, "
+                f"{limit:.3g} m"
+            )
             remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
             return Finding("penetration", what, now.time, joint.name, remedy)
     for joint, counters in pairs:
