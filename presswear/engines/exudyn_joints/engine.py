@@ -21,7 +21,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
@@ -47,7 +46,6 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.equations.function import model_of, written
-from presswear.physics.equations.layout import Layout
 from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.interactions.kinds import interactions_of
 from presswear.physics.ledger import Ledger, stored_energy
@@ -274,17 +272,11 @@ def frame_of(
         y=np.zeros(forces.layout.size),
         rates=np.zeros(forces.layout.size),
         layout=forces.layout,
-        bristles=_bristle_places(records.packed.joints, forces.layout),
-        started=np.zeros((2, len(linkage.clearances))),
+        scales=np.array([state.scale for state in forces.states]),
+        state_joints=np.array([state.joint for state in forces.states], np.int64),
+        states=np.zeros((6, len(forces.states))),
         friction=friction,
     )
-
-
-def _bristle_places(joints: Records, layout: Layout) -> NDArray[np.int64]:
-    """Return the places in the state of the bristles of friction, shape (joints,); -1 for none."""
-    has_bristles = joints["friction"]["bristle_stiffness"] > 0.0
-    places = layout.first_state + np.cumsum(has_bristles) - 1
-    return np.where(has_bristles, places, -1).astype(np.int64)
 
 
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
@@ -528,7 +520,7 @@ class _Joints:
         arrays = dict(
             zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True)
         )
-        arrays |= {"force": self.drives.force, "started": frame.started}
+        arrays |= {"force": self.drives.force, "states": frame.states}
         if self.omitted:
             arrays |= {
                 "all_q": frame.q,

@@ -36,7 +36,6 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
-from presswear.physics.interactions.lugre import next_bristle
 from presswear.physics.loads import (
     greatest_jump,
     next_break,
@@ -47,7 +46,7 @@ from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
-from presswear.physics.touchdown import LEAST_STEPS, settle
+from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, settle
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
@@ -58,6 +57,9 @@ Indices = NDArray[np.int64]
 # Change of a load on passing from one piece of its law to the next that is a jump, part
 # of it.
 JUMP = 1e-3
+# Rows of the states of interactions: values at the start of a step, with rates and slopes behind
+# them, and the same at its end
+STEP_START, RATE, SLOPE, STEP_END = 0, 1, 2, 3
 FORCES, START, ACCEPTED, SHORTER = range(4)
 """Tasks of ``run_task``."""
 
@@ -93,9 +95,10 @@ class Frame(NamedTuple):
     y: Array  # state for them, and rates of its integrals
     rates: Array
     layout: Layout  # places of their parts
-    bristles: Indices  # places in ``y`` of the bristles of the joints, -1 for none
-    # their deflections, m, and sliding, m/s, where a step starts, (2, joints)
-    started: Array
+    scales: Array  # changes of the states of interactions that matter, (states,)
+    state_joints: Indices  # whose contact changes their rates; -1 for none
+    # Values, rates and slopes of the rates where a step starts and ends, (6, states)
+    states: Array
     friction: Friction | None  # None without friction in rigid joints
 
 
@@ -122,18 +125,67 @@ def fill_forces(frame: Frame, t: float, level: int) -> None:
 
 
 @compiled
+def exponential_step(value: float, rate: float, slope: float, h: float) -> float:
+    """Return the value after a time ``h``, s, of z' = rate + slope (z - value)."""
+    return value + rate * (math.expm1(slope * h) / slope if slope != 0.0 else h)
+
+
+@compiled
+def next_state(frame: Frame, records: RecorderState, i: int, t: float) -> float:
+    """Return state ``i`` at the end of a step, from the rates at both ends of the step.
+
+    The trapezoidal rule would swing where a state is stiff. A step in which the pin touches
+    down or separates is divided there.
+    """
+    joint, contacts = frame.state_joints[i], frame.model.contact_records
+    start, rate, slope, end, end_rate, end_slope = frame.states[:, i]
+    h = t - records.output[0].now
+    part = 2.0
+    if joint >= 0:
+        last = records.memory[joint]
+        is_closed = last.penetration > 0.0
+        part = joint_crossing(last, contacts[joint], is_closed, h)[0]
+    if part < 1.0:
+        value = exponential_step(start, rate, slope, part * h)
+        behind = end_rate + end_slope * (value - end)
+        return exponential_step(value, behind, end_slope, (1.0 - part) * h)
+    mean = 0.5 * (rate + end_rate + end_slope * (start - end))
+    return exponential_step(start, mean, 0.5 * (slope + end_slope), h)
+
+
+@compiled
+def linearise_states(frame: Frame, t: float, row: int) -> None:
+    """Fill the states, their rates and the slopes of these into three rows."""
+    first, states = frame.layout.first_state, frame.states
+    fill_forces(frame, t, END)
+    for i in range(frame.scales.shape[0]):
+        states[row, i] = frame.y[first + i]
+        states[row + RATE, i] = frame.rates[first + i]
+        frame.y[first + i] += frame.scales[i]
+    fill_forces(frame, t, ACCELERATIONS)
+    for i in range(frame.scales.shape[0]):
+        change = frame.rates[first + i] - states[row + RATE, i]
+        states[row + SLOPE, i] = change / frame.scales[i]
+        frame.y[first + i] = states[row, i]
+
+
+@compiled
 def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> None:
-    """Fill forces at the end of a step of the trapezoidal rule, with the bristles of friction."""
-    contacts, memory = frame.model.contact_records, records.memory
-    joints, bristles = records.packed.joints, frame.bristles
-    if frame.layout.first_energy > frame.layout.first_state:
-        fill_forces(frame, t, END)
-        for k in range(bristles.shape[0]):
-            if bristles[k] >= 0:
-                law, (bristle, sliding) = joints[k].friction, frame.started[:, k]
-                bristle = next_bristle(law, memory[k], contacts[k], bristle, sliding, t)
-                frame.y[bristles[k]] = bristle
+    """Fill forces at the end of a step of the trapezoidal rule, with states of interactions."""
+    count = frame.scales.shape[0]
+    if count > 0:
+        linearise_states(frame, t, STEP_END)
+        for i in range(count):
+            frame.y[frame.layout.first_state + i] = next_state(frame, records, i, t)
     fill_forces(frame, t, level)
+
+
+@compiled
+def start_states(frame: Frame, t: float) -> None:
+    """Begin a step with the present states of interactions; forces are those of END."""
+    if frame.scales.shape[0] > 0:
+        linearise_states(frame, t, STEP_START)
+        fill_forces(frame, t, END)
 
 
 @compiled
@@ -209,10 +261,10 @@ def place_start(address: PackedArguments, t: float) -> None:
     """Fill contacts and forces in the present state."""
     frame, _, records, _, _, _ = unpack(address)
     refresh(frame, t)
-    for k in range(frame.bristles.shape[0]):
-        if frame.bristles[k] >= 0:
-            frame.y[frame.bristles[k]] = frame.started[0, k]
+    first, energies = frame.layout.first_state, frame.layout.first_energy
+    copy_to(frame.y[first:energies], frame.states[STEP_START])
     fill_forces(frame, t, END)
+    start_states(frame, t)
     copy_contacts(records.contacts, frame.model.contact_records)
 
 
@@ -316,10 +368,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
         return math.nan
     place_forces(frame, records, t, END)
     copy_contacts(records.contacts, frame.model.contact_records)
-    for k in range(frame.bristles.shape[0]):
-        if frame.bristles[k] >= 0:
-            frame.started[0, k] = frame.y[frame.bristles[k]]
-            frame.started[1, k] = records.contacts[k].sliding
+    start_states(frame, t)
     if settle(records, t, LEAST_STEPS) > 0:
         fill_forces(frame, t, END)
         copy_contacts(records.contacts, frame.model.contact_records)

@@ -31,6 +31,7 @@ class State(NamedTuple):
 
     name: str  # in the text
     scale: float  # change that matters, m
+    joint: int = -1  # number of the clearance joint whose contact changes its rate
 
 
 class Layout(NamedTuple):

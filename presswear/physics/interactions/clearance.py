@@ -85,7 +85,7 @@ class _ContactText:
         self.is_worn = bool(contact.record["surface_bins"] > 0)
         self.fields: dict[str, str] = {}
         self.friction = friction_of(
-            page, self.prefix, joint.friction, self.record["friction"]
+            page, self.prefix, self.number, joint.friction, self.record["friction"]
         )
 
     @property

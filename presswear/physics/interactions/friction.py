@@ -58,11 +58,11 @@ class FrictionWithoutState:
 
 
 def friction_of(
-    page: Page, prefix: str, law: FrictionLaw, record: Records
+    page: Page, prefix: str, joint: int, law: FrictionLaw, record: Records
 ) -> FrictionText:
     """Return the friction law of a joint, whose names in the text begin with a prefix."""
     if record["bristle_stiffness"] > 0.0:
-        return LuGre(page, prefix, record)
+        return LuGre(page, prefix, joint, record)
     return FrictionWithoutState(page, prefix, law, record)
 
 

@@ -8,8 +8,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
+from presswear.physics.equations.layout import State
 from presswear.physics.interactions.page import Kernels, Page
-from presswear.physics.touchdown import joint_crossing
 from presswear.tools.compile import Records, compiled, inlined
 
 
@@ -67,6 +67,7 @@ class LuGre:
 
     page: Page
     prefix: str  # of the joint
+    joint: int  # its number
     record: Records  # of FRICTION
     sliding: str = ""
 
@@ -89,9 +90,8 @@ class LuGre:
         text, record = self.page.text, self.record
         name = f"{self.prefix}_bristle"
         # Bristles slip at the deflection c_s / sigma_0.
-        place = self.page.add_state(
-            name, record["static"] / record["bristle_stiffness"]
-        )
+        scale = record["static"] / record["bristle_stiffness"]
+        place = self.page.add_state(State(name, scale, self.joint))
         self.sliding = sliding
         bristle = text.let(name, f"y[{place}]")
         rate = f"bristle_rate({sliding}, {bristle}, {is_closed}, {self._law})"
@@ -103,58 +103,3 @@ class LuGre:
         return (
             f"bristle_force({normal}, {self.sliding}, {name}, {name}_rate, {self._law})"
         )
-
-
-@compiled
-def bristle_in_contact(
-    bristle: float, started: float, sliding: float, h: float, law: Records
-) -> float:
-    """Return the deflection of the bristles, m, after a step h, s, in contact.
-
-    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both
-    ends, ``started`` and ``sliding``, m/s. The rule is of second order, exact at
-    constant speed, and does not oscillate where b h is large.
-    """
-    b = abs(started) / stribeck_coefficient(started, law)
-    b += abs(sliding) / stribeck_coefficient(sliding, law)
-    b *= 0.5 * law.bristle_stiffness
-    weight = -math.expm1(-b * h) / b if b > 0.0 else h
-    return bristle + weight * (0.5 * (started + sliding) - b * bristle)
-
-
-@compiled
-def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
-    """Return the deflection of the bristles, m, after a time ``h``, s, without contact."""
-    return bristle * math.exp(-law.bristle_stiffness / law.bristle_damping * h)
-
-
-@compiled
-def next_bristle(
-    law: Records,
-    last: Records,
-    contact: Records,
-    bristle: float,
-    started: float,
-    t: float,
-) -> float:
-    """Return the deflection of the bristles, m, at ``t``, s, the end of a step.
-
-    ``last`` is a record of MEMORY, ``bristle`` the deflection and ``started`` the
-    sliding speed, m/s, of the start of the step. The trapezoidal rule would swing where
-    bristles are stiff. A step in which the pin touches down or separates is divided
-    there.
-    """
-    h, sliding = t - last.time, contact.sliding
-    is_closed = last.penetration > 0.0
-    event = min(joint_crossing(last, contact, is_closed, h)[0], 1.0) * h
-    if contact.penetration > 0.0:
-        if is_closed:
-            return bristle_in_contact(bristle, started, sliding, h, law)
-        # Only the part behind the touchdown slides in contact, at nearly the final
-        # speed.
-        touched = bristle_in_flight(bristle, event, law)
-        return bristle_in_contact(touched, sliding, sliding, h - event, law)
-    if is_closed:
-        left = bristle_in_contact(bristle, started, sliding, event, law)
-        return bristle_in_flight(left, h - event, law)
-    return bristle_in_flight(bristle, h, law)

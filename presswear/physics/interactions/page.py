@@ -26,9 +26,9 @@ class Page:
     )
     doses: dict[tuple[int, str], str] = field(default_factory=dict)  # by joint and name
 
-    def add_state(self, name: str, scale: float) -> int:
-        """Declare a state of an interaction, m; return its place in ``y`` and in ``out``."""
-        self.states.append(State(name, scale))
+    def add_state(self, state: State) -> int:
+        """Declare a state of an interaction; return its place in ``y`` and in ``out``."""
+        self.states.append(state)
         return 2 * self.chain.size + len(self.states) - 1
 
     def add_power(self, energy: str, expression: str) -> None:
