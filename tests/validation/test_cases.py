@@ -41,7 +41,7 @@ def test_case_is_within_its_bounds_or_refused(case: cases.Case) -> None:
 def test_cases_have_unique_names() -> None:
     counts = Counter((case.name, case.engine) for case in CASES)
     assert [name for name, count in counts.items() if count > 1] == []
-    assert len(HARD) == 159
+    assert len(HARD) == 157
 
 
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
