@@ -70,6 +70,8 @@ def sentences(columns: Columns, where: str) -> list[str]:
         for row in rows
         if row.stated.any()
     ]
+    if not every:  # no run of these scenes has finished yet
+        return []
     right = sum(int(row.right[row.stated].sum()) for _, row in every)
     stated = sum(int(row.stated.sum()) for _, row in every)
     within = sum(RANGE[0] <= row.share <= RANGE[1] for _, row in every)

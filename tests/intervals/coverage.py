@@ -49,7 +49,7 @@ SUBJECTS = {
     "slider-crank-5000": Subject(_slider_crank(5000.0), 400),
     "slider-crank-1000": Subject(_slider_crank(1000.0, slide_angle=0.0), 400),
     "six-bar": Subject(pw.Scene(pw.SixBar(), **_NEW), 30),
-    "four-bar-worn": Subject(replace(_FOUR_BAR, wear_updates=1), 200),
+    "four-bar-worn": Subject(replace(_FOUR_BAR, wear_updates=1), 800),
 }
 
 
