@@ -124,9 +124,8 @@ class Worn:
     run: Run
     bush: Array  # (cycles, bins), depth after each cycle, m
     pin: Array
-    load_distance: (
-        Array  # (cycles,), normal force times sliding distance in each cycle, N m
-    )
+    # (cycles,), normal force times sliding distance in each cycle, N m
+    load_distance: Array
     strokes: Array  # (cycles,), real cycles that each cycle stands for
     area: float  # of a bin, m^2
 

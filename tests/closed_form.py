@@ -105,9 +105,8 @@ def bar_state(origin: Attachment, tail: Point, head: Point) -> BodyState:
     """Return the motion of a body whose x axis points from its point ``origin`` to another one."""
     arm = head.position - tail.position
     omega, alpha = (((head[k] - tail[k]) / arm).imag for k in (1, 2))
-    lever = (
-        -complex(origin.x, origin.y) * arm / np.abs(arm)
-    )  # from the tail to the mass centre
+    # from the tail to the mass centre
+    lever = -complex(origin.x, origin.y) * arm / np.abs(arm)
     centre = Point(
         tail.position + lever,
         tail.velocity + 1j * omega * lever,

@@ -76,9 +76,8 @@ class FinalMotionsAt:
     joints: tuple[str, ...]  # with clearance
     runs: Runs  # finished, in the order of the starts
     motions: tuple[FinalMotion, ...]  # of most starts first, the irregular one last
-    half_life: (
-        Estimate | None
-    )  # of the irregular motion, cycles; None: none or all settled at once
+    # of the irregular motion, cycles; None: none or all settled at once
+    half_life: Estimate | None
     least_half_life: float | None  # if no start has settled: lower 95 % limit, cycles
 
     @property

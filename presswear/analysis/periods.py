@@ -10,18 +10,16 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-TOLERANCE = (
-    1e-2  # relative to a scale: largest difference of states of a periodic motion
-)
+# relative to a scale: largest difference of states of a periodic motion
+TOLERANCE = 1e-2
 
 
 @dataclass(frozen=True)
 class Periodicity:
     """Period of a motion."""
 
-    period: (
-        int | None
-    )  # smallest number of cycles after which every state returns; None: none
+    # smallest number of cycles after which every state returns; None: none
+    period: int | None
     # largest difference one period apart, over the scales; smallest of all candidates
     error: float
     cycles: int  # number of states

@@ -43,9 +43,8 @@ from presswear.tools.serialize import plain, read_json, typed, write_json
 FILE = "settling.json"
 RUNS, KICKS = "runs.npz", "kicks.json"
 SCHEMA = 1
-WATCHED_TWICE = (
-    2  # times the cycles that a settled motion must repeat for, until a run ends
-)
+# times the cycles that a settled motion must repeat for, until a run ends
+WATCHED_TWICE = 2
 KICKED = 4  # final motions of most starts, which are kicked
 STARTS_SHARE = 0.9  # of the progress, for the starts
 

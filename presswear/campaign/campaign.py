@@ -56,9 +56,8 @@ Outcome = tuple[str, str, Finding | None]  # status, message, finding
 
 _LOG = logging.getLogger(__name__)
 
-WORK_MODULE = (
-    "presswear.campaign.replicates"  # imported by worker processes before the first job
-)
+# imported by worker processes before the first job
+WORK_MODULE = "presswear.campaign.replicates"
 TURN = 1.0  # s, of work units that several processes share: they end together
 _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval old
 _DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
@@ -285,9 +284,8 @@ class Checkpoint:
     )  # of the surfaces of its runs, m
     stage: EnsembleState | None = None  # its finished runs, while they wear
     update: WearUpdate | None = None  # last refinement of the wear update after it
-    running: EnsembleState = (
-        EnsembleState()
-    )  # unfinished runs of the stage or of a refinement
+    # unfinished runs of the stage or of a refinement
+    running: EnsembleState = EnsembleState()
     life: LifeState | None = None  # of the service life, which comes before the stages
     new: WearRates | None = None  # of the new surfaces, in a quick life
 

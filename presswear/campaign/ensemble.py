@@ -56,16 +56,14 @@ _LOG = logging.getLogger(__name__)
 
 Shares = tuple[float, float]  # one that never falls, and the latest estimate
 
-FEWEST = (
-    20  # samples of all replicates before a stage may end early: fewer agree by luck
-)
+# samples of all replicates before a stage may end early: fewer agree by luck
+FEWEST = 20
 ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
 WATCHED_CYCLES = 50  # of each replicate, in which most motions that settle have settled
 WATCHED_SECONDS = 10.0  # computing time of all replicates that these cycles may take
 MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
-STEP_CHECK = (
-    -1
-)  # key of the step check among the jobs, whose other keys are indices of runs
+# key of the step check among the jobs, whose other keys are indices of runs
+STEP_CHECK = -1
 _LARGEST = (
     "deepest_touch_m",
     "constraint_error_m",
@@ -221,9 +219,8 @@ class Runner:
     scene: Scene
     workers: Workers = field(default_factory=Workers)
     observers: Sequence[Observer] = ()
-    index: int | None = (
-        None  # of the stage that runs; None: the service life before them
-    )
+    # of the stage that runs; None: the service life before them
+    index: int | None = None
     done: float = 0.0  # cycles of the ensembles before this one
     later: float = 0.0  # cycles expected after it
     reported: float = 0.0  # cycles that were reported
@@ -424,10 +421,10 @@ class _Rounds:
         ]
         cycles = sum(map(len, rows))
         steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
-        solver, is_worn = self.runner.scene.solver, self.depth[members.start].any()
-        seconds = (
-            steps * (solver.worn_step_time if is_worn else solver.step_time) / cycles
-        )
+        solver = self.runner.scene.solver
+        is_worn = self.depth[members.start].any()
+        step_time = solver.worn_step_time if is_worn else solver.step_time
+        seconds = step_time * steps / cycles
         watched = self._size * min(
             WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size))
         )

@@ -35,17 +35,15 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 # of the smallest clearance; 1e-9 m apart, replicates share their first two cycles
 SPREAD = 0.02
 SPREAD_CLOSED = 1e-9  # m, where no joint has clearance
-NEWTON_STEPS = (
-    2  # that close the joints: the first leaves the square of a part of the clearance
-)
+# that close the joints: the first leaves the square of a part of the clearance
+NEWTON_STEPS = 2
 
 PIECES = 100  # of a cycle: between two touchdowns of a joint lie some of them
 PIECE_STRIDE = 4  # one piece in so many runs again with finer steps
 REFINEMENT = 100.0  # of the tolerance of these pieces
 SETTLING = 2  # cycles before the one whose pieces run again
-STEP_CHECK_CYCLES = (
-    50  # from which on the step check costs at most a twentieth of a stage
-)
+# from which on the step check costs at most a twentieth of a stage
+STEP_CHECK_CYCLES = 50
 
 
 @lru_cache(maxsize=64)
@@ -143,12 +141,10 @@ class RunSpec:
     """Run specification shared by the replicates of an ensemble."""
 
     cycles: int  # of each replicate, at most
-    tolerance: float | None = (
-        None  # relative error of all wear maps at which the runs end early
-    )
-    wear: Callable[[int, Array], Array] | None = (
-        None  # wear after each cycle, see ``Plan.wear``
-    )
+    # relative error of all wear maps at which the runs end early
+    tolerance: float | None = None
+    # wear after each cycle, see ``Plan.wear``
+    wear: Callable[[int, Array], Array] | None = None
     number: int = 0  # of the ensemble within its stage; no two of them start alike
     label: str = ""  # short description for progress
 

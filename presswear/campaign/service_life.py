@@ -37,23 +37,20 @@ MIN_BLOCK = 2  # cycles
 # 1/Pa, K_d times the strokes of a cycle of the first block: one stroke of steel
 FIRST_WEAR = 1.2e-15
 BLOCK_GROWTH = 0.5  # cycles in a block over the root of those in the refinement
-MIN_BLOCKS_FOR_REFUSAL = (
-    16  # after which a limit that seems exceeded when new is taken to be so
-)
+# after which a limit that seems exceeded when new is taken to be so
+MIN_BLOCKS_FOR_REFUSAL = 16
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
-MIN_REFINEMENT = (
-    1.5  # ratio of cycles of two refinements that show the error of the step
-)
-STEP_SAFETY = 2.0  # factor on this error: it is that of two or three chaotic lives
+# ratio of cycles of two refinements that show the error of the step
+MIN_REFINEMENT = 1.5
+# Factor on the error of the steps, because it follows from two or three chaotic lives
+STEP_SAFETY = 2.0
 MAX_STEP_GROWTH = 2.0  # from block to block
 SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
 MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement
-FIRST_DISTANCE = (
-    0.3  # of the tolerance, expected distance of the first two refinements, or
-)
-FIRST_SCATTER = (
-    0.4  # of the half width over the histories: the mean for equal distributions
-)
+# of the tolerance, expected distance of the first two refinements, or
+FIRST_DISTANCE = 0.3
+# of the half width over the histories: the mean for equal distributions
+FIRST_SCATTER = 0.4
 SCATTER_FRACTION = 0.7  # of the tolerance, that is meant for the scatter of histories
 MAX_ORDER = 3  # of a polynomial through samples
 MARGIN = 0.1  # of the cycles up to a crossing; samples reach this far beyond it
@@ -69,9 +66,8 @@ class LifeProblem:
     at_most: float  # strokes
     tolerance: float  # relative error of the life
     max_cycles: int  # of all histories in a refinement
-    first_share: float = (
-        1.0  # strokes that a cycle stands for before a wear rate is known
-    )
+    # strokes that a cycle stands for before a wear rate is known
+    first_share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -81,9 +77,8 @@ class LoadBlock:
     strokes: float  # since new, at its end
     cycles: int  # of each history; 0: maintenance or a failed run
     interval: int  # number of the service interval
-    levels: Mapping[
-        str, Array
-    ]  # quantities of the surfaces at its end, by key, (histories,)
+    # quantities of the surfaces at its end, by key, (histories,)
+    levels: Mapping[str, Array]
     samples: Mapping[str, Array]  # means over its cycles, by key, (histories,)
     rate: float  # largest depth in ``removed``, relative to the clearance
     removed: Array  # mean depth that a stroke took off, (joints, 2, bins), m
@@ -91,9 +86,8 @@ class LoadBlock:
     # of the surfaces at its end, (histories, joints, 2, bins), m
     ended_by: str = ""  # reason why it is the last: worn too deep, or a failed run
     wall_s: float = 0.0
-    settled: int | None = (
-        None  # histories whose motion repeats at its end; None: too few cycles
-    )
+    # histories whose motion repeats at its end; None: too few cycles
+    settled: int | None = None
 
 
 Blocks = Sequence[LoadBlock]
@@ -105,9 +99,8 @@ class BlockPlan:
 
     cycles: int  # of each history
     share: float  # strokes that each stands for
-    extra: Array | float = (
-        0.0  # depth that each takes off besides, (joints, 2, bins), m
-    )
+    # depth that each takes off besides, (joints, 2, bins), m
+    extra: Array | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -564,9 +557,8 @@ def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:
         return math.inf
     variances = (weights * halves / [quantile(each) for each in freedom]) ** 2
     variance = float(variances.sum())
-    return quantile(variance**2 / float((variances**2 / freedom).sum())) * math.sqrt(
-        variance
-    )
+    joint_freedom = variance**2 / float((variances**2 / freedom).sum())
+    return quantile(joint_freedom) * math.sqrt(variance)
 
 
 def _step_slope(cycles: Array, logarithms: Array) -> float:

@@ -76,17 +76,15 @@ class StageWear:
     maps: Array
     weights: Array  # cycles in each sample, (n,)
     successive: tuple[int, ...]  # samples of each run, which are correlated
-    coarser: (
-        Array | None
-    )  # added in half as many steps: the difference is the error of the step
+    # added in half as many steps: the difference is the error of the step
+    coarser: Array | None
     by_replicate: Array  # added by each replicate alone, (replicates, joints, 2, bins)
     # True if a wear update cycle by cycle is extrapolated from surfaces that stood
     # still: the noise of few cycles hides its deepest places.
     is_frozen: bool
     is_smoothed: bool  # True if ``added`` is smoothed
-    flattening: (
-        Array | None
-    )  # by which smoothing lowers ``added`` and the samples alike
+    # by which smoothing lowers ``added`` and the samples alike
+    flattening: Array | None
 
     def series(self, values: Array) -> list[Array]:
         """Return values of the samples by run."""

@@ -52,20 +52,16 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
-MEASURED_BLOCKS = (
-    2  # of the first refinement: in the second, kernels are compiled and joints worn
-)
-STAGE_CYCLES = (
-    8  # of each history, in whose time a stage runs until its wear maps are known
-)
-_MAX_INTERVALS = (
-    64  # service intervals of a refinement, so that no two of them start alike
-)
+# of the first refinement: in the second, kernels are compiled and joints worn
+MEASURED_BLOCKS = 2
+# of each history, in whose time a stage runs until its wear maps are known
+STAGE_CYCLES = 8
+# service intervals of a refinement, so that no two of them start alike
+_MAX_INTERVALS = 64
 MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
-MIN_BLOCK = (
-    0.1  # strokes of a block over those of the one before, for its wear rate to count
-)
+# strokes of a block over those of the one before, for its wear rate to count
+MIN_BLOCK = 0.1
 MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
@@ -79,12 +75,10 @@ class LifeState:
         0,
         0,
     )  # refinement and service interval of the present runs
-    running: EnsembleState = (
-        EnsembleState()
-    )  # these runs, from the start of the interval
-    watched: EnsembleState | None = (
-        None  # runs that do not wear, which show whether they settle
-    )
+    # these runs, from the start of the interval
+    running: EnsembleState = EnsembleState()
+    # runs that do not wear, which show whether they settle
+    watched: EnsembleState | None = None
 
 
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
@@ -130,9 +124,8 @@ class WearHistories:
     """Wear histories of a scene."""
 
     runner: Runner
-    initial: (
-        Array  # depth of the surfaces at the start, (replicates, joints, 2, bins), m
-    )
+    # depth of the surfaces at the start, (replicates, joints, 2, bins), m
+    initial: Array
     problem: LifeProblem
     state: LifeState = field(default_factory=LifeState)
     keep: Callable[[LifeState], None] = lambda state: (

@@ -40,24 +40,21 @@ from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array
 
 QUICK_CYCLES = 8  # of each replicate in a stage of a quick life
-FIRST_REFINEMENT = (
-    8  # cycles of each replicate in the first refinement of a wear update
-)
+# cycles of each replicate in the first refinement of a wear update
+FIRST_REFINEMENT = 8
 
 
 @dataclass(frozen=True)
 class WearUpdate:
     """Wear update as far as it is known."""
 
-    depth: (
-        Array  # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
-    )
+    # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
+    depth: Array
     added: Array  # depth that it added, m
     steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
     coarser: Array | None = None  # depth added in half as many steps, m
-    flattening: Array | None = (
-        None  # by which smoothing lowers the mean of ``added``, m
-    )
+    # by which smoothing lowers the mean of ``added``, m
+    flattening: Array | None = None
 
 
 def initial_depth(scene: Scene) -> Array:

@@ -210,9 +210,8 @@ class RunObserver(Observer):
         self._compile_time = 0.0  # within this stage, s
         self._compiled = 0.0  # of all stages, s, with the time before the first report
         self._compile_start: float | None = None
-        self._start: float | None = (
-            None  # completed part at the first report, of a resumed run
-        )
+        # completed part at the first report, of a resumed run
+        self._start: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
         self._printed = clock.perf_counter()
 

@@ -24,9 +24,8 @@ if TYPE_CHECKING:
 SHOWN_ROWS = 12
 COLUMN_GAP = 3  # characters between two columns
 LONG = 3600.0  # time of a sweep that needs --yes, s
-MEASURED_ROWS = (
-    2  # completed rows after which the time is estimated: the first may compile
-)
+# completed rows after which the time is estimated: the first may compile
+MEASURED_ROWS = 2
 SETTINGS = ("engine", "cycles", "wear_updates")  # settings that have an option
 
 

@@ -58,29 +58,25 @@ class Plan:
 
     cycle: float  # duration, s
     cycles: int  # at most
-    recorded_cycles: int = (
-        5  # at the start, whose series and single contacts are stored
-    )
+    # at the start, whose series and single contacts are stored
+    recorded_cycles: int = 5
     rows_per_cycle: int = ROWS_AT_LEAST  # of a series, at least
     # Parts of each cycle at which its state is stored and a step ends, rising, above 0
     # up to 1
     sections: tuple[float, ...] = ()
     torques: bool = True  # whether the series hold the torques of the drives
-    observers: tuple[
-        Observer, ...
-    ] = ()  # notified after each cycle; each can end the run
+    # notified after each cycle; each can end the run
+    observers: tuple[Observer, ...] = ()
     # Called many times a second with the completed fraction, 0 to 1, and the recorder
     report: Callable[[float, Recorder], object] = lambda part, recorder: None
     # Returns the depth, m, that the surfaces lose after a cycle, from the number of
     # cycles and the depth that the last one added, both of shape (joints, 2, m); None:
     # the surfaces stay.
     wear: Callable[[int, Array], Array] | None = None
-    resume: State | None = (
-        None  # of a run with the same linkage, start, engine and plan
-    )
-    run_up: float = (
-        0.0  # time before the first cycle, s; it is in the series, and in no cycle
-    )
+    # of a run with the same linkage, start, engine and plan
+    resume: State | None = None
+    # time before the first cycle, s; it is in the series, and in no cycle
+    run_up: float = 0.0
     # Times from the start of a cycle between which the bottom of its stroke is
     # searched, s; the first may be negative.  None: start and end of the cycle.
     stroke: tuple[float, float] | None = None

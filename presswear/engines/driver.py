@@ -23,20 +23,17 @@ class Simulation:
     """A linkage in an engine, ready to run."""
 
     advance: Callable[[float], Finding | None]  # integrates up to a time, s
-    state: Callable[
-        [], tuple[float, Array, Array]
-    ]  # time, s, and q and v of all bodies, copied
+    # time, s, and q and v of all bodies, copied
+    state: Callable[[], tuple[float, Array, Array]]
     ledger: Callable[[], Ledger]  # energies since the run began
-    worn: Callable[
-        [], None
-    ]  # fills the contacts of the present state on changed surfaces
+    # fills the contacts of the present state on changed surfaces
+    worn: Callable[[], None]
     # Live arrays that, with ``sums`` and the recorder, hold the state between two
     # cycles
     arrays: Mapping[str, NDArray[Any]]
     sums: dict[str, float]  # counts and times summed over the cycles
-    diagnostics: Callable[
-        [], dict[str, float | int | str]
-    ]  # of this engine for ``Run``
+    # of this engine for ``Run``
+    diagnostics: Callable[[], dict[str, float | int | str]]
     remedy: str  # what makes the steps of this engine finer
     constraints: Constraints | None = None  # what may drift
     close: Callable[[], None] = lambda: None  # frees what the engine holds
@@ -46,9 +43,8 @@ class Simulation:
 Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 Case = tuple[Linkage, Start, Plan]
 
-_WORN_OFF = (
-    "worn_off"  # among the sums: elastic energy of what was worn off under load, J
-)
+# among the sums: elastic energy of what was worn off under load, J
+_WORN_OFF = "worn_off"
 # Energies of the ledger by the column of the cycle that adds to them; the sums hold
 # their values at the end of the last cycle, J
 _ENERGIES = {

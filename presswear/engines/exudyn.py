@@ -40,9 +40,8 @@ class Solver:
 
     recorder: Recorder
     plan: Plan
-    accept: Callable[
-        [float], float
-    ]  # next step, s, from the time of an accepted one; NaN: broken
+    # next step, s, from the time of an accepted one; NaN: broken
+    accept: Callable[[float], float]
     kind: Any  # exudyn.DynamicSolverType
     settings: Any
     longest: float  # step, s
@@ -222,9 +221,8 @@ def settings_of(longest: float, shortest: float) -> Any:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
-    settings.show.computationTime = (
-        False  # its timers take a sixteenth of an explicit step
-    )
+    # its timers take a sixteenth of an explicit step
+    settings.show.computationTime = False
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
 Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
 
-WEAR_ERROR = (
-    0.1  # relative error of the wear maps for which the tolerances below are chosen
-)
+# relative error of the wear maps for which the tolerances below are chosen
+WEAR_ERROR = 0.1
 LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
@@ -44,17 +43,14 @@ class _Engine(Named):
     """Longest step, tolerance and run of any engine."""
 
     word: ClassVar[str]
-    tolerance_name: ClassVar[str] = (
-        ""  # of its setting; none where steps are not error-controlled
-    )
+    # of its setting; none where steps are not error-controlled
+    tolerance_name: ClassVar[str] = ""
     tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
-    step_time: ClassVar[
-        float
-    ]  # typical computing time of a step with one or two contacts, s
+    # typical computing time of a step with one or two contacts, s
+    step_time: ClassVar[float]
     worn_step_time: ClassVar[float]  # the same on worn surfaces, s
-    free_step: (
-        float | None
-    )  # longest step between contacts, s; None: a part of the cycle
+    # longest step between contacts, s; None: a part of the cycle
+    free_step: float | None
 
     def resolved(
         self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR
@@ -131,7 +127,7 @@ class ExudynTree(_Engine):
     tolerance_name: ClassVar[str] = "tree_tolerance"
     tolerances: ClassVar = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
     step_time: ClassVar[float] = 3.5e-5
-    worn_step_time: ClassVar[float] = 4.5e-5
+    worn_step_time: ClassVar[float] = 5e-5
 
     tree_tolerance: float | None = quantity(
         *(None, "", FINEST, 1e-3, "chosen"),
@@ -153,7 +149,7 @@ class ExudynJoints(_Engine):
 
     word: ClassVar[str] = "exudyn-joints"
     step_time: ClassVar[float] = 2e-4
-    worn_step_time: ClassVar[float] = 2.1e-4
+    worn_step_time: ClassVar[float] = 3e-4
 
     steps_per_contact: int = count(
         200, 20, 10_000, "chosen", "of exudyn-joints: steps in one impact"

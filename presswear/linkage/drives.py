@@ -90,9 +90,8 @@ class Pieces(NamedTuple):
 
     # (n,), phases, rad; the last piece goes on to the first of the next cycle
     start: Array
-    polynomial: (
-        Array  # (n, DEGREE + 1), in the phase since the piece began, the constant first
-    )
+    # (n, DEGREE + 1), in the phase since the piece began, the constant first
+    polynomial: Array
     # (n, 3), amplitude, frequency and initial phase, rad, of a sine that is added
     wave: Array
     net: float  # way in a cycle, which the pieces leave out
@@ -393,9 +392,8 @@ class Drive(_Motion):
 # A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings
 # between two of its dead points, so that the slider may be at any height between
 # theirs, wherever crank 2 is.
-_MIN_APPROACH = (
-    0.125  # part of the cycle in which the slider comes down to its slow part
-)
+# part of the cycle in which the slider comes down to its slow part
+_MIN_APPROACH = 0.125
 
 
 def _servo_angle(degrees: float, text: str, low: float = -_TURN) -> Any:

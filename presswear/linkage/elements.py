@@ -250,9 +250,8 @@ class WearLaw:
     coefficient: float  # K_d, 1/Pa
     slip: Slip = "sliding"
     wear_distribution: WearDistribution = "arc"
-    bearing_share: float = (
-        0.5  # part of the depth that the bearing loses; the pin loses the rest
-    )
+    # part of the depth that the bearing loses; the pin loses the rest
+    bearing_share: float = 0.5
     angles: int = 360  # number of angular bins
 
 

@@ -41,9 +41,8 @@ MIN_CYCLE, MAX_CYCLE = (
     1e-5,
     1e3,
 )  # s: a pin at rest in its bearing takes some 1e4 steps a second
-DRAWING_TOL = (
-    1e-6  # distance of the points of a joint in the drawing, relative to its size
-)
+# distance of the points of a joint in the drawing, relative to its size
+DRAWING_TOL = 1e-6
 MAX_TURNS = 1000  # of a drive in a cycle
 MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated

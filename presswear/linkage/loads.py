@@ -25,9 +25,8 @@ MAX_LOAD = 1e12  # N or N m; the strongest press has 1e9
 # of an elastic line, N/m or N m/rad: the greatest process force over MIN_DEPTH
 MAX_SLOPE = 1e16
 MAX_FREQUENCY = 1e6  # rad/s
-MIN_GAP = (
-    1e-6  # between two nodes of a table, part of its length: closer ones are a jump
-)
+# between two nodes of a table, part of its length: closer ones are a jump
+MIN_GAP = 1e-6
 SLOPE_TOL = 1e-6  # relative, of a slope that is computed from the nodes of a table
 
 _TIME = Annotated[float, Quantity("s", -1e15, 1e15)]

@@ -23,9 +23,8 @@ from presswear.tools.quantities import choice, named_set, one_of, quantity, writ
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
-MIN_SPEED = (
-    0.1 * math.pi / 30.0
-)  # of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
+# of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
+MIN_SPEED = 0.1 * math.pi / 30.0
 LITERATURE = "literature, from memory"
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
@@ -34,9 +33,8 @@ BELOW, ABOVE = -1.0, 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
 _OF_BAR = "length", "mass", "inertia"
 _ROD = "; default: that of a thin rod"
-_MIN_ROD_RATIO = (
-    1.0001  # rod over crank: an upright rod leaves the side of the slider open
-)
+# rod over crank: an upright rod leaves the side of the slider open
+_MIN_ROD_RATIO = 1.0001
 
 
 def _number(
@@ -123,9 +121,8 @@ class Geometry(Checked):
             raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
-GEOMETRIES: dict[
-    str, Geometry
-] = {  # they meet the two printed peaks about equally well
+# they meet the two printed peaks about equally well
+GEOMETRIES: dict[str, Geometry] = {
     "standard": Geometry(),
     "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
     "lifted": Geometry(

@@ -20,9 +20,8 @@ class Branch(NamedTuple):
     joint: Joint | None  # to the parent; None for a body that no ideal joint holds
     before: Attachment  # end of the joint on the parent
     end: Attachment  # end of the joint on the body itself
-    parent: (
-        int  # position in the tree; -1 for the frame or a body with prescribed motion
-    )
+    # position in the tree; -1 for the frame or a body with prescribed motion
+    parent: int
 
 
 def bodies_of(joint: Joint) -> set[str]:

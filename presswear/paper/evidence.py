@@ -60,13 +60,11 @@ class Measured:
 
     estimate: pw.Estimate  # for a peak, the mean over cycles
     single_cycles: Ends | None = None  # range that holds 95 % of the single cycles
-    first_cycles: Ends | None = (
-        None  # range of the first cycles, which are not among the samples
-    )
+    # range of the first cycles, which are not among the samples
+    first_cycles: Ends | None = None
     replicates: int = 0
-    differ: bool = (
-        False  # replicates differ by more than the scatter of their cycles explains
-    )
+    # replicates differ by more than the scatter of their cycles explains
+    differ: bool = False
     freedom: float = math.inf  # degrees of freedom of the interval
 
 

@@ -23,9 +23,8 @@ from presswear.show.figures.style import SETTINGS as STYLE
 from presswear.show.figures.wear import worn_surface
 
 CAPTIONS = TEXTS["captions"]
-LINEAR_RATIO = (
-    20.0  # ratio of largest to smallest depth up to which a linear scale shows both
-)
+# ratio of largest to smallest depth up to which a linear scale shows both
+LINEAR_RATIO = 20.0
 _DIAMOND: dict[str, Any] = {
     "marker": "D",
     "markerfacecolor": "none",

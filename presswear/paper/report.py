@@ -384,9 +384,8 @@ class Fit(NamedTuple):
     """One factor on K_d / b for all printed depths; nan if there are none."""
 
     best: float  # geometric mean of all but the doubtful prints
-    typical: (
-        float  # factor by which single depths miss it, root mean square of logarithms
-    )
+    # factor by which single depths miss it, root mean square of logarithms
+    typical: float
     largest: float  # of these factors
 
 

@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 
 import presswear as pw
 
-TOLERANCE = (
-    0.05  # relative error of the wear maps of a setting, from all replicates together
-)
+# relative error of the wear maps of a setting, from all replicates together
+TOLERANCE = 0.05
 _COMMON: dict[str, Any] = {
     "tolerance": TOLERANCE,
     "purpose": "wear",

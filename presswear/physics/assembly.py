@@ -101,9 +101,8 @@ class Rows:
         # the drawing is part of its round-off, but not of the scale of its angles.
         points = [math.hypot(guide.x, guide.y) for guide in linkage.guides]
         self.size = max(float(sizes.max(initial=0.0)), *points, 0.0) or 1.0
-        self.arm = (
-            float(sizes[:-1].max(initial=0.0)) or 1.0
-        )  # farthest joint of a moving body, m
+        # farthest joint of a moving body, m
+        self.arm = float(sizes[:-1].max(initial=0.0)) or 1.0
         self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
         self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.arm)
         if self.following:

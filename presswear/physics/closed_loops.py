@@ -30,9 +30,8 @@ MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
 # Newton's way from where bodies are expected to where links could be on other sides,
 # rad or m
 JUMP = 0.05
-CLOSED = (
-    1e-12  # newton step behind which the rows are those of the place found, rad or m
-)
+# newton step behind which the rows are those of the place found, rad or m
+CLOSED = 1e-12
 
 
 @compiled

@@ -30,10 +30,8 @@ from presswear.tools.compile import Records, compiled, floats, inlined, lazily_c
 # A pin in its bearing at one instant, open or closed
 CONTACT = np.dtype(
     [
-        (
-            "penetration",
-            np.float64,
-        ),  # greatest overlap of the surfaces, m; below zero if open
+        # greatest overlap of the surfaces, m; below zero if open
+        ("penetration", np.float64),
         ("rate", np.float64),  # at which it grows, m/s
         ("sliding", np.float64),  # v_t at the contact point, m/s
         *floats("eccentricity", "eccentricity_x", "eccentricity_y"),  # |e| and e, m
@@ -48,10 +46,8 @@ CONTACT = np.dtype(
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        (
-            "place",
-            np.float64,
-        ),  # on a foundation the direction of the greatest overlap, rad
+        # on a foundation the direction of the greatest overlap, rad
+        ("place", np.float64),
         # Of the pressure on the worn pin about the contact point, N m; the bearing's is
         # opposite.
         ("couple", np.float64),

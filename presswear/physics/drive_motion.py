@@ -27,9 +27,8 @@ MOTION = np.dtype(
 )
 
 _TURN = 2.0 * math.pi
-_NEAR = (
-    1e-13  # A break this close is where a step has just ended, part of the phase so far
-)
+# A break this close is where a step has just ended, part of the phase so far
+_NEAR = 1e-13
 _BISECTIONS = 60
 
 

@@ -26,23 +26,14 @@ from presswear.tools.compile import Records, compiled, inlined
 # the nodes. As working space, the places where arcs of overlap start and end, in cells,
 # and the place of the pin for which they are and their number. The columns are the
 # nodes of three turns, so that no search crosses a seam.
-BEARING, PIN, COSINE, SINE, ARC_START, ARC_END, ARC_PLACE, ROWS = (
-    0,
-    5,
-    10,
-    11,
-    12,
-    13,
-    14,
-    15,
-)
+BEARING, PIN, COSINE, SINE = 0, 5, 10, 11
+ARC_START, ARC_END, ARC_PLACE, ROWS = range(12, 16)
 SLOPE, SQUARE, CUBE, LEAST, SIDE_ROWS = 1, 2, 3, 4, 5
 TURNS = 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
 
-MAX_SPACING = (
-    0.02  # rad, of nodes; over wider cells neglected terms of the cosine would show
-)
+# rad, of nodes; over wider cells neglected terms of the cosine would show
+MAX_SPACING = 0.02
 NEAR = 0.1  # tangent of an angle that is computed from its series
 NEWTON_TOL = 1e-3  # part of a cell; the next Newton step would be about its square
 ROOT_TOL = 1e-8  # part of a cell; integrals change with the square of it
@@ -466,6 +457,12 @@ def reach_of_overlap(joint: Records, place: Place, least: float) -> float:
 
 
 @inlined
+def inner_points(left: Node, right: Node) -> tuple[float, float]:
+    """Return the inner two Bezier points of the cubic of a cell, which lies within all four."""
+    return left.overlap + (1 / 3) * left.rise, right.overlap - (1 / 3) * right.rise
+
+
+@inlined
 def greatest_within(
     left: Node, right: Node, p: Cubic, node: int, greatest: float, peak: float
 ) -> tuple[float, float]:
@@ -474,9 +471,7 @@ def greatest_within(
         greatest, peak = left.overlap, float(node)
     if right.overlap > greatest:
         greatest, peak = right.overlap, node + 1.0
-    # A cubic lies within its Bezier points.
-    second = left.overlap + (1 / 3) * left.rise
-    third = right.overlap - (1 / 3) * right.rise
+    second, third = inner_points(left, right)
     if max(second, third) + abs(p.a4) > greatest and not is_monotone(left, right):
         x, _ = turning_points(p)
         x -= slope_at(p, x) / (2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4))
@@ -496,8 +491,7 @@ def with_cell(
     sums: ArcIntegrals,
 ) -> ArcIntegrals:
     """Return the integrals with those of the overlap in a cell."""
-    second = left.overlap + (1 / 3) * left.rise
-    third = right.overlap - (1 / 3) * right.rise
+    second, third = inner_points(left, right)
     if min(min(left.overlap, right.overlap), min(second, third)) > 0.0:
         return with_part(left, right, 1.0, place.width, a4, sums)
     if max(max(left.overlap, right.overlap), max(second, third)) + abs(a4) > 0.0:

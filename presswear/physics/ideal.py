@@ -35,16 +35,14 @@ from presswear.tools.errors import AssemblyError
 NEAREST_DEAD_POINT = 5e-3
 # Instants of a cycle at which it is followed, and at which its motion is kept
 _COARSE, _NODES = 36, 1440
-_JUMP = (
-    0.05  # largest turn, rad, between where a body is expected and where it is found
-)
+# largest turn, rad, between where a body is expected and where it is found
+_JUMP = 0.05
 # change of a speed over a short step, part of the greatest speed, that is a jump
 _KINK = 0.05
 # Round-off of an angle near a place where its drive does not move its point, rad
 _ANGLE_NOISE = 1e-9
-_HALVINGS = (
-    14  # how often an interval is halved before the linkage is said to stop in it
-)
+# how often an interval is halved before the linkage is said to stop in it
+_HALVINGS = 14
 
 
 @dataclass(frozen=True)
@@ -294,9 +292,8 @@ class Bottom:
     top: float  # time of the highest place before it
     window: tuple[float, float]  # in which the lower half of the stroke begins and ends
     period: float  # of a cycle, s
-    minima: tuple[
-        tuple[float, float], ...
-    ]  # time and height of each minimum in the window
+    # time and height of each minimum in the window
+    minima: tuple[tuple[float, float], ...]
 
     @property
     def first(self) -> int:
@@ -411,9 +408,8 @@ def _lowest(
     return time, moved(time)[0]
 
 
-FOLLOWED = (
-    1e-9  # how near a point keeps to the curve that it follows, part of its stroke
-)
+# how near a point keeps to the curve that it follows, part of its stroke
+FOLLOWED = 1e-9
 _PIECES = (
     32,
     64,

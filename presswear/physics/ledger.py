@@ -37,9 +37,8 @@ def stored_energy(
 # Energy that contacts may make, part of what the drives exchanged, before a run is
 # ended
 MAX_MADE = 0.5
-SETTLED = (
-    0.05  # part of the first cycle before which that is not judged, nor in a run-up
-)
+# part of the first cycle before which that is not judged, nor in a run-up
+SETTLED = 0.05
 
 
 def has_worn_radial_contact(packed: Packed) -> bool:
@@ -86,9 +85,8 @@ class Ledger:
     contact_loss: float  # dissipated by contacts, less what they created
     friction_loss: float
     made: float = 0.0  # by the normal law, positive or negative
-    load_work: float = (
-        0.0  # of loads with a law, less the loss in the dampers of springs
-    )
+    # of loads with a law, less the loss in the dampers of springs
+    load_work: float = 0.0
 
     @staticmethod
     def of(energies: Array, stored: float) -> "Ledger":

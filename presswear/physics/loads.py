@@ -60,10 +60,8 @@ LOAD = np.dtype(
 # Mode of a load through a step, and its motion at the start of the step
 MODE = np.dtype(
     [
-        (
-            "piece",
-            np.int64,
-        ),  # of the table: 0 before its first node, count behind its last
+        # of the table: 0 before its first node, count behind its last
+        ("piece", np.int64),
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
         *floats(
@@ -74,10 +72,8 @@ MODE = np.dtype(
         ("borne", np.float64),  # size there, N or N m
         *floats("place", "speed", "faster"),  # in the last accepted state, m or rad
         ("change", np.float64),  # of the acceleration, over the last step
-        (
-            "jump",
-            np.float64,
-        ),  # of the size on leaving that state, part of the greater one
+        # of the size on leaving that state, part of the greater one
+        ("jump", np.float64),
         ("time", np.float64),  # of that state, s
         ("changed", np.float64),  # time at which the mode has changed last, s
     ]

@@ -45,20 +45,14 @@ JOINT = np.dtype(
         ("normal", NORMAL),
         ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
-        (
-            "foundation",
-            np.float64,
-        ),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        ("foundation", np.float64),
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
-        (
-            "surface_nodes",
-            np.int64,
-        ),  # of the same maps, as ``foundation.pack_rows`` divides them
-        (
-            "least_depth",
-            np.float64,
-        ),  # lower bound of the depths of both surfaces together, m
+        # of the same maps, as ``foundation.pack_rows`` divides them
+        ("surface_nodes", np.int64),
+        # lower bound of the depths of both surfaces together, m
+        ("least_depth", np.float64),
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
         ("bearing_share", np.float64),  # part of the worn depth that the bearing loses

@@ -26,14 +26,10 @@ PART = np.dtype(
         ("body", np.int64),  # index of its x in q
         ("is_guided", np.bool_),  # slides along a guide; else it turns about a hinge
         ("parent", np.int64),  # part that it hangs from; -1 for the frame
-        (
-            "before",
-            np.int64,
-        ),  # index in q of the body that it hangs from; -1 for the frame
-        (
-            "drive",
-            np.int64,
-        ),  # place of its drive among those of the linkage; -1 for none
+        # index in q of the body that it hangs from; -1 for the frame
+        ("before", np.int64),
+        # place of its drive among those of the linkage; -1 for none
+        ("drive", np.int64),
         *floats("before_x", "before_y"),  # joint in the frame of the body before, m
         *floats("own_x", "own_y"),  # joint in the body's own frame, m
         *floats("cosine", "sine"),  # of the guide's direction

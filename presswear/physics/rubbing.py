@@ -13,9 +13,8 @@ from presswear.physics.packed import RUBBING
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
-FRICTION_TOL = (
-    1e-12  # change of friction moments in the last iteration, part of the greatest
-)
+# change of friction moments in the last iteration, part of the greatest
+FRICTION_TOL = 1e-12
 MAX_ITERATIONS = 100
 
 

@@ -28,9 +28,8 @@ from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import checked_arguments
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
-FRICTION_TOL = (
-    1e-12  # change of friction moments in the last iteration, part of the greatest
-)
+# change of friction moments in the last iteration, part of the greatest
+FRICTION_TOL = 1e-12
 MAX_ITERATIONS = 50  # of Newton's method for them
 
 

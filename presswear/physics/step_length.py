@@ -28,29 +28,23 @@ STEPS = np.dtype(
     [
         ("free", np.float64),  # longest step in free flight, s
         ("per_contact", np.float64),  # steps in one free impact
-        (
-            "sustained",
-            np.float64,
-        ),  # steps in half a period of a pin at rest on its bearing
+        # steps in half a period of a pin at rest on its bearing
+        ("sustained", np.float64),
         ("least", np.float64),  # shortest step, s
     ]
 )
 
 LANDING = 0.02  # a step towards a touchdown ends this part of a contact step behind it
-FLIGHT_STEPS_PER_BIN = (
-    4.0  # in which a pin that skims a worn surface crosses one bin of its map
-)
+# in which a pin that skims a worn surface crosses one bin of its map
+FLIGHT_STEPS_PER_BIN = 4.0
 STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
-SKIM_STEPS = (
-    2.0  # of an error-controlled method, at least, in which a pin crosses one bin
-)
-BORE_PART = (
-    0.5  # a step that ends behind a separation goes on for this part of the clearance
-)
+# of an error-controlled method, at least, in which a pin crosses one bin
+SKIM_STEPS = 2.0
+# a step that ends behind a separation goes on for this part of the clearance
+BORE_PART = 0.5
 OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
-EVENT_TOL = (
-    1e-9  # what passes a change of a load's law no further is not sent back; SI units
-)
+# what passes a change of a load's law no further is not sent back; SI units
+EVENT_TOL = 1e-9
 EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 

@@ -35,14 +35,10 @@ MEMORY = np.dtype(
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        (
-            "step_peak",
-            np.float64,
-        ),  # normal force at a maximum within the last step, N; else 0
-        (
-            "sweep",
-            np.float64,
-        ),  # speed at which the contact runs over the wear maps, rad/s
+        # normal force at a maximum within the last step, N; else 0
+        ("step_peak", np.float64),
+        # speed at which the contact runs over the wear maps, rad/s
+        ("sweep", np.float64),
         *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
         ("touchdown_time", np.float64),  # of the present contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
@@ -78,20 +74,17 @@ STORED_CONTACT = np.dtype(
         ("steps", np.float64),
     ]
 )
-CONTACT_COLUMNS: tuple[str, ...] = (
-    STORED_CONTACT.names or ()
-)  # where they are stored as columns
+# where they are stored as columns
+CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()
 
 # Closing speed of a joint that bears no force until its touchdown is located
 HELD_OPEN = -1.0
 POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
 FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
-PEAK_HALVINGS = (
-    12  # that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
-)
-MAX_PEAK_RATIO = (
-    1.05  # of a peak and the larger force at the ends of its step; 1.02 was found
-)
+# that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
+PEAK_HALVINGS = 12
+# of a peak and the larger force at the ends of its step; 1.02 was found
+MAX_PEAK_RATIO = 1.05
 # steps that every contact gets, unless it is shorter than so many shortest steps
 LEAST_STEPS = 20
 

@@ -88,10 +88,8 @@ OUTPUT = np.dtype(
         ("last_time", np.float64),  # of the last row, s
         ("now", np.float64),  # of the last accepted state, s
         ("interval", np.float64),  # longest time between two rows, s
-        (
-            "force_step",
-            np.float64,
-        ),  # change of a force, part of its peak, that makes a row
+        # change of a force, part of its peak, that makes a row
+        ("force_step", np.float64),
         ("index", np.int64),  # of the x of the output body in q
         ("cos", np.float64),
         ("sin", np.float64),

@@ -28,9 +28,8 @@ class Progress:
     film: "Film | None" = (
         None  # last frames of one of the runs, if an observer needs frames
     )
-    estimate: float | None = (
-        None  # ``whole`` by the latest estimate alone, which may fall
-    )
+    # ``whole`` by the latest estimate alone, which may fall
+    estimate: float | None = None
 
 
 class Observer:

@@ -52,18 +52,14 @@ class Settling:
     """Kinds of motion that the replicates of a stage came to."""
 
     watched: int  # cycles of the shortest run
-    starts: tuple[
-        int | None, ...
-    ]  # cycles of each replicate before it settled; None: irregular
-    motions: tuple[
-        Motion, ...
-    ]  # the one of most replicates first, the irregular one last
-    half_life: Estimate | None = (
-        None  # of the irregular motion, cycles; None: none settled
-    )
-    least_half_life: float = (
-        0.0  # of the irregular motion with 95 % probability, cycles
-    )
+    # cycles of each replicate before it settled; None: irregular
+    starts: tuple[int | None, ...]
+    # the one of most replicates first, the irregular one last
+    motions: tuple[Motion, ...]
+    # of the irregular motion, cycles; None: none settled
+    half_life: Estimate | None = None
+    # of the irregular motion with 95 % probability, cycles
+    least_half_life: float = 0.0
 
     @property
     def runs(self) -> int:

@@ -20,17 +20,14 @@ from presswear.tools.arrays import Array
 
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 
-RESIDUAL = (
-    3e-3  # residual of the energy balance over the energy that the drives exchanged
-)
+# residual of the energy balance over the energy that the drives exchanged
+RESIDUAL = 3e-3
 # Of the heat of damping and friction: wear is no more accurate than that.
 RESIDUAL_DISSIPATED = 1e-2
-MIN_RESIDUAL = (
-    1e-4  # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
-)
-MIN_EXCHANGED = (
-    1e-3  # of the kinetic energy: at an instant hardly any energy is exchanged
-)
+# of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
+MIN_RESIDUAL = 1e-4
+# of the kinetic energy: at an instant hardly any energy is exchanged
+MIN_EXCHANGED = 1e-3
 MADE = 1.0  # created over dissipated energy: beyond it the contacts drive the linkage
 MIN_MADE = 1e-3  # of the energy exchanged
 # Contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred.

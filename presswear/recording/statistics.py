@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from presswear.tools.arrays import Array, State
 from presswear.tools.numbers import readable, with_interval
 
-STARTUP_CYCLES = (
-    2  # that are no samples; if no more ran, the last of them is the only one
-)
+# that are no samples; if no more ran, the last of them is the only one
+STARTUP_CYCLES = 2
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
 MAX_BATCHES = 32  # of wear maps; with more, two neighbours become one
 LEVEL = 0.95
@@ -30,9 +29,8 @@ RANGE_STROKES = 10  # successive strokes of which the range is computed
 MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as it is
 MAX_WIDTH = 0.1  # of a turn, of the widest Gaussian that smooths a map
 WIDTHS = 64  # of Gaussians to choose from
-RESAMPLES = (
-    1000  # of a bootstrap: an end of an interval scatters by about 5 % of its width
-)
+# of a bootstrap: an end of an interval scatters by about 5 % of its width
+RESAMPLES = 1000
 MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
 _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 

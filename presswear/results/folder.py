@@ -195,12 +195,10 @@ class ResultFolder(Observer):
         Whether to resume a run of the same scene that is in the folder.
     """
 
-    resumed: State | None = (
-        None  # arrays of the checkpoint to resume from; None: from the start
-    )
-    stored_part = (
-        "stored up to its end"  # last stored cycle, once the folder is released
-    )
+    # arrays of the checkpoint to resume from; None: from the start
+    resumed: State | None = None
+    # last stored cycle, once the folder is released
+    stored_part = "stored up to its end"
 
     def __init__(
         self, path: Path, scene: Scene, interval: float = INTERVAL, resume: bool = False

@@ -97,12 +97,10 @@ class LifeResult:
     phases: tuple[Phase, ...]
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
-    settling: Settling | None = (
-        None  # motions on the surfaces at the start; None: a quick life
-    )
-    settled: tuple[
-        int | None, ...
-    ] = ()  # histories that repeat at the end of each load block
+    # motions on the surfaces at the start; None: a quick life
+    settling: Settling | None = None
+    # histories that repeat at the end of each load block
+    settled: tuple[int | None, ...] = ()
 
     @property
     def first(self) -> LimitResult | None:

@@ -39,13 +39,11 @@ from presswear.tools.user_function import UserFunction
 
 PHASES = ("approach", "work", "snap-through", "return")  # of a stroke
 APPROACH, WORK, SNAP_THROUGH, RETURN = PHASES
-SNAP_THROUGH_S = (
-    20e-3  # s after a fracture, in which press builders look for reversed loads
-)
+# s after a fracture, in which press builders look for reversed loads
+SNAP_THROUGH_S = 20e-3
 ENERGY_BOUND = 1e-6  # residual over exchanged energy at the tolerances of a trajectory
-SMALL_CONTACT = (
-    0.1  # of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
-)
+# of the clearance: K delta^1.5 is 6 % above the foundation, the arc 49 degrees
+SMALL_CONTACT = 0.1
 LAW_WORDS = {
     "power": "K delta^1.5",
     "liu": "Liu's law",
@@ -213,9 +211,8 @@ class JointTonnage:
     """
 
     peak_by_phase: Mapping[str, Estimate]  # greatest force in each phase
-    working_force: (
-        Estimate | None
-    )  # greatest along the impulse from contact to fracture
+    # greatest along the impulse from contact to fracture
+    working_force: Estimate | None
     reversed_force: Estimate | None  # against it, within SNAP_THROUGH_S of the fracture
     reversed_fraction: Estimate | None  # reversed over working force, stroke by stroke
     reversal_time: Estimate | None  # from the fracture to the first reversed force, s
@@ -232,14 +229,12 @@ class Tonnage:
     """
 
     strokes: int  # recorded sampled strokes, from upper dead centre to the next
-    peak_force: (
-        Estimate | None
-    )  # greatest force of the work in a stroke, N; None: no process
+    # greatest force of the work in a stroke, N; None: no process
+    peak_force: Estimate | None
     work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
-    vibration_before: (
-        Estimate | None
-    )  # rms acceleration of the output minus the ideal one, m/s^2,
+    # rms acceleration of the output minus the ideal one, m/s^2,
+    vibration_before: Estimate | None
     vibration_after: Estimate | None  # SNAP_THROUGH_S before contact and after fracture
 
 
@@ -403,12 +398,10 @@ class DriveResult(NamedTuple):
 
     duty: DriveDuty  # of the run, integrated over all steps
     ideal: DriveDuty  # of rigid joints without friction
-    rubbing: (
-        DriveDuty | None
-    )  # of rigid joints with the friction of their bearings, if any
-    peak_torque: (
-        Estimate | None
-    )  # largest in magnitude of a cycle, mean over cycles, N m
+    # of rigid joints with the friction of their bearings, if any
+    rubbing: DriveDuty | None
+    # largest in magnitude of a cycle, mean over cycles, N m
+    peak_torque: Estimate | None
     peak_power: Estimate | None  # W
 
 

@@ -83,9 +83,8 @@ class WearPeak:
 
     depth: Estimate  # m
     angle: Estimate  # rad; the ends of its interval may lie below 0 or above 2 pi
-    step_error: float | None = (
-        None  # error of the depth by the wear step, m; in the interval
-    )
+    # error of the depth by the wear step, m; in the interval
+    step_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -112,17 +111,14 @@ class JointStatistics:
     unresolved_contacts: int  # with too few steps
     min_steps_per_contact: int | None  # None: no contact
     contact_time_fraction: float
-    load_distance_per_cycle: (
-        Estimate  # integral of normal force times sliding speed, N m
-    )
+    # integral of normal force times sliding speed, N m
+    load_distance_per_cycle: Estimate
     wear_volume: Estimate  # that one wear update takes off bearing and pin, m^3
     wear_volume_step_error: float | None  # by the wear step, m^3; not in the interval
-    wear_map_error: (
-        float | None
-    )  # standard error of the wear map over its root mean square
-    wear_depth_max_by_replicate: tuple[
-        float, ...
-    ]  # deepest place of one wear update, m
+    # standard error of the wear map over its root mean square
+    wear_map_error: float | None
+    # deepest place of one wear update, m
+    wear_depth_max_by_replicate: tuple[float, ...]
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
     bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
@@ -134,25 +130,21 @@ class StageStatistics:
 
     cycles: int  # of all replicates
     energy_made_per_cycle: Estimate | None = None  # by the contacts, J
-    drive_work_per_cycle: Estimate | None = (
-        None  # of all drives, less what it stores, J
-    )
+    # of all drives, less what it stores, J
+    drive_work_per_cycle: Estimate | None = None
     output: OutputStatistics | None = None
     bdc: BottomStatistics | None = None  # None: nothing moves, or no stroke is complete
     joints: Mapping[str, JointStatistics] = field(default_factory=dict)
     wear_error: float | None = None  # relative
-    load_distance_step_error: float | None = (
-        None  # fraction by which finer time steps change it
-    )
+    # fraction by which finer time steps change it
+    load_distance_step_error: float | None = None
     peak_force_step_error: float | None = None
     energy_residual: float = 0.0  # residual of the energy balance, J
     energy_exchanged: float = 0.0  # by the drives, J
-    energy_made_fraction: float = (
-        0.0  # made by contacts over dissipated by contacts and friction
-    )
-    settling: Settling | None = (
-        None  # motions that the replicates came to; None: no clearance
-    )
+    # made by contacts over dissipated by contacts and friction
+    energy_made_fraction: float = 0.0
+    # motions that the replicates came to; None: no clearance
+    settling: Settling | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))
@@ -191,9 +183,8 @@ class JointResult:
     """Clearance joint in a stage."""
 
     name: str
-    stored: (
-        JointStatistics | None
-    )  # None if the stage failed before a cycle was complete
+    # None if the stage failed before a cycle was complete
+    stored: JointStatistics | None
     # By their names in the file, without the name of the joint
     arrays: Mapping[str, Array] = field(repr=False)
 

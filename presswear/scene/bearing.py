@@ -22,9 +22,8 @@ from presswear.tools.quantities import (
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
-LEAST_RAMP = (
-    1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
-)
+# width of the friction ramp, m/s: steps inside it shorten with the width
+LEAST_RAMP = 1e-5
 # Bristles make the steps of explicit methods short: a pin that slides by d takes about
 # 0.3 d / z steps, with the deflection z, m, at which bristles slip, and a flight of t
 # about 0.3 t / tau, with the time tau, s, in which bristles relax.

@@ -64,9 +64,8 @@ EXTRAPOLATIONS = (
 )  # conventions: steps for wear over an arc
 REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
-MAX_MASS_RATIO = (
-    1e6  # beyond it accelerations of the light body are round-off of the forces
-)
+# beyond it accelerations of the light body are round-off of the forces
+MAX_MASS_RATIO = 1e6
 
 
 @dataclass(frozen=True)
@@ -91,9 +90,8 @@ class Scene(Checked):
         Origins of values by key, where they differ from those of the fields.
     """
 
-    example: ClassVar[str] = (
-        "pw.scenes.ideal() or pw.scene_from('press.toml')"  # for messages
-    )
+    # for messages
+    example: ClassVar[str] = "pw.scenes.ideal() or pw.scene_from('press.toml')"
 
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"

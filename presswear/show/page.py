@@ -35,12 +35,10 @@ class Row:
     """Quantity in a table."""
 
     label: str
-    path: (
-        str  # attributes, keys and indices from the record to the value: ``bdc.error``
-    )
-    unit: str = (
-        ""  # display unit into which the SI value is converted; see ``DISPLAY_UNITS``
-    )
+    # attributes, keys and indices from the record to the value: ``bdc.error``
+    path: str
+    # display unit into which the SI value is converted; see ``DISPLAY_UNITS``
+    unit: str = ""
     meaning: str = ""  # explanation below the label
     digits: int = 3
 
@@ -90,9 +88,8 @@ class Table:
     """Table of texts."""
 
     head: Line  # titles of the columns
-    groups: tuple[
-        tuple[str, tuple[Line, ...]], ...
-    ]  # headings with the rows below them
+    # headings with the rows below them
+    groups: tuple[tuple[str, tuple[Line, ...]], ...]
     numeric: bool = True  # all columns but the first are numbers
     meanings: Mapping[str, str] = field(
         default_factory=dict

@@ -80,9 +80,8 @@ _TABLES = TEMPLATES.from_string(
 )
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _TOGETHER = 8  # most frequent modes of all joints together that are listed
-_MIN_LINES = (
-    8  # spectral lines per order; with fewer, noise too has most power at whole orders
-)
+# spectral lines per order; with fewer, noise too has most power at whole orders
+_MIN_LINES = 8
 
 
 def prepare(scene: Scene) -> None:

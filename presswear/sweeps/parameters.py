@@ -18,14 +18,12 @@ from presswear.tools.quantities import Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
 MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
-TAIL = (
-    2.0**-40
-)  # distance of a probability from 0 and 1: a quantile there may be infinite
+# distance of a probability from 0 and 1: a quantile there may be infinite
+TAIL = 2.0**-40
 MORRIS_LEVELS = 4  # values that a parameter takes in a Morris design
 MORRIS_JUMP = 0.5  # change of a parameter in a Morris design, in probability
-OAT_REACH = (
-    0.45  # largest distance from the median in a one-at-a-time design, in probability
-)
+# largest distance from the median in a one-at-a-time design, in probability
+OAT_REACH = 0.45
 Value = str | float | int
 
 

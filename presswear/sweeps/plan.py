@@ -59,9 +59,8 @@ class Plan:
     vary: tuple[str, ...] = ()  # KEY=VALUES
     sample: str = ""  # design, KIND:SIZE
     ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
-    replicates: int = (
-        1  # runs at each point, with the seed of the scene and the next ones
-    )
+    # runs at each point, with the seed of the scene and the next ones
+    replicates: int = 1
     seed: int = 0  # of the design
 
     def __post_init__(self) -> None:
@@ -285,14 +284,12 @@ class Table:
     values: Array  # shape (rows, responses); NaN where a run has none
     # shape (rows, responses), of the 95 % intervals; NaN where a run has none
     half_widths: Array
-    censored: NDArray[
-        np.bool_
-    ]  # shape (rows, responses), whether a value is a lower bound
+    # shape (rows, responses), whether a value is a lower bound
+    censored: NDArray[np.bool_]
     errors: tuple[str, ...]  # reason why a row has no values; empty where it has
     replicates: int = 1  # neighbouring rows that are replicates of one point
-    freedom: tuple[
-        float, ...
-    ] = ()  # degrees of freedom of the half widths; none: infinite
+    # degrees of freedom of the half widths; none: infinite
+    freedom: tuple[float, ...] = ()
 
     def index(self, key: str) -> int:
         """Return the column of a response; `InputError` if there is none of this name."""

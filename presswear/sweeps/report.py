@@ -43,9 +43,8 @@ FIRST_ROWS = 20
 OPEN_SECTIONS = 2  # responses whose sections are open at first
 MAX_NUMBERS = 10  # responses on the first screen
 MAX_ERRORS = 12
-MAX_SAMPLES = (
-    12  # combinations of varied values at which a sample is analysed separately
-)
+# combinations of varied values at which a sample is analysed separately
+MAX_SAMPLES = 12
 PERCENTILES = (5, 50, 95)
 COLOURS = "cividis"  # distinguishable with colour blindness and in grey print
 MAX_TICKS = 6  # values of a parameter that are all written on its axis

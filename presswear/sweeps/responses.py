@@ -173,9 +173,8 @@ class Requested:
     """Responses that a sweep reports."""
 
     columns: tuple[Column, ...]
-    optional: tuple[
-        str, ...
-    ] = ()  # names of responses that are computed only if requested
+    # names of responses that are computed only if requested
+    optional: tuple[str, ...] = ()
     functions: tuple[Any, ...] = ()  # responses that are user functions
     extra: str = ""  # digest of the responses that a row stores besides the usual ones
 

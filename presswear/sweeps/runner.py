@@ -136,6 +136,7 @@ def with_functions(
         )
     except (OSError, MemoryError):
         raise
+    # A response of the user may raise anything; its error belongs to this row.
     except Exception as error:
         return replace(outcome, values={}, error=_message(error))
 

@@ -21,9 +21,8 @@ from presswear.sweeps.responses import Limit
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed
 
-MIN_BLOCKS = (
-    8  # Saltelli blocks or Morris trajectories below which nothing is estimated
-)
+# Saltelli blocks or Morris trajectories below which nothing is estimated
+MIN_BLOCKS = 8
 MIN_SHARE = 0.1  # of the parameters in the variance; indices of less are errors alone
 MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
 RESAMPLES = 200  # bootstrap resamples of SALib
@@ -40,18 +39,15 @@ class Points:
     response: Column
     points: Array  # shape (n, d)
     means: Array  # shape (n,); NaN where no replicate has a value
-    variances: (
-        Array  # shape (n,), of a single run about the mean of its point; 0 if unknown
-    )
+    # shape (n,), of a single run about the mean of its point; 0 if unknown
+    variances: Array
     counts: Array  # shape (n,), replicates with a value
-    censored: NDArray[
-        np.bool_
-    ]  # shape (n,), whether the value of a replicate is a lower bound
+    # shape (n,), whether the value of a replicate is a lower bound
+    censored: NDArray[np.bool_]
     # degrees of freedom of the variances; infinite if from intervals of the runs
     freedom: float
-    interval_freedom: float = (
-        math.inf
-    )  # of the interval of a run, which the variances are from
+    # of the interval of a run, which the variances are from
+    interval_freedom: float = math.inf
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
@@ -125,12 +121,10 @@ class Sensitivity:
     names: tuple[str, ...]  # of the measures, such as first-order and total index
     values: Array  # shape (measures, d)
     half_widths: Array  # shape (measures, d), of the 95 % intervals; NaN if unknown
-    is_share: bool = (
-        False  # shares of the variance; otherwise in the unit of the response
-    )
-    noise: float = (
-        math.nan
-    )  # value that chaos alone would give; NaN if unknown or subtracted
+    # shares of the variance; otherwise in the unit of the response
+    is_share: bool = False
+    # value that chaos alone would give; NaN if unknown or subtracted
+    noise: float = math.nan
 
     @property
     def order(self) -> list[int]:
@@ -267,9 +261,8 @@ class Spread:
     values: Array  # shape (99,); NaN if unknown
     low: Array
     high: Array
-    violation: (
-        tuple[float, float, float] | None
-    )  # probability of a violation with its interval
+    # probability of a violation with its interval
+    violation: tuple[float, float, float] | None
 
 
 def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread | None:
@@ -311,17 +304,15 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
 
 # --- Surrogate ----------------------------------------------------------------------
 
-MIN_EXPLAINED = (
-    0.5  # share of the variance, less chaos, that cross-validation must explain
-)
+# share of the variance, less chaos, that cross-validation must explain
+MIN_EXPLAINED = 0.5
 MIN_EXPLAINED_TOTAL = 0.1  # share of the total variance: less may be chance
 MIN_POINTS_EACH = 5  # points for each parameter
 MAX_POINTS = 1000  # the time to fit grows with the third power
 FOLDS = 10  # of the cross-validation
 SPREAD_POINTS = 512  # points of the distributions at which the surrogate is evaluated
-SPREAD_DRAWS = (
-    300  # draws of the process: an end of an interval scatters by 10 % of its width
-)
+# draws of the process: an end of an interval scatters by 10 % of its width
+SPREAD_DRAWS = 300
 MAX_OUTSIDE = 0.05  # probability of a distribution that may lie outside the points
 
 
@@ -371,9 +362,8 @@ class Surrogate:
         shift = 0.0
         if self.is_logarithmic:
             variance /= float(np.mean(points.means**2))
-            shift = (
-                -0.5 * variance
-            )  # the logarithm of a mean is above the mean logarithm
+            # the logarithm of a mean is above the mean logarithm
+            shift = -0.5 * variance
         generator = np.random.default_rng(1)
         # The variance of single runs is an estimate, too: each draw has its own.
         scale = np.sqrt(

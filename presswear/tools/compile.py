@@ -35,9 +35,8 @@ from presswear.tools.kernel_compiler import COMPILER, CalleeCompiler, KernelComp
 from presswear.tools.kernel_digest import function_digest
 
 F = TypeVar("F", bound=Callable[..., Any])
-Records = (
-    Any  # structured array; kernels read ``records[k].name``, a type checker cannot
-)
+# structured array; kernels read ``records[k].name``, a type checker cannot
+Records = Any
 
 
 def floats(*names: str) -> list[tuple[str, type]]:
@@ -196,9 +195,10 @@ class _LazyKernel(Kernel):
             self._address.value = code.library.get_pointer_to_function(name)
         except KeyboardInterrupt:
             threading.Timer(0.0, interrupt_main).start()
+        # Machine code calls this and cannot pass on any error of the compiler.
         except Exception as error:
             _LOG.error(error)
-            return _FAILED  # a callback cannot raise
+            return _FAILED
         return self._address.value
 
     def generate_call(
@@ -345,9 +345,8 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
 
 
 _called: list[Any] = []  # machine code that is called by address must stay in memory
-_entries: dict[
-    int, Callable[..., Any]
-] = {}  # kernels that plain Python calls by their entry
+# kernels that plain Python calls by their entry
+_entries: dict[int, Callable[..., Any]] = {}
 
 
 @cache

@@ -66,9 +66,8 @@ def not_installed(what: str, package: str, extra: str) -> InputError:
 FEW_NAMES = 6  # that are listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
-NARROW = (
-    "\u202f"  # space between groups of three digits, which is not printable to Python
-)
+# space between groups of three digits, which is not printable to Python
+NARROW = "\u202f"
 
 
 def shown(value: Any) -> str:

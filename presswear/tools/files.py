@@ -23,9 +23,8 @@ from presswear.tools.errors import InputError, nearest
 
 PART = ".part"  # ending of a file that is being written
 LOCK = "lock"  # name of the file that is locked
-MOST_BYTES = (
-    2**28
-)  # of a file that is read into memory, unless its size is known better
+# of a file that is read into memory, unless its size is known better
+MOST_BYTES = 2**28
 MAX_NAME = 255  # bytes of a name in common file systems
 _LEFT = {
     LOCK,

@@ -176,6 +176,7 @@ class KernelCache:
                 _remove_oldest(file.parent)
         except OSError:
             pass
+        # What another numba stores can fail in any way; the run goes on without it.
         except Exception as error:
             _warn(
                 f"kernels are compiled in memory, at each start: numba {numba.__version__} differs "

@@ -7,9 +7,8 @@ from presswear.tools.errors import NARROW
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
 _SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
-_MIN_VALUE = (
-    1e-300  # below it the powers of ten that a number is divided by have no digits left
-)
+# below it the powers of ten that a number is divided by have no digits left
+_MIN_VALUE = 1e-300
 
 # SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display
 # unit.

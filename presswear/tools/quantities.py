@@ -288,20 +288,17 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
 class Choice:
     """Field that takes one of a few words, a named instance, a kind of part, or a free text."""
 
-    words: (
-        tuple[str, ...] | Any
-    )  # allowed words, or a function of the owner that returns them
+    # allowed words, or a function of the owner that returns them
+    words: tuple[str, ...] | Any
     text: str = ""
     parameters: tuple[str, ...] = ()  # allowed in a user function in place of a word
     # Words can be combined, except for the last one, which stands for none of them.
     # Words of one letter may be written side by side, others with commas between.
     several: bool = False
-    instances: Mapping[str, Any] | None = (
-        None  # by name; the field holds one, or a changed one
-    )
-    kinds: Mapping[str, Any] | None = (
-        None  # classes by kind; the field holds an instance, or None
-    )
+    # by name; the field holds one, or a changed one
+    instances: Mapping[str, Any] | None = None
+    # classes by kind; the field holds an instance, or None
+    kinds: Mapping[str, Any] | None = None
     example: str = ""  # of a free text that its owner reads
 
     unit: ClassVar[str] = ""

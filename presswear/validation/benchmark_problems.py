@@ -44,9 +44,8 @@ TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
 PAPER = InHouse("rk4-paper").resolved()
 SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
 SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
-CYCLES = (
-    1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
-)
+# of the ideal mechanism; over whole cycles errors of periodic motion cancel
+CYCLES = 1.25
 GAP = 1e-5  # m, free flight before the impact
 # Least and largest settings that are compared for wear, a statistic
 WEAR_SETTINGS = {STEP: (1e-5, 1e-5), IMPACT: (1.0, 50.0), TOLERANCE: (1e-8, 1.0)}
@@ -106,9 +105,8 @@ class Problem:
     """Reference problem that every method solves."""
 
     name: str
-    quantities: Mapping[
-        str, float
-    ]  # names of the errors, uncertainty of the reference; 0 if exact
+    # names of the errors, uncertainty of the reference; 0 if exact
+    quantities: Mapping[str, float]
     linkage: Linkage
     start: Start
     plan: Plan

@@ -41,9 +41,8 @@ class Check:
     value: float  # an error if there is a reference
     bound: float
     unit: str = ""
-    reference: float | None = (
-        None  # expected number, in the unit that the quantity names
-    )
+    # expected number, in the unit that the quantity names
+    reference: float | None = None
 
     @staticmethod
     def against(

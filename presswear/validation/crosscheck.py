@@ -28,9 +28,8 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
-DISTURBANCE = (
-    1e-9  # largest change of a coordinate of the disturbed initial state, m or rad
-)
+# largest change of a coordinate of the disturbed initial state, m or rad
+DISTURBANCE = 1e-9
 GROWTH = 1000.0  # of the disturbance at the horizon
 REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
 FINENESS = (
@@ -83,9 +82,8 @@ class Trajectory:
     # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
     slider: Array
     eccentricity: Array  # m, shape (n, 2 joints)
-    touchdowns: (
-        Array  # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
-    )
+    # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
+    touchdowns: Array
 
 
 def touchdowns_of(run: Run) -> Array:
@@ -212,9 +210,8 @@ class Crosscheck:
     # whether trajectories diverged at the horizon; else it is the end of the runs
     diverged: bool
     checks: tuple[Check, ...]
-    undecided: tuple[
-        str, ...
-    ]  # differences of means whose intervals are too wide for a verdict
+    # differences of means whose intervals are too wide for a verdict
+    undecided: tuple[str, ...]
     touchdowns: Array  # of the reference up to the horizon
     # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]

@@ -51,9 +51,8 @@ class Accounts(NamedTuple):
     maps: Array  # depths of bearing and pin at A and C, m, (2, 2, BINS)
     cycle: Array  # (ROW,)
     film: Array  # time, places of the bodies, and columns of each joint
-    series: (
-        Array  # time, place, velocity and acceleration of the slider, and of each joint
-    )
+    # time, place, velocity and acceleration of the slider, and of each joint
+    series: Array
     counts: Array  # frames, rows, and rows that may be written
     # times of the next frame and of the last row, s, their intervals, and start
     due: Array

@@ -29,9 +29,8 @@ from presswear.recording.columns import (
 
 END = 0.05  # s, with ten touchdowns
 TOLERANCE = 1e-12
-ERROR = (
-    2e-6  # relative, of both: a change of 1e-9 m grows to some 1e-7 of the last peak
-)
+# relative, of both: a change of 1e-9 m grows to some 1e-7 of the last peak
+ERROR = 2e-6
 SCENE = pw.scenes.wear_times(conventions="paper")
 
 

@@ -16,7 +16,13 @@ from typing import Any
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE, Materials
+from presswear.linkage.laws import (
+    DAMPINGS,
+    KELVIN_VOIGT,
+    LUGRE,
+    Materials,
+    greatest_bristle_damping,
+)
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (
@@ -40,9 +46,8 @@ COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
 # of the in-house solver: below, a stiff damper on a light link ends in round-off
 FINEST = 1e-11
 GYRATION = (0.01, 10.0)  # radius of gyration of a link, part of its length
-MISSING = (
-    1e-2  # energy that may be missing at any tolerance, part of the exchanged energy
-)
+# energy that may be missing at any tolerance, part of the exchanged energy
+MISSING = 1e-2
 # Part of the kinetic energy that counts as exchanged: a run of a few steps exchanges
 # hardly any.
 UNEXCHANGED = 1e-7
@@ -104,7 +109,8 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     stiffness = min(values["bristle_stiffness"], values["friction"] / LEAST_SLIP)
     values["bristle_stiffness"] = max(stiffness, 1e2)
     least = values["bristle_stiffness"] * LEAST_RELAXATION
-    values["bristle_damping"] = max(values["bristle_damping"], least)
+    most = greatest_bristle_damping(values["friction"], held, values["stribeck_speed"])
+    values["bristle_damping"] = min(max(values["bristle_damping"], least), most)
     # Damping without bounds is stiff without bounds.
     least = DAMPINGS[values["normal_law"]].least
     values["restitution"] = max(values["restitution"], 0.05 if least > 0.0 else 0.0)
@@ -226,14 +232,12 @@ class Ended:
     """Outcome of a scene in an engine."""
 
     part: float  # of a cycle that was run
-    residual: float = (
-        math.nan
-    )  # energy that is missing, part of what the drives exchanged
+    # energy that is missing, part of what the drives exchanged
+    residual: float = math.nan
     bound: float = 0.0
     failure: str = ""
-    is_outside: bool = (
-        False  # the penetration exceeds the pin radius: no contact law covers it
-    )
+    # the penetration exceeds the pin radius: no contact law covers it
+    is_outside: bool = False
 
     @property
     def passed(self) -> bool:

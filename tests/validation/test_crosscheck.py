@@ -143,10 +143,8 @@ def test_without_clearance_all_is_compared(
     [
         (pw.Estimate(103.0, 101.0, 105.0), True),
         (pw.Estimate(125.0, 123.0, 127.0), False),
-        (
-            pw.Estimate(115.0, 65.0, 165.0),
-            None,
-        ),  # an interval that holds any mean of interest
+        # an interval that holds any mean of interest
+        (pw.Estimate(115.0, 65.0, 165.0), None),
         (pw.Estimate(108.0, 104.0, 112.0), None),
         (pw.Estimate(100.0), None),
     ],

@@ -47,9 +47,8 @@ from presswear.tools.packing import bind
 # Advice that makes a run finer.
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
 
-RESOLVED_DIGITS = (
-    8.0  # units in the last place of a coordinate that round-off may reach
-)
+# units in the last place of a coordinate that round-off may reach
+RESOLVED_DIGITS = 8.0
 
 _CHUNK = 2000  # steps between two looks at the clock and the keyboard
 

@@ -62,12 +62,10 @@ SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
-DEPTH_TOL = (
-    1e-12  # penetration up to which a place that round-off keeps from it is one, m
-)
-MIN_SEPARATION = (
-    1e-14  # s; a later event differs from the one on which the last step ended
-)
+# penetration up to which a place that round-off keeps from it is one, m
+DEPTH_TOL = 1e-12
+# s; a later event differs from the one on which the last step ended
+MIN_SEPARATION = 1e-14
 # A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or
 # rad/s.
 BEHIND = 1e-13

@@ -16,9 +16,8 @@ from presswear.tools.packing import PackedArguments, unpack
 
 # The tolerance times this is the error allowed in a position, m or rad, per step.
 POSITION_SCALE = 1e-3
-UNEXCHANGED = (
-    1e-3  # part of the kinetic energy to which the error of a loss is compared at least
-)
+# part of the kinetic energy to which the error of a loss is compared at least
+UNEXCHANGED = 1e-3
 # Indices of the slopes at the start of a step, and of spare ones; compiled as any other
 # index
 START: Any = np.int64(0)
@@ -43,10 +42,8 @@ CONTROL = np.dtype(
             "low", "high", "further"
         ),  # lengths between which it lies, and beyond the last, s
         ("is_last", np.bool_),  # the last length that is tried
-        (
-            "due",
-            np.float64,
-        ),  # time at which an equal step that was cut is to end, s; or 0
+        # time at which an equal step that was cut is to end, s; or 0
+        ("due", np.float64),
         ("longest", np.float64),  # s
         ("shortest", np.float64),  # s
         ("resolution", np.float64),  # of the coordinates, m: below it lies round-off
@@ -55,10 +52,8 @@ CONTROL = np.dtype(
         ("projected", np.bool_),
         ("has_started", np.bool_),  # the initial state is recorded
         ("has_slope", np.bool_),  # the slopes of the state are evaluated
-        (
-            "ignores_corners",
-            np.bool_,
-        ),  # the next step does not end where friction has a corner
+        # the next step does not end where friction has a corner
+        ("ignores_corners", np.bool_),
         ("steps", np.int64),
         ("rejected", np.int64),
         ("events", np.int64),

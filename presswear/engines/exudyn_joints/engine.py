@@ -62,9 +62,8 @@ from presswear.tools.packing import pack_arguments
 
 exu = exudyn_module()
 
-REMEDY = (
-    "more steps_per_contact, or engine = dae, may help"  # advice that makes a run finer
-)
+# advice that makes a run finer
+REMEDY = "more steps_per_contact, or engine = dae, may help"
 
 # Where rigid joints have friction: most iterations of a step, smallest tolerance
 NEWTON_STEPS, LEAST_NEWTON = 50, 1e-10

@@ -57,9 +57,10 @@ Indices = NDArray[np.int64]
 # Change of a load on passing from one piece of its law to the next that is a jump, part
 # of it.
 JUMP = 1e-3
-# Rows of the states of interactions: values at the start of a step, with rates and slopes behind
-# them, and the same at its end
-STEP_START, RATE, SLOPE, STEP_END = 0, 1, 2, 3
+# Rows of ``Frame.states``: from STEP_START and from STEP_END a value, its rate, and the
+# slope of the rate over the value
+STEP_START, STEP_END = 0, 3
+RATE, SLOPE = 1, 2
 FORCES, START, ACCEPTED, SHORTER = range(4)
 """Tasks of ``run_task``."""
 
@@ -134,8 +135,8 @@ def exponential_step(value: float, rate: float, slope: float, h: float) -> float
 def next_state(frame: Frame, records: RecorderState, i: int, t: float) -> float:
     """Return state ``i`` at the end of a step, from the rates at both ends of the step.
 
-    The trapezoidal rule would swing where a state is stiff. A step in which the pin touches
-    down or separates is divided there.
+    The trapezoidal rule would swing where a state is stiff. A step in which the pin
+    touches down or separates is divided there.
     """
     joint, contacts = frame.state_joints[i], frame.model.contact_records
     start, rate, slope, end, end_rate, end_slope = frame.states[:, i]
@@ -155,9 +156,11 @@ def next_state(frame: Frame, records: RecorderState, i: int, t: float) -> float:
 
 @compiled
 def linearise_states(frame: Frame, t: float, row: int) -> None:
-    """Fill the states, their rates and the slopes of these into three rows."""
+    """Fill the states, their rates and the slopes of these into three rows.
+
+    The rates are those of the forces that were filled last; the forces change.
+    """
     first, states = frame.layout.first_state, frame.states
-    fill_forces(frame, t, END)
     for i in range(frame.scales.shape[0]):
         states[row, i] = frame.y[first + i]
         states[row + RATE, i] = frame.rates[first + i]
@@ -174,6 +177,7 @@ def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> 
     """Fill forces at the end of a step of the trapezoidal rule, with states of interactions."""
     count = frame.scales.shape[0]
     if count > 0:
+        fill_forces(frame, t, END)
         linearise_states(frame, t, STEP_END)
         for i in range(count):
             frame.y[frame.layout.first_state + i] = next_state(frame, records, i, t)
@@ -182,7 +186,7 @@ def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> 
 
 @compiled
 def start_states(frame: Frame, t: float) -> None:
-    """Begin a step with the present states of interactions; forces are those of END."""
+    """Begin a step with the states whose forces were filled last, at level END."""
     if frame.scales.shape[0] > 0:
         linearise_states(frame, t, STEP_START)
         fill_forces(frame, t, END)

@@ -93,9 +93,8 @@ class TreeSystem(NamedTuple):
     u_t: Array
     states: Array  # of interactions, live where there are any, m, (states,)
     force: Array  # forces that Exudyn is handed, (coordinates,)
-    expected: (
-        Array  # closing speed of the next step: latched, or predicted while open, m/s
-    )
+    # closing speed of the next step: latched, or predicted while open, m/s
+    expected: Array
     pace: Records  # one of PACE
     state: Array  # q, v, a of all bodies first, (5, 3 bodies)
     y: Array  # state for the equations, (m,)

@@ -23,9 +23,8 @@ class _Transmitted:
 def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
     """Write the forces on the coordinates of a tree, from a place in ``out``."""
     text.comment("forces on the coordinates")
-    carried: dict[
-        str, Vector
-    ] = {}  # accelerations of the hinges of whole branches, by body
+    # accelerations of the hinges of whole branches, by body
+    carried: dict[str, Vector] = {}
     transmitted: dict[str, _Transmitted] = {}
     for link in chain.free:
         acceleration = carried[link.prefix] = _branch_acceleration(text, link, carried)

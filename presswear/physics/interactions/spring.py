@@ -14,9 +14,8 @@ from presswear.tools.compile import inlined
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
-ENDS_MEET = (
-    1e-9  # distance of the ends of a spring, part of its length, without a direction
-)
+# distance of the ends of a spring, part of its length, without a direction
+ENDS_MEET = 1e-9
 
 
 @inlined

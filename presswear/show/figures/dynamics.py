@@ -33,9 +33,8 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
     scene, joints = result.scene, result.scene.clearance_joints
-    share: Any = (
-        "row" if len(shown) > 1 else False
-    )  # both stages of a joint have the same scale
+    # both stages of a joint have the same scale
+    share: Any = "row" if len(shown) > 1 else False
     names = ["", *joints]
     sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
     factor, unit = unit_scale(

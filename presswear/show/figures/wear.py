@@ -16,15 +16,13 @@ from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, Stage
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, unit_factor
 
-_LINEAR_RATIO = (
-    20.0  # largest over smallest peak up to which one linear scale shows both
-)
+# largest over smallest peak up to which one linear scale shows both
+_LINEAR_RATIO = 20.0
 _BARELY_WORN = 0.05  # depth relative to the deepest up to which a place is hardly worn
 _TICKS = 60.0  # degrees between ticks of an axis of angles
 _MARKED_STEPS = 60  # most steps whose ends are marked; more would be a thick line
-_NAMED_UPDATES = (
-    2  # most wear updates named beside each other; of more, the last is named
-)
+# most wear updates named beside each other; of more, the last is named
+_NAMED_UPDATES = 2
 _SURFACES = {
     side: Pen(side, *line) for side, line in zip(SIDES, style.LINES, strict=False)
 }
@@ -262,9 +260,8 @@ def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
         reach = math.degrees(float(away[worn >= 0.1 * worn.max()].max()))
         half = math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
         _, _, width, height = _PROFILES[side]
-        spans = (
-            2.0 * half * np.array([radius, min(radii)]) * height / width
-        )  # with equal scales
+        # with equal scales
+        spans = 2.0 * half * np.array([radius, min(radii)]) * height / width
         # The smaller surface sets the scale, because rounding could separate two equal
         # views.
         scale = (

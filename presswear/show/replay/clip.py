@@ -178,9 +178,8 @@ def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
     for clip in clips:
         first, last = clip.span
         t = time / clips[0].period * clip.period
-        slack = (
-            2.0 * clip.period / FRAMES_PER_CYCLE
-        )  # the last frame stands for its interval
+        # the last frame stands for its interval
+        slack = 2.0 * clip.period / FRAMES_PER_CYCLE
         if not first - slack <= t <= last + slack:
             raise InputError(
                 f"time {t:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "

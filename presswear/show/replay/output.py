@@ -48,9 +48,8 @@ SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = (
 )  # key codes of GLFW
 SPEED_STEP = 1.5
 LIVE_INTERVAL = 0.04  # between two pictures of a running simulation, s
-LIVE_FORCE = (
-    500.0  # of the longest arrow, N, because the largest force is not yet available
-)
+# of the longest arrow, N, because the largest force is not yet available
+LIVE_FORCE = 500.0
 LIVE_PEAK_FRAMES = 10
 
 

@@ -99,9 +99,8 @@ def test_a_touching_pin_meets_the_worn_bearing() -> None:
     angle = (86 + 0.5) * np.pi / 180.0  # in the worn part, a bin centre
     normal = np.array([np.cos(angle), np.sin(angle)])
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
-    map_angle = (
-        angle - (229 + 0.5) * np.pi / 180.0
-    )  # the deepest part of the groove of the pin
+    # the deepest part of the groove of the pin
+    map_angle = angle - (229 + 0.5) * np.pi / 180.0
     reach = joint.clearance + worn[86] + groove[229]
     point = view.contact(reach * normal, map_angle, row)[0].points[0]
     surface = view.pin_factor * joint.pin_radius + view.gap_factor * (
