@@ -94,21 +94,7 @@ def _toml_value(setting: Setting) -> str:
     return f'"{meaning.written(value)}"' if meaning.unit else f"{value:.6g}"
 
 
-_TOML_FAULTS = {  # beginnings of messages of tomllib, and what they mean
-    "Cannot overwrite": "this key stands twice",
-    "Cannot declare": "this table stands twice",
-    "Invalid value": 'a text, or a number with its unit, needs quotes, such as "0.3 mm"',
-    "Expected newline": 'a text, or a number with its unit, needs quotes, such as "0.3 mm", and a '
-    "comment begins with #",
-    "Illegal character '\\n'": "a closing quote is missing",
-    "Unterminated string": "a closing quote is missing",
-    'Expected "\'"': "a closing quote is missing",
-    "Expected '=' after a key": "KEY = VALUE is expected; a key with a space needs quotes",
-    "Invalid statement": "KEY = VALUE, [TABLE] or # COMMENT is expected",
-    "Unclosed array": "a closing ] is missing",
-    "Unclosed inline table": "a closing } is missing",
-    "Expected ']'": "a closing ] is missing",
-}
+_QUOTES = "texts, and numbers with a unit, need quotes; decimals need a point"
 
 
 def read_toml(file: Path) -> dict[str, Any]:
@@ -116,24 +102,14 @@ def read_toml(file: Path) -> dict[str, Any]:
     text = read_text(file)
     try:
         return tomllib.loads(text)
-    except (
-        ValueError,
-        RecursionError,
-    ) as error:  # ValueError: an integer of 5000 digits
+    except (ValueError, RecursionError) as error:  # ValueError: also a too long integer
         message, _, place = f"{error}".partition(" (at ")
-        number, line = re.match(r"line (\d+)", place), ""
-        if number:
-            written = re.sub(
-                r"\s+#.*", "", text.splitlines()[int(number[1]) - 1]
-            ).strip()
-            line = f", line {number[1]}: {written}"
-        fault = next(
-            (new for old, new in _TOML_FAULTS.items() if message.startswith(old)),
-            message,
-        )
-        if re.search(r"=\s*[0-9]+,[0-9]", line):
-            fault = "use a decimal point"
-        raise InputError(f"{file}{line}: {fault}") from None
+        number = re.match(r"line (\d+)", place)
+        if number is None:
+            raise InputError(f"{file}: {message}") from None
+        line = text.splitlines()[int(number[1]) - 1].partition(" #")[0].strip()
+        where = f"{file}, line {number[1]}: {line}"
+        raise InputError(f"{where}: {message} ({_QUOTES})") from None
 
 
 @checked_arguments
