@@ -12,13 +12,13 @@ import numpy as np
 from presswear.linkage.surface import SIDES
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import Estimate, quantile
-from presswear.results.life import QUICK, LifeResult, LimitResult, Phase
+from presswear.results.life import QUICK, LifeResult, LimitResult, WearRate
 from presswear.results.stage import StageResult
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import large, readable
 
-NEW, WORN = "new", "worn once"  # surfaces, as names of phases
+NEW, WORN = "new", "worn once"  # surfaces
 
 
 @dataclass(frozen=True)
@@ -28,16 +28,18 @@ class WearRates:
     strokes: float
     wear: dict[str, Estimate]  # by ``JOINT.depth``, m, and ``JOINT.wear_volume``, m^3
 
-    def phases(self, name: str, since: float, until: float) -> tuple[Phase, ...]:
-        """Return the phases with these rates, of all joints."""
+    def of_joints(
+        self, surfaces: str, since: float, until: float
+    ) -> tuple[WearRate, ...]:
+        """Return the wear rate of each joint from one number of strokes to another."""
         volumes = {
             key: wear for key, wear in self.wear.items() if key.endswith(".wear_volume")
         }
         rates = {key: wear.scaled(1.0 / self.strokes) for key, wear in volumes.items()}
         return tuple(
-            Phase(
+            WearRate(
                 key.partition(".")[0],
-                name,
+                surfaces,
                 since,
                 until,
                 rate.mean,
@@ -81,11 +83,11 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     )
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
-    phases = new.phases(NEW, 0.0, new.strokes)
-    phases += worn.phases(WORN, new.strokes, max(strokes, new.strokes))
+    wear_rates = new.of_joints(NEW, 0.0, new.strokes)
+    wear_rates += worn.of_joints(WORN, new.strokes, max(strokes, new.strokes))
     sampling = first.sampling if first else None
     return LifeResult(
-        QUICK, message, strokes, sampling, None, scatter, limits, (), phases
+        QUICK, message, strokes, sampling, None, scatter, limits, (), wear_rates
     )
 
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import combinations, pairwise, takewhile
 from typing import Any
 
 import numpy as np
@@ -36,12 +35,11 @@ from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
-from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
+from presswear.recording.statistics import STARTUP_CYCLES, quantile
 from presswear.results.life import (
     Ended,
     LifeResult,
     LimitResult,
-    Phase,
     RefinementResult,
 )
 from presswear.results.stage import WearStep
@@ -58,12 +56,7 @@ MEASURED_BLOCKS = 2
 STAGE_CYCLES = 8
 # service intervals of a refinement, so that no two of them start alike
 _MAX_INTERVALS = 64
-MAX_PHASES = 3
 REACH = 4.0  # factor that the wear rate may change by from that when new
-# strokes of a block over those of the one before, for its wear rate to count
-MIN_BLOCK = 0.1
-MIN_RATE_CHANGE = 0.05  # of a wear rate: less is not a new phase
-RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
 
 @dataclass(frozen=True)
@@ -459,12 +452,11 @@ def life_result(
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
     errors = _finite(life.sampling), _finite(life.step), scatter
-    phases = tuple(phase for name in joints for phase in wear_phases(last, name))
     words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
     strokes = life.strokes if math.isfinite(life.strokes) else end.strokes
-    details = tuple(limits), tuple(stored), phases
+    details = tuple(limits), tuple(stored)
     settled = tuple(block.settled for block in last.blocks if block.cycles)
-    result = LifeResult(ended, message, strokes, *errors, *details, words, curves)
+    result = LifeResult(ended, message, strokes, *errors, *details, (), words, curves)
     return replace(result, settled=settled)
 
 
@@ -536,89 +528,3 @@ def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], A
         return np.asarray(values[k - 1] + part * (values[k] - values[k - 1]))
 
     return at
-
-
-def wear_phases(refinement: Refinement, joint: str) -> tuple[Phase, ...]:
-    """Return the phases of a joint's wear: running-in, steady, accelerated.
-
-    Wear rates that are constant between a few changes are fitted to those of the
-    blocks: as many as the Bayesian information criterion allows, in which a change that
-    may be anywhere counts twice (Zhang and Siegmund, Biometrics 63, 22, 2007).
-    """
-    cycles, strokes = (
-        np.array([block.cycles for block in refinement.blocks]),
-        refinement.strokes,
-    )
-    lengths = np.diff(strokes)
-    # The correction for the block before would be most of the rate of a much shorter
-    # one.
-    is_short = np.append(False, lengths[1:] < MIN_BLOCK * lengths[:-1])
-    finished = np.flatnonzero((cycles[1:] > 0) & ~is_short)
-    if not finished.size:
-        return ()
-    volume = np.array(
-        [block.levels[f"{joint}.wear_volume"] for block in refinement.blocks]
-    )
-    rates = np.diff(volume, axis=0)[finished] / lengths[finished, np.newaxis]
-    weights = cycles[finished + 1].astype(float)
-    edges = list(_phase_edges(rates.mean(axis=1), weights))
-    while True:
-        means = [
-            np.average(rates[a:b], axis=0, weights=weights[a:b])
-            for a, b in pairwise(edges)
-        ]
-        # The same histories ran in both phases: their differences are judged.
-        alike = [
-            k
-            for k, (first, second) in enumerate(pairwise(means), 1)
-            if abs(float((second - first).mean()))
-            <= max(
-                half_width(second - first) or 0.0, MIN_RATE_CHANGE * float(first.mean())
-            )
-        ]
-        if not alike:
-            break
-        del edges[alike[0]]
-    values = [float(mean.mean()) for mean in means]
-    # Falling rates at first are running-in, rising last ones accelerated.
-    rises = np.sign(np.diff(values)).tolist()
-    falling = len(list(takewhile(lambda rise: rise < 0, rises)))
-    rising = len(list(takewhile(lambda rise: rise > 0, reversed(rises))))
-    names = [RUNNING_IN] * falling + [STEADY] * (len(values) - falling - rising)
-    names += [ACCELERATED] * rising
-    since, until = strokes[finished], strokes[finished + 1]
-    return tuple(
-        Phase(
-            joint,
-            name,
-            float(since[a]),
-            float(until[b - 1]),
-            value,
-            half_width(mean) or 0.0,
-        )
-        for name, value, mean, (a, b) in zip(
-            names, values, means, pairwise(edges), strict=True
-        )
-    )
-
-
-def _phase_edges(rates: Array, weights: Array) -> tuple[int, ...]:
-    """Return the indices at which phases start, and the end of the last."""
-    count, total = rates.size, float(weights.sum())
-    least = 1e-12 * float(np.mean(rates**2)) or 1e-300
-
-    def criterion(edges: tuple[int, ...]) -> float:
-        rest = 0.0
-        for a, b in pairwise(edges):
-            mean = float(np.average(rates[a:b], weights=weights[a:b]))
-            rest += float(weights[a:b] @ (rates[a:b] - mean) ** 2) / total
-        return count * math.log(max(rest, least)) + (3 * len(edges) - 5) * math.log(
-            count
-        )
-
-    partitions = (
-        (0, *inner, count)
-        for parts in range(1, max(min(MAX_PHASES, count // 2), 1) + 1)
-        for inner in combinations(range(1, count), parts - 1)
-    )
-    return min(partitions, key=criterion)

@@ -1,4 +1,4 @@
-"""Service life as results store it: strokes with their interval, limits, curves and phases."""
+"""Service life as results store it: strokes with their interval, limits, curves and wear rates."""
 
 import math
 from collections.abc import Mapping
@@ -55,11 +55,11 @@ class RefinementResult:
 
 
 @dataclass(frozen=True)
-class Phase:
-    """Phase of constant wear rate of a joint: running-in, steady or accelerated."""
+class WearRate:
+    """Wear rate of a joint on new or once worn surfaces, as a quick life uses it."""
 
     joint: str
-    name: str
+    surfaces: str  # new, or worn once
     since: float  # strokes
     until: float
     rate: float  # volume that a stroke takes off, m^3, and its half width
@@ -94,7 +94,7 @@ class LifeResult:
     scatter: float  # half width of ln(strokes) by the scatter of the wear coefficients
     limits: tuple[LimitResult, ...]
     refinements: tuple[RefinementResult, ...]
-    phases: tuple[Phase, ...]
+    wear_rates: tuple[WearRate, ...] = ()  # of a quick life
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
     # motions on the surfaces at the start; None: a quick life

@@ -617,13 +617,13 @@ def _life(result: Result, life: LifeResult) -> Record:
         and limit.strokes / math.exp(limit.error or 0.0) <= high
     ]
     limits = [_limit_line(result.scene, limit) for limit in life.limits]
-    phases = [
+    wear_rates = [
         (
-            f"{phase.joint}: {phase.name}",
-            numbers.large(phase.since, phase.until),
-            numbers.with_interval(1e15 * phase.rate, 1e15 * phase.half_width),
+            f"{rate.joint}: {rate.surfaces}",
+            numbers.large(rate.since, rate.until),
+            numbers.with_interval(1e15 * rate.rate, 1e15 * rate.half_width),
         )
-        for phase in life.phases
+        for rate in life.wear_rates
     ]
     end = numbers.large(
         float(life.curves["strokes"][-1]) if life.curves else life.strokes
@@ -636,7 +636,7 @@ def _life(result: Result, life: LifeResult) -> Record:
         "repeating": _repeating(life),
         "pin": _pin_that_ends(result, life),
         "limits": _line_table("limits", result, limits, True, end=end),
-        "phases": _line_table("phases", result, phases, True, end=end),
+        "wear_rates": _line_table("wear_rates", result, wear_rates, True, end=end),
     }
 
 

@@ -691,8 +691,8 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
     half, rate = 0.15e-3, RATE * SHAPE[0].max()
     first, second = half / rate, half / (rate + half / REPRESENTED)
     assert life.strokes == pytest.approx(first + second, rel=0.02)
-    by_joint = [phase for phase in life.phases if phase.joint == "A"]
-    assert [phase.name for phase in by_joint] == ["new", "worn once"]
+    by_joint = [rate for rate in life.wear_rates if rate.joint == "A"]
+    assert [rate.surfaces for rate in by_joint] == ["new", "worn once"]
     assert by_joint[0].until == by_joint[1].since == pytest.approx(first, rel=0.02)
     growth = 1.0 + half / (rate * REPRESENTED)
     assert by_joint[1].rate / by_joint[0].rate == pytest.approx(growth, rel=0.02)
@@ -702,6 +702,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
         assert "no error of steps" in text
     assert "This life is quick, with no error of steps" in page
     assert "Service life, quick" in page
+    assert "A: worn once" in page
     with pytest.raises(InputError, match="its life is quick, without curves"):
         life_table(result)
 

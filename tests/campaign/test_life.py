@@ -300,61 +300,6 @@ def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
     assert fewest <= min(whole) <= 2.5 * fewest
 
 
-RATES = {"running-in": (3.0, 4), "steady": (1.0, 8), "accelerated": (2.0, 4)}
-"""Wear rate, and blocks of a thousand strokes with it."""
-
-
-def worn_at(rates: list[float], noise: float, seed: int = 1) -> service_life.Refinement:
-    """Blocks of a thousand strokes with wear rates, after a first one of four strokes."""
-    draw, blocks = np.random.default_rng(seed), []
-    volume, strokes = np.zeros(8), 0.0
-    for k, rate in enumerate([rates[0], *rates]):
-        more = 1e3 if k else 4.0
-        volume = volume + more * rate * (1.0 + noise * draw.standard_normal(8))
-        strokes += more
-        blocks.append(load_block(strokes, 4, {"A.wear_volume": volume}))
-    return service_life.Refinement(blocks=tuple(blocks))
-
-
-@pytest.mark.parametrize("ends", [(1, 2), (0, 2), (1, 3), (0, 3)])
-def test_wear_phases(ends: tuple[int, int]) -> None:
-    names = list(RATES)[slice(*ends)]
-    rates = [rate for name in names for rate in [RATES[name][0]] * RATES[name][1]]
-    phases = wear_histories.wear_phases(worn_at(rates, 0.1), "A")
-    assert [phase.name for phase in phases] == names
-    until = 1e3 * np.cumsum([RATES[name][1] for name in names]) + 4.0
-    assert [phase.until for phase in phases] == pytest.approx(until)
-    for phase in phases:
-        assert abs(phase.rate - RATES[phase.name][0]) <= 2.0 * phase.half_width
-
-
-def test_a_block_that_a_service_cuts_short_is_no_wear_phase() -> None:
-    """It gets the correction for the whole block before it."""
-    blocks = [*worn_at([1.0] * 8, 0.0).blocks]
-    strokes, levels = blocks[-1].strokes, blocks[-1].levels["A.wear_volume"]
-    blocks.append(
-        load_block(strokes + 10.0, 4, {"A.wear_volume": levels + 10.0 + 100.0})
-    )
-    for k in range(1, 9):
-        volume = levels + 110.0 + 1e3 * k
-        blocks.append(
-            load_block(strokes + 10.0 + 1e3 * k, 4, {"A.wear_volume": volume})
-        )
-    (phase,) = wear_histories.wear_phases(
-        service_life.Refinement(blocks=tuple(blocks)), "A"
-    )
-    assert phase.name == "steady"
-    assert phase.rate == pytest.approx(1.0)
-
-
-def test_noise_is_no_wear_phase() -> None:
-    phases = [
-        wear_histories.wear_phases(worn_at([1.0] * 16, 0.5, seed), "A")
-        for seed in range(50)
-    ]
-    assert sum(len(each) > 1 for each in phases) <= 10
-
-
 def test_quantities_of_surfaces_and_strokes() -> None:
     scene = pw.scenes.press_blanking(conventions="refined", replicates=2)
     joints = scene.linkage().clearances

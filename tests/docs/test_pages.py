@@ -237,7 +237,7 @@ def test_rows_of_a_report_have_a_formula() -> None:
     rows = [row for name in names for lines in content[name].values() for row in lines]
     rows += [
         row
-        for name in ("endings", "limits", "phases")
+        for name in ("endings", "limits", "wear_rates")
         for row in content["columns"][name]
     ]
     parts = {

@@ -13,7 +13,6 @@ from presswear.results.life import (
     Ended,
     LifeResult,
     LimitResult,
-    Phase,
     RefinementResult,
 )
 from presswear.scene.bearing import CONVENTIONS
@@ -183,11 +182,6 @@ def made_up_life(
         refinements=(
             RefinementResult(5e-3, 64, 5.2e6, 0.08),
             RefinementResult(1e-3, 320, LIFE, sampling),
-        ),
-        phases=(
-            Phase("A", "running-in", 4.0, 2e6, 3e-15, 2e-16),
-            Phase("A", "steady", 2e6, 6e6, 1e-15, 1e-16),
-            Phase("C", "steady", 4.0, 6e6, 2e-15, 1e-16),
         ),
         services=("bushing of A replaced after 2e+06 strokes",),
         curves=curves,

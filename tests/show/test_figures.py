@@ -405,7 +405,7 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
         title: [text.get_text() for text in each.texts]
         for title, each in panels.items()
     }
-    assert words["worn volume of A"] == ["replaced", "running-in", "steady"]
+    assert words["worn volume of A"] == ["replaced"]
     assert words["drift of bottom dead centre"] == ["limit 2 mm"]
     (open_end,) = drawings(lived(result, not_passed()), ["life"])
     assert "life with its interval" not in legend_of(open_end.sheet)

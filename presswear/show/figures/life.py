@@ -17,7 +17,6 @@ _HEADROOM = (
     1.15,
     1.4,
 )  # height of a panel over its largest value, without and with a note
-_NARROW = 0.2  # fraction of the strokes below which the name of a phase is upright
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
 _LIFE = Pen("life with its interval", style.LINES[2][0])
@@ -40,7 +39,7 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     sheet, panels, lowest = style.panel_list(len(keys), 1.6, sharex=True)
     for axes, key in zip(panels, keys, strict=True):
         _draw_quantity(axes, key, life, end)
-        _draw_marks(axes, key, life, services, end)
+        _draw_marks(axes, key, life, services)
         axes.set_xlim(0.0, end)
         axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.xaxis.set_major_formatter(lambda value, _: f"{factor * value:g}")
@@ -93,10 +92,10 @@ def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
 
 
 def _draw_marks(
-    axes: Axes, key: str, life: LifeResult, services: list[Service], end: float
+    axes: Axes, key: str, life: LifeResult, services: list[Service]
 ) -> None:
-    """Mark the life and the services; beside a worn volume, name those of the joint and phases."""
-    joint, _, name = key.rpartition(".")
+    """Mark the life and the services; beside a worn volume, name those of the joint."""
+    joint, _, _ = key.rpartition(".")
     if life.ended == "limit":
         axes.axvline(life.strokes, color=_LIFE.colour, linewidth=_LIFE.width)
         if life.interval.low is not None and life.interval.high is not None:
@@ -115,21 +114,6 @@ def _draw_marks(
                 "bbox": box,
             }
             axes.text(service.strokes, 0.03, word, **look)
-    phases = [
-        phase for phase in life.phases if name == "wear_volume" and phase.joint == joint
-    ]
-    for k, phase in enumerate(phases):
-        if k % 2:
-            axes.axvspan(
-                phase.since, phase.until, color=style.MUTED, alpha=0.12, linewidth=0.0
-            )
-        is_narrow = phase.until - phase.since < _NARROW * end
-        look = small | {
-            "rotation": 90.0 if is_narrow else 0.0,
-            "ha": "center",
-            "va": "top",
-        }
-        axes.text(0.5 * (phase.since + phase.until), 0.96, phase.name, **look)
 
 
 def services_done(result: Result) -> list[Service]:
