@@ -198,8 +198,9 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     if linkage.rubbing_pins:
         rubs = listed(joint.name for joint in linkage.rubbing_pins)
         model = f"{model}; friction without clearance: {rubs}"
-    if linkage.elastic_pins:
-        model = f"{model}; elastic: {listed(pin.name for pin in linkage.elastic_pins)}"
+    if linkage.elastic_joints:
+        stretching = listed(joint.name for joint in linkage.elastic_joints)
+        model = f"{model}; elastic: {stretching}"
     joints = linkage.clearances
     if not joints:
         return f"{model}; clearance: none"

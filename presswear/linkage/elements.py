@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field, replace
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
@@ -20,6 +20,8 @@ GROUND = "frame"
 MAX_LENGTH = 1e5  # m: no machine is larger, and a floor is a part of a circle so large
 MAX_ANGLE = 1e4  # rad: beyond it a sine has lost four digits
 MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
+MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
+DAMPING = 0.02  # of an elastic joint, part of the critical damping; assumed
 
 LENGTH = Quantity("m", -MAX_LENGTH, MAX_LENGTH)
 ANGLE = Quantity("rad", -MAX_ANGLE, MAX_ANGLE)
@@ -159,11 +161,11 @@ class Pin(Checked):
     first: End
     second: End
     stiffness: float | None = quantity(
-        *(None, "N/m", 1e3, 1e12, "chosen"),
+        *(None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
         "stiffness of pin and rods in any direction; default: rigid",
     )
     damping_ratio: float = quantity(
-        0.02,
+        DAMPING,
         "",
         0.0,
         1.0,
@@ -188,7 +190,9 @@ class Revolute:
     bearing_radius: float = 0.0  # m
     friction: FrictionLaw = field(default_factory=FrictionLaw)
     stiffness: float | None = None  # N/m; None: rigid
-    damping_ratio: float = 0.02
+    damping_ratio: float = DAMPING
+
+    rows: ClassVar[int] = 2  # number of constraint equations
 
     @property
     def ends(self) -> tuple[Attachment, Attachment]:
@@ -211,7 +215,9 @@ class Guide(Checked):
     """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn.
 
     By default the line goes through the mass centre as drawn, or else through the
-    origin.
+    origin. A guide with a stiffness is a spring along its line, without force where the
+    mass centre is at its point: the body stands there in the ideal motion of the
+    linkage; see ``Linkage.released``.
     """
 
     name: str
@@ -222,6 +228,23 @@ class Guide(Checked):
     y: float = place("point of the line, above the origin; default: as drawn", None)
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
+    stiffness: float | None = quantity(
+        *(None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
+        "stiffness of a spring along the line, as of a frame; default: none",
+    )
+    damping: float = quantity(
+        DAMPING,
+        "",
+        0.0,
+        1.0,
+        "assumed",
+        "damping of the spring, part of the critical one",
+    )
+
+    @property
+    def rows(self) -> int:
+        """Number of constraint equations; that of a spring holds its length."""
+        return 2 if self.stiffness is None else 3
 
 
 Joint = Revolute | Guide

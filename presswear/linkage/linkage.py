@@ -48,6 +48,7 @@ MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
 _FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
+_ELASTIC = "elastic_pins", "elastic_guides"
 
 # Fields of data classes; without a cycle its time follows from the drives.
 run_up = partial(
@@ -85,20 +86,40 @@ class Linkage(Checked):
     springs: tuple[Spring, ...] = ()
     loads: tuple[AnyLoad, ...] = ()
     clearances: tuple[ClearanceJoint, ...] = ()
-    elastic_pins: tuple[Revolute, ...] = ()  # that stretch; see ``released``
+    # that stretch; see ``released``
+    elastic_pins: tuple[Revolute, ...] = ()
+    elastic_guides: tuple[Guide, ...] = ()
 
     def changed(self, **changes: Any) -> "Linkage":
         """Return the linkage assembled again with arguments of ``assemble`` changed."""
         arguments = vars(self) | changes
-        elastic_pins = arguments.pop("elastic_pins")
-        return replace(assemble(**arguments), elastic_pins=elastic_pins)
+        elastic = {name: arguments.pop(name) for name in _ELASTIC}
+        return replace(assemble(**arguments), **elastic)
 
     @property
     def released(self) -> "Linkage":
-        """The linkage for the dynamics, in which pins with a stiffness hold nothing but pull."""
-        elastic = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
-        joints = tuple(joint for joint in self.joints if joint not in elastic)
-        return replace(self, joints=joints, elastic_pins=(*self.elastic_pins, *elastic))
+        """The linkage for the dynamics, in which joints with a stiffness stretch.
+
+        Elastic pins hold nothing, and guides with a spring only their line and angle.
+        """
+        pins = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
+        guides = tuple(guide for guide in self.guides if guide.stiffness is not None)
+        joints = tuple(
+            replace(joint, stiffness=None) if joint in guides else joint
+            for joint in self.joints
+            if joint not in pins
+        )
+        return replace(
+            self,
+            joints=joints,
+            elastic_pins=(*self.elastic_pins, *pins),
+            elastic_guides=(*self.elastic_guides, *guides),
+        )
+
+    @property
+    def elastic_joints(self) -> tuple[Joint, ...]:
+        """Pins and guides that stretch in the dynamics."""
+        return (*self.elastic_pins, *self.elastic_guides)
 
     @property
     def revolutes(self) -> tuple[Revolute, ...]:

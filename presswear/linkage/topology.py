@@ -38,7 +38,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     The rows of a linkage that closes away from its dead points are independent, so that
     counting them is enough.
     """
-    rows = [bodies_of(joint) for joint in linkage.joints for _ in range(2)]
+    rows = [bodies_of(joint) for joint in linkage.joints for _ in range(joint.rows)]
     rows += [{drive.body} for drive in linkage.drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
 

@@ -41,7 +41,8 @@ class Rows:
 
     A row is the distance of two points along a direction, or the angle of a body, less
     what it should be. Rows come in the order of ``physics.constraints``: two for each
-    pin joint, two for each guide, one for each drive. That of a drive whose point
+    pin joint, two for each guide, a third for one with a spring, one for each drive.
+    That of a drive whose point
     follows a curve holds the point on the curve, in place of the angle; the curve
     begins at ``start``, coordinates of the shape (bodies, 3). Other coordinates have
     the shape (n, bodies, 3); times are those behind a run-up.
@@ -66,6 +67,9 @@ class Rows:
             across = -math.sin(guide.direction), math.cos(guide.direction)
             rows.append((guide.name, centre, point, across, 0.0, 0.0))
             rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
+            if guide.stiffness is not None:
+                along = math.cos(guide.direction), math.sin(guide.direction)
+                rows.append((guide.name, centre, point, along, 0.0, 0.0))
         self.following = []  # rows of drives whose points follow curves
         for drive in linkage.drives:
             point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
@@ -336,7 +340,7 @@ def _guessed(linkage: Linkage) -> Array:
 
 def _free_coordinates(linkage: Linkage) -> int:
     """Return the coordinates less the constraint rows; below zero where rows are repeated."""
-    held = 2 * len(linkage.revolutes) + 2 * len(linkage.guides) + len(linkage.drives)
+    held = sum(joint.rows for joint in linkage.joints) + len(linkage.drives)
     return 3 * len(linkage.bodies) - held
 
 

@@ -1,9 +1,9 @@
 """Constraint equations of a planar linkage, Phi(q, t) = 0, and their multipliers.
 
 Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a
-guide, one for a drive. With the diagonal mass matrix M equation 18 reduces to S lambda
-= r with S = Phi_q M^-1 Phi_q^T. With the multipliers a state is moved onto the
-constraints.
+guide, three for a guide with a spring, one for a drive. With the diagonal mass matrix M
+equation 18 reduces to S lambda = r with S = Phi_q M^-1 Phi_q^T. With the multipliers a
+state is moved onto the constraints.
 """
 
 import math

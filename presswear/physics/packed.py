@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Revolute
+from presswear.linkage.elements import GROUND, Attachment, Joint, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Spring
 from presswear.linkage.surface import Surface
@@ -172,12 +172,13 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
 
 
 def spring_period(linkage: Linkage) -> float:
-    """Return the shortest period of a body on a spring or elastic pin, s: 2 pi sqrt(m / k)."""
+    """Return the shortest period of a body on a spring or elastic joint, s: 2 pi sqrt(m / k)."""
     shortest = math.inf
-    springs: list[Spring | Revolute] = [*linkage.springs, *linkage.elastic_pins]
+    springs: list[Spring | Joint] = [*linkage.springs, *linkage.elastic_joints]
     for spring in springs:
         if spring.stiffness:
-            mass = effective_mass(linkage, spring.ends)
+            ends = spring.ends if isinstance(spring, Spring) else ends_of(spring)
+            mass = effective_mass(linkage, ends)
             shortest = min(shortest, 2.0 * math.pi * math.sqrt(mass / spring.stiffness))
     return shortest
 

@@ -302,22 +302,27 @@ class Equilibrium(NamedTuple):
 
 
 def closed(linkage: Linkage) -> Linkage:
-    """Return the linkage with ideal joints in place of those with clearance."""
+    """Return the linkage with ideal joints in place of those with clearance or a spring."""
     pins = (
         Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances
     )
-    joints = (*linkage.joints, *pins, *linkage.elastic_pins)
-    return replace(linkage, joints=joints, clearances=(), elastic_pins=())
+    elastic = {guide.name: guide for guide in linkage.elastic_guides}
+    held = (elastic.get(joint.name, joint) for joint in linkage.joints)
+    joints = (*held, *pins, *linkage.elastic_pins)
+    return replace(
+        linkage, joints=joints, clearances=(), elastic_pins=(), elastic_guides=()
+    )
 
 
 class _Rest:
-    """Position and unbalanced forces of a linkage as functions of the eccentricities of its pins.
+    """Position and unbalanced forces of a linkage as functions of the offsets in its joints.
 
-    Those are the pins of clearance joints, then elastic ones.
+    Those are the eccentricities of the pins of clearance joints, then of elastic ones,
+    two for each, and the stretches of elastic guides.
 
-    The drives are held and the output point is pulled. The eccentricities are added to
-    the rows of the linkage with ideal joints, whose multipliers under all forces are
-    unbalanced at the pins.
+    The drives are held and the output point is pulled. The offsets are added to the
+    rows of the linkage with ideal joints, whose multipliers under all forces are
+    unbalanced in these rows.
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
@@ -336,9 +341,7 @@ class _Rest:
         self.contacts = self._forces.contacts
         self._linkage, self._time, self._pull = linkage, time, pull
         self._rows = constraints_of(closed(linkage))
-        first = 2 * len(linkage.revolutes)
-        self.pins = len(linkage.clearances) + len(linkage.elastic_pins)
-        self._pins = slice(first, first + 2 * self.pins)
+        self.offset_rows = _offset_rows(linkage)
         self._still = np.zeros(self.position.size)
 
     def equilibrium(self) -> Equilibrium:
@@ -349,20 +352,24 @@ class _Rest:
         ]
         return Equilibrium(self.position, float(height), self.contacts)
 
-    def move(self, eccentricities: Array) -> None:
-        """Move all bodies to eccentricities of the pins, shape (pins, 2), m."""
+    def move(self, offsets: Array) -> None:
+        """Move all bodies to offsets in the joints, shape (joints, 2), m.
+
+        Of a guide the first is its stretch, and the second stands for nothing.
+        """
+        is_row = self.offset_rows >= 0
         for _ in range(20):
             phi, _, _, jacobian = self._rows.evaluate(
                 self._time, self.position, self._still
             )
-            phi[self._pins] += eccentricities.ravel()
+            phi[self.offset_rows[is_row]] += offsets[is_row]
             self.position = self.position - np.linalg.solve(jacobian, phi)
             if float(np.abs(phi).max()) <= self.tolerance:
                 break
         self._forces(self._time, self.position, self._still)  # fills the contacts
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
-        """Return the forces that push the pins out of the middle, shape (pins, 2), N."""
+        """Return the forces that push joints out of the middle, shape (joints, 2), N."""
         q, output = self.position, self._linkage.output
         i = 3 * self._linkage.index(output.body)
         self._onset[:] = 0.0 if with_contacts else HELD_OPEN
@@ -374,15 +381,31 @@ class _Rest:
         )
         force[i : i + 3] += fx, fy, x * fy - y * fx
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
-        return np.asarray(
-            -np.linalg.solve(jacobian.T, force)[self._pins].reshape(-1, 2)
-        )
+        held = -np.linalg.solve(jacobian.T, force)
+        return np.where(self.offset_rows >= 0, held[self.offset_rows], 0.0)
+
+
+def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
+    """Return the constraint rows in which joints have offsets, (joints, 2); -1 for none.
+
+    The rows are those of the closed linkage: its pins come first, with the loose and
+    the elastic ones behind the others, and then the guides.
+    """
+    first = 2 * len(linkage.revolutes)
+    pins = len(linkage.clearances) + len(linkage.elastic_pins)
+    rows = [[first + 2 * k, first + 2 * k + 1] for k in range(pins)]
+    end = first + 2 * pins
+    for guide in closed(linkage).guides:
+        end += guide.rows
+        if guide.stiffness is not None:
+            rows.append([end - 1, -1])
+    return np.array(rows, np.int64).reshape(-1, 2)
 
 
 def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array]:
-    """Return the clearances of all pins, and how far forces, N, press or stretch them, m."""
-    law, elastic = joints["normal"], linkage.elastic_pins
-    stiffness = [*law["estimated_stiffness"], *(pin.stiffness for pin in elastic)]
+    """Return the clearances of joints, and how far forces, N, press or stretch them, m."""
+    law, elastic = joints["normal"], linkage.elastic_joints
+    stiffness = [*law["estimated_stiffness"], *(one.stiffness for one in elastic)]
     exponent = [*law["estimated_exponent"], *np.ones(len(elastic))]
     clearance = np.array([*joints["clearance"], *np.zeros(len(elastic))])
     return clearance, (size / np.array(stiffness)) ** (1.0 / np.array(exponent))
@@ -397,26 +420,28 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     size = np.hypot(*needed.T)
     # A joint without a force stays in the middle.
     loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
-    eccentricities = np.zeros_like(needed)
+    offsets = np.zeros_like(needed)
     if not loaded.any():
-        rest.move(eccentricities)
+        rest.move(offsets)
         return rest.equilibrium()
     direction = needed[loaded] / size[loaded, np.newaxis]
     distance, depth = _reach(linkage, rest.packed.joints, size)
     for _ in range(3):  # to the bottom of a worn surface
-        eccentricities[loaded] = (direction.T * distance[loaded]).T
-        rest.move(eccentricities)
-        stretch = np.hypot(*eccentricities[len(rest.contacts) :].T)
+        offsets[loaded] = (direction.T * distance[loaded]).T
+        rest.move(offsets)
+        stretch = np.hypot(*offsets[len(rest.contacts) :].T)
         distance += depth - np.concatenate([rest.contacts["penetration"], stretch])
     depth = depth[loaded]
-    scale = np.repeat(size[loaded], 2)
+    # A guide has one offset.
+    unknown = loaded[:, np.newaxis] & (rest.offset_rows >= 0)
+    scale = np.broadcast_to(size[:, np.newaxis], unknown.shape)[unknown]
 
     def residual(x: Array) -> Array:
-        eccentricities[loaded] = x.reshape(-1, 2)
-        rest.move(eccentricities)
-        return np.asarray(rest.unbalanced()[loaded].ravel() / scale)
+        offsets[unknown] = x
+        rest.move(offsets)
+        return np.asarray(rest.unbalanced()[unknown] / scale)
 
-    start = eccentricities[loaded].ravel()
+    start = offsets[unknown]
     solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
     left = float(np.abs(residual(solution.x)).max())
     # A small penetration is known to round-off of the position only.

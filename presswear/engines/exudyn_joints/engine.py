@@ -41,7 +41,7 @@ from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition
-from presswear.linkage.topology import bodies_of, prescribed_of
+from presswear.linkage.topology import bodies_of, branches_of, prescribed_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
@@ -534,6 +534,9 @@ class _Joints:
         """Return sentences on the model and on its solver, counts and times."""
         sums = self.solver.sums
         words = f"{len(self.nodes)} bodies, {len(self.objects)} joints and drives"
+        reason = branches_of(self.linkage)
+        if isinstance(reason, str):
+            words = f"{words}, no open tree ({reason})"
         return {
             "model": described(self.linkage, words, self.omitted),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",

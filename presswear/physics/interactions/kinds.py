@@ -2,6 +2,7 @@
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.clearance import ClearanceContact
+from presswear.physics.interactions.elastic_guide import ElasticGuide
 from presswear.physics.interactions.elastic_pin import ElasticPin
 from presswear.physics.interactions.load import LoadWithLaw
 from presswear.physics.interactions.page import Interaction
@@ -11,6 +12,7 @@ from presswear.physics.packed import Packed
 KINDS: tuple[type[Interaction], ...] = (
     SpringAndDamper,
     ElasticPin,
+    ElasticGuide,
     LoadWithLaw,
     ClearanceContact,
 )

@@ -1,0 +1,205 @@
+"""Frames and guides with a spring: closed forms, a press on an elastic frame, bad input.
+
+The press is an upright slider-crank that blanks with 100 kN at 60 strokes a minute. Its
+reference values are those of an independent simulator with located events.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.physics.statics import deflection, heights_at_bottom, total_clearance
+
+UP = 0.5 * math.pi
+MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
+OMEGA = math.sqrt(STIFFNESS / MASS)
+FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
+ENGINES: list[Engine] = [
+    InHouse(integration_tolerance=1e-10),
+    ExudynTree(tree_tolerance=1e-10),
+    ExudynJoints(),
+]
+SHEET = pw.Blanking(
+    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
+)
+WEIGHT = 9.81 * (600.0 + 60.0 + 50.0 + 300.0)
+
+
+def sprung() -> Linkage:
+    """A block on a tilted guide with a spring, away from the origin."""
+    guide = pw.Guide("G", "block", 0.3, 0.2, 0.6, stiffness=STIFFNESS, damping=RATIO)
+    block = pw.Body("block", MASS)
+    return pw.assemble([block], [guide], output="block", gravity=0.0, cycle=0.1)
+
+
+def press(
+    stiffness: float | None, crown: float = 600.0, damping: float = 0.02
+) -> Linkage:
+    """Upright slider-crank whose crank turns in a crown on an elastic frame, or a rigid one."""
+    bodies = [
+        pw.Bar("crank", 0.04, 60.0, 0.5),
+        pw.Bar("rod", 0.6, 50.0),
+        pw.Body("slide", 300.0),
+    ]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "crank.tail"),
+        pw.Pin("A", "crank.head", "rod.tail"),
+        pw.Pin("B", "rod.head", "slide"),
+        pw.Guide("guide", "slide", direction=UP),
+    ]
+    if stiffness is not None:
+        bodies = [pw.Body("crown", crown), *bodies]
+        joints[0] = pw.Pin("O", "crown", "crank.tail")
+        frame = {"stiffness": stiffness, "damping": damping}
+        joints = [pw.Guide("frame", "crown", direction=UP, **frame), *joints]
+    drives = [pw.Drive("crank", 2.0 * math.pi, UP)]
+    return pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
+
+
+def blanked(
+    engine: Engine, linkage: Linkage, duration: float, **bearings: pw.Bearing
+) -> Run:
+    """Run a press that blanks from the top."""
+    scene = pw.Scene(
+        linkage, process=SHEET, bearings=bearings or pw.Bearing(), cycles=1
+    )
+    motion = scene.ideal.at(np.zeros(1))
+    start = Start(motion.position[0], motion.velocity[0])
+    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(duration, 1))
+    assert run.status == "completed", run.message
+    return run
+
+
+def residual(run: Run) -> float:
+    return abs(float(run.diagnostics["energy_residual_J"]))
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
+def test_a_block_rings_along_its_guide(engine: Engine) -> None:
+    along, duration = np.array([math.cos(0.6), math.sin(0.6), 0.0]), 0.05
+    start = Start(np.array([0.3, 0.2, 0.0]) + 1e-3 * along, np.zeros(3))
+    run = engine.for_cycle(duration).simulate(sprung(), start, Plan(duration, 1))
+    assert run.status == "completed", run.message
+    damped = OMEGA * math.sqrt(1.0 - RATIO**2)
+    decay, phase = math.exp(-RATIO * OMEGA * duration), damped * duration
+    ratio = RATIO * OMEGA / damped
+    exact = 1e-3 * decay * (math.cos(phase) + ratio * math.sin(phase))
+    error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
+    place = float(along @ (run.end.position - [0.3, 0.2, 0.0]))
+    assert place == pytest.approx(exact, abs=error * 1e-3)
+    assert residual(run) < max(error, 1e-8) * 0.5 * STIFFNESS * 1e-6
+
+
+def test_fracture_on_an_elastic_frame() -> None:
+    """Reference values of a frame of 50 GN/m; the fracture ends 1.55 mm deep."""
+    after = blanked(FINE, press(50e9), 0.44).end.position[1]
+    assert after == pytest.approx(-3.003100266e-7, rel=1e-8)
+    end = blanked(FINE, press(50e9), 0.435472999210).end
+    late = (end.position[10] - (-0.64 + 5e-3 - 1.55e-3)) / end.velocity[10]
+    assert abs(late) < 1e-12
+
+
+@pytest.mark.slow
+def test_fracture_on_an_elastic_frame_in_bodies_and_joints() -> None:
+    run = blanked(ExudynJoints(), press(50e9), 0.435472999210)
+    late = (run.end.position[10] - (-0.64 + 5e-3 - 1.55e-3)) / run.end.velocity[10]
+    assert abs(late) < 1e-8
+    assert residual(run) < 1e-5
+
+
+def test_a_frame_of_112_hz_in_bodies_and_joints() -> None:
+    """Steps are a hundredth of the shortest period or less."""
+    exact, run = (
+        blanked(engine, press(0.5e9), 0.45) for engine in (FINE, ExudynJoints())
+    )
+    swing = 100e3 / 0.5e9
+    assert abs(run.end.position[1] - exact.end.position[1]) < 5e-3 * swing
+    assert residual(run) < 0.02  # of 137 J of work
+
+
+def test_work_that_falls_faster_than_the_frame_is_stiff() -> None:
+    """The punch snaps through 0.15 mm: 0.67 GN/m against a frame of 0.5 GN/m."""
+    coarse, fine = (
+        blanked(
+            InHouse(integrator="dop853", integration_tolerance=tol), press(0.5e9), 0.45
+        )
+        for tol in (1e-10, 1e-12)
+    )
+    off = np.abs(fine.end.position - coarse.end.position)
+    assert off.max() < 1e-9
+    assert residual(fine) < 1e-9
+
+
+def test_a_light_crown() -> None:
+    """A hundredth of the mass leaves the frame nearly as it is: crank and slide swing too."""
+    run = blanked(FINE, press(0.5e9, crown=6.0), 0.45)
+    assert residual(run) < 1e-9
+
+
+def test_a_stiff_frame_is_rigid() -> None:
+    rigid, elastic = (blanked(FINE, press(k), 0.44) for k in (None, 1e12))
+    off = np.abs(elastic.end.position[3:] - rigid.end.position).max()
+    assert off < 2.0 * 100e3 / 1e12
+    assert elastic.diagnostics["model"] == (
+        "4 bodies, 11 constraints; forces: blanking; elastic: frame; clearance: none"
+    )
+
+
+def test_a_frame_stretches_by_force_over_stiffness() -> None:
+    linkage = press(0.5e9).released
+    assert deflection(linkage, 100e3) == pytest.approx(2e-4, rel=1e-9)
+    assert total_clearance(linkage, 100e3) == pytest.approx(4e-4, rel=1e-9)
+    # A stop of 2 GN/m that the rigid press would meet 0.2 mm above its bottom.
+    force = (2e-4 + WEIGHT / 0.5e9) / (1.0 / 2e9 + 1.0 / 0.5e9)
+    assert force == pytest.approx(87926.48, abs=5e-3)
+    (height,) = heights_at_bottom(linkage, [force])
+    assert 2e9 * (2e-4 - (height + 0.64)) == pytest.approx(force, rel=1e-7)
+
+
+def test_clearance_and_a_frame_stretch_in_series() -> None:
+    scene = pw.Scene(press(0.5e9), bearings={"B": pw.Bearing(1e-4, 0.04)})
+    loose = total_clearance(scene.linkage(), 100e3)
+    stiff = pw.Scene(press(None), bearings={"B": pw.Bearing(1e-4, 0.04)})
+    joint = total_clearance(stiff.linkage(), 100e3)
+    assert loose == pytest.approx(joint + 4e-4, rel=1e-6)
+
+
+def test_a_crank_is_driven_on_an_elastic_frame() -> None:
+    """With clearance the linkage is an open tree with a driven link; Exudyn's has none."""
+    linkage, bearing = press(0.5e9), pw.Bearing(1e-4, 0.04)
+    scene = pw.Scene(linkage, bearings={"B": bearing}, engine="exudyn")
+    assert isinstance(scene.solver, ExudynJoints)
+    with pytest.raises(pw.InputError, match="crank turns a body that is free to move"):
+        replace(scene, engine="exudyn-tree").check()
+    fewest, every = (
+        blanked(replace(FINE, coordinates=word), linkage, 0.1, B=bearing)
+        for word in ("fewest", "all")
+    )
+    assert "open tree" in str(fewest.diagnostics["model"])
+    np.testing.assert_allclose(fewest.end.position, every.end.position, atol=1e-8)
+    for name in ("drive_work_J", "load_work_J"):
+        pair = (float(run.diagnostics[name]) for run in (fewest, every))
+        assert next(pair) == pytest.approx(next(pair), abs=1e-6)
+
+
+def test_bad_guides_are_refused() -> None:
+    with pytest.raises(
+        pw.InputError, match="stiffness of frame = 0 N/m: allowed is 1000"
+    ):
+        pw.Guide("frame", "crown", stiffness=0.0)
+    with pytest.raises(pw.InputError, match="damping of frame = 2: allowed is 0 to 1"):
+        pw.Guide("frame", "crown", stiffness=1e9, damping=2.0)
+
+
+def test_a_spring_of_a_guide_is_stored_with_the_linkage() -> None:
+    linkage = press(0.5e9)
+    assert linkage_from(linkage.as_plain(), "file") == linkage
+    (guide,) = linkage.released.elastic_guides
+    assert (guide.name, guide.stiffness, guide.damping) == ("frame", 0.5e9, 0.02)
+    assert linkage.released.released == linkage.released
