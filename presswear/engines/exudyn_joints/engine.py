@@ -534,12 +534,13 @@ class _Joints:
         """Return sentences on the model and on its solver, counts and times."""
         sums = self.solver.sums
         words = f"{len(self.nodes)} bodies, {len(self.objects)} joints and drives"
+        solver = "Exudyn trapezoidal index 2, step chosen by contact state"
         reason = branches_of(self.linkage)
         if isinstance(reason, str):
-            words = f"{words}, no open tree ({reason})"
+            solver = f"{solver}; no open tree, because {reason}"
         return {
             "model": described(self.linkage, words, self.omitted),
-            "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
+            "solver": solver,
             "steps": int(sums["steps"]),
             "steps_sent_back": int(sums["sent_back"]),
             "newton_iterations": int(sums["newton"]),
