@@ -164,10 +164,8 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
     for k, make in enumerate(problems.MAKERS):
         start, size = k / len(problems.MAKERS), 1.0 / len(problems.MAKERS)
         problem = make(scene, extent, part_of(report, start, 0.0))
-        repeats = 1 if make is problems.wear_cycles else extent.repeats
-        points += measure(
-            problem, repeats, part_of(report, start, size, f"{problem.name}: ")
-        )
+        progress = part_of(report, start, size, f"{problem.name}: ")
+        points += measure(problem, extent.repeats, progress)
     return points
 
 

@@ -1,9 +1,8 @@
 """Reference problems and methods of the benchmark of error against CPU time.
 
 The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and
-the scene with clearance, twice. Its trajectories are compared up to the time at which
-two starts 1e-9 m apart have separated a thousandfold; beyond it, a trajectory has no
-meaning, and the work per cycle that wears the joints is compared.
+the scene with clearance. Its trajectories are compared up to the time at which two
+starts 1e-9 m apart have separated a thousandfold.
 """
 
 import math
@@ -30,7 +29,6 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, followed
-from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -47,8 +45,6 @@ SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
 # of the ideal mechanism; over whole cycles errors of periodic motion cancel
 CYCLES = 1.25
 GAP = 1e-5  # m, free flight before the impact
-# Least and largest settings that are compared for wear, a statistic
-WEAR_SETTINGS = {STEP: (1e-5, 1e-5), IMPACT: (1.0, 50.0), TOLERANCE: (1e-8, 1.0)}
 PARTS = 10  # parts of a run with clearance; its recorded series is so much finer
 
 
@@ -65,8 +61,6 @@ class Extent:
     rk4_impact_steps: Sequence[float]  # s, with contacts
     tolerances: Sequence[float]  # of DOP853 and DOPRI5 in dae
     tree_tolerances: Sequence[float]
-    wear_cycles: int  # cycles whose wear is compared
-    reference_cycles: int  # cycles of the reference for wear
 
 
 _FILE = files("presswear.validation").joinpath("benchmark_problems.toml")
@@ -373,48 +367,5 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     return Problem(name, quantities, linkage, start, plan, methods, errors)
 
 
-def work_per_cycle(run: Run) -> Array:
-    """Return normal force times slip in each cycle after the start-up, (cycles, joints), N m."""
-    joints = range(run.recorder.records.memory.size)
-    columns = [run.recorder.each_cycle("load_distance", joint) for joint in joints]
-    return after_startup(np.column_stack(columns))
-
-
-def wear_cycles(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
-    """Return cycles of the unworn linkage of a scene, for the work that wears its joints.
-
-    The work per cycle, normal force times slip, is compared with its mean over the many
-    cycles of a reference at 1e-8. Its uncertainty is the 95 % interval of the mean over
-    the cycles of a run, because the motion is chaotic.
-    """
-    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    plan = Plan(period, extent.wear_cycles, 1, torques=False)
-    long = replace(plan, cycles=extent.reference_cycles)
-    engine = InHouse("dopri5", 1e-8).for_cycle(period)
-    reference = work_per_cycle(cases.finished(engine.simulate(linkage, start, long)))
-    mean, scatter = reference.mean(axis=0), reference.std(axis=0, ddof=1)
-    counted = max(extent.wear_cycles - STARTUP_CYCLES, 1)
-    uncertainty = (
-        1.96 * scatter / mean * math.sqrt(1.0 / counted + 1.0 / len(reference))
-    )
-    names = [
-        f"work per cycle at {joint.name}, relative" for joint in linkage.clearances
-    ]
-    numerics, longest = scene.numerics.resolved("wear"), period / LEAST_STEPS
-    methods = contact_methods(
-        replace(extent, equal_steps=()), numerics, period, longest, linkage
-    )
-    limits = [(method, *WEAR_SETTINGS[method.parameter]) for method in methods]
-    return Problem(
-        f"scene {scene.name}, {extent.wear_cycles} cycles",
-        dict(zip(names, map(float, uncertainty), strict=True)),
-        linkage,
-        start,
-        plan,
-        tuple(method for method, low, high in limits if low <= method.value <= high),
-        lambda run: np.abs(work_per_cycle(run).mean(axis=0) / mean - 1.0),
-    )
-
-
 # Each gets a scene, an extent, and a function to report progress.
-MAKERS = (ideal_mechanism, andrews, single_impact, with_clearance, wear_cycles)
+MAKERS = (ideal_mechanism, andrews, single_impact, with_clearance)

@@ -3,18 +3,14 @@
 usage: python tests/benchmarks/adaptive.py [--repeats N]
 
 It solves the equations of ``by_hand``, keeps ``accounts``, and shares no kernel with
-the engines. Task a is the first 0.05 s of the unworn press with ten touchdowns; its
-error is the largest of the slider and of the ends of the turning links, relative to the
-in-house solver at 1e-12. Task b is a number of cycles; its error is that of the work
-per cycle (normal force times slip) at A and C, as in ``presswear benchmark``. All times
-are CPU times per simulated second.
+the engines. It runs the first 0.05 s of the unworn press with ten touchdowns; its error
+is the largest of the slider and of the ends of the turning links, relative to the
+in-house solver at 1e-12. All times are CPU times per simulated second.
 """
 
 import argparse
-import math
 import time as clock
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +19,6 @@ from accounts import (
     CONTACT_LOSS,
     CONTACTS,
     DEPTH,
-    DISTANCE,
     DOSE,
     DRIVES,
     EXCHANGE,
@@ -47,12 +42,9 @@ from side_by_side import distance, methods
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import LEAST_STEPS, InHouse
-from presswear.recording.statistics import STARTUP_CYCLES, after_startup
 from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-from presswear.validation.benchmark import measure
-from presswear.validation.benchmark_problems import QUICK, wear_cycles, work_per_cycle
 
 END = 0.05  # s
 MAX_APART = 1e-7  # m, distance of the last tolerance from the in-house solver
@@ -277,85 +269,42 @@ def run(
 
 
 def main() -> None:
-    """Print errors and CPU times of both tasks, for the engines and for the hand-written loop."""
+    """Print errors and CPU times of the engines and of the hand-written loop."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--repeats", type=int, default=5, help="repeats of each run (default 5)"
     )
     repeats = parser.parse_args().repeats
     scene = wear_times()
-    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    press, longest, y = (
-        parameters(scene),
-        period / LEAST_STEPS,
-        state_of(linkage, start),
-    )
+    linkage = scene.linkage()
+    start = start_of(scene)
+    press = parameters(scene)
+    longest = scene.mechanism.period / LEAST_STEPS
     plan = Plan(END, 1, 1, torques=False)
-    exact = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
-        linkage, start, plan
-    )
+    engine = InHouse(integration_tolerance=1e-12, coordinates="all")
+    exact = engine.simulate(linkage, start, plan)
     end = state_of(linkage, exact.end)
-    problem = wear_cycles(scene, QUICK, lambda *_: None)
-    long = replace(problem.plan, cycles=QUICK.reference_cycles)
-    mean = work_per_cycle(InHouse("dopri5", 1e-8).simulate(linkage, start, long)).mean(
-        axis=0
-    )
-    interval = ", ".join(
-        f"{100.0 * value:.0f} %" for value in problem.quantities.values()
-    )
-    counted = problem.plan.cycles - STARTUP_CYCLES
-    print(
-        f"error b: of the work per cycle over {counted} cycles, the larger one of A and C"
-    )
-    print(f"95 % interval of this error at A and C, from chaos alone: {interval}")
-    print(
-        f"{'method':34}{'error a (m)':>12}{'a (s/s)':>10}{'error b (%)':>12}{'b (s/s)':>10}"
-    )
+    print(f"{'method':34}{'error (m)':>12}{'s/s':>10}")
 
-    def show(name: str, *numbers: float) -> None:
-        error_a, a, error_b, b = (
-            f"{x:.2g}" if math.isfinite(x) else "-" for x in numbers
-        )
-        print(f"{name:34}{error_a:>12}{a:>10}{error_b:>12}{b:>10}", flush=True)
+    def show(name: str, error: float, cost: float) -> None:
+        print(f"{name:34}{error:>12.2g}{cost:>10.2g}", flush=True)
 
     table = methods(scene)
     for name, values in ENGINES.items():
         engine_run = table[name][1]
         for value in values:
             ends = [engine_run(start, value) for _ in range(repeats + 1)]
-            chosen = [
-                each
-                for each in problem.methods
-                if each.value == value and name in (each.family, each.engine.word)
-            ][:1]
-            points = measure(
-                replace(problem, methods=tuple(chosen)), 2, lambda *_: None
-            )
-            b = [
-                (100.0 * max(p.errors.values()), p.timing.cpu / p.timing.simulated)
-                for p in points
-                if p.timing
-            ]
-            numbers = distance(press, ends[0][0], end), min(cost for _, cost in ends)
-            show(f"{name} {value:g}", *numbers, *(b[0] if b else (math.nan, math.nan)))
-    cycles = (period * np.arange(problem.plan.cycles + 1)[1:]).tolist()
+            error = distance(press, ends[0][0], end)
+            show(f"{name} {value:g}", error, min(cost for _, cost in ends))
+    y = state_of(linkage, start)
     for tolerance in TOLERANCES:
-        one = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]
-        two = [run(press, y, cycles, tolerance, longest) for _ in range(repeats + 1)]
-        apart = distance(press, one[0].states[0, :SIZE], end)
-        work = after_startup(
-            two[0].cycles[:, [JOINTS + DISTANCE, JOINTS + 3 + DISTANCE]]
-        )
-        show(
-            f"by hand, DOPRI5 {tolerance:g}",
-            apart,
-            min(outcome.cpu for outcome in one) / END,
-            100.0 * float(np.abs(work.mean(axis=0) / mean - 1.0).max()),
-            min(outcome.cpu for outcome in two) / cycles[-1],
-        )
-    if apart > MAX_APART:
+        runs = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]
+        error = distance(press, runs[0].states[0, :SIZE], end)
+        cost = min(outcome.cpu for outcome in runs) / END
+        show(f"by hand, DOPRI5 {tolerance:g}", error, cost)
+    if error > MAX_APART:
         raise SystemExit(
-            f"at {TOLERANCES[-1]:g} the loop is {apart:.2g} m off the in-house solver"
+            f"at {TOLERANCES[-1]:g} the loop is {error:.2g} m off the in-house solver"
         )
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import stats
 
 import presswear as pw
 from presswear.engines.base import Plan
@@ -29,8 +28,6 @@ SHORT = Extent(
     rk4_impact_steps=(2e-5, 1e-5),
     tolerances=(1e-6, 1e-9),
     tree_tolerances=(1e-5, 1e-7),
-    wear_cycles=1,
-    reference_cycles=4,
 )
 SCENE = pw.scenes.wear_times()
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
@@ -162,24 +159,6 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
         "exudyn-tree, DOPRI5, tolerance 3e-07",
         "dae, RK4, step 3e-05",
     }
-
-
-def test_the_work_per_cycle_of_the_reference_has_no_error() -> None:
-    extent = replace(SHORT, wear_cycles=4, reference_cycles=4)
-    problem = benchmark_problems.wear_cycles(SCENE, extent, silent)
-    engine = pw.InHouse("dopri5", 1e-8).for_cycle(SCENE.mechanism.period)
-    run = engine.simulate(problem.linkage, problem.start, problem.plan)
-    assert list(problem.errors(run)) == [0.0, 0.0]
-    # Half of the 95 % interval of the difference of two means, of 2 cycles each.
-    first, second = benchmark_problems.work_per_cycle(run)
-    half = stats.norm.ppf(0.975) * np.abs(first - second) / np.sqrt(2.0)
-    expected = half / (0.5 * (first + second))
-    assert list(problem.quantities.values()) == pytest.approx(list(expected), rel=1e-3)
-    shorter = engine.simulate(
-        problem.linkage, problem.start, replace(problem.plan, cycles=3)
-    )
-    assert min(problem.errors(shorter)) > 0.0
-    assert run.cpu > shorter.cpu > 0.0
 
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
