@@ -13,7 +13,8 @@ from sphinx.errors import SphinxError
 from sphinx.writers.html5 import HTML5Translator
 
 DOCS = Path(__file__).parent
-sys.path.insert(0, str(DOCS))
+TOOLS = DOCS / "_tools"
+sys.path.insert(0, str(TOOLS))
 import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
@@ -24,7 +25,7 @@ from presswear.results.folder import program_digest  # noqa: E402
 # Pages call ``presswear`` and ``python`` of the environment of the build.
 os.environ["PATH"] = lines.PATH
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
-os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
+os.environ["PYTHONSTARTUP"] = str(TOOLS / "kernel.py")
 # Pages import tests against the literature.
 tests = [DOCS.parent / "tests", DOCS.parent / "tests" / "literature"]
 os.environ["PYTHONPATH"] = os.pathsep.join(
@@ -43,7 +44,7 @@ extensions = [
     "numpydoc",
     "myst_nb",
 ]
-exclude_patterns = ["_*", "outputs", "upstream"]
+exclude_patterns = ["_*", "upstream"]
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"presswear {release}"

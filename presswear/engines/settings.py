@@ -7,7 +7,7 @@ s), a decade finer for the open tree and the in-house solver, at a fifth more co
 time.  The in-house solver uses order 8 there, at twice the price of order 5, because it
 checks Exudyn's DOPRI5.  Forces and wear are statistics of a chaotic motion.  For forces
 in-house the tolerance is the coarsest without a measurable bias in any of six scenes,
-for wear one whose bias is below 2 % of the load distance (``docs/tolerances.py``, table
+for wear one whose bias is below 2 % of the load distance (``docs/_tools/tolerances.py``, table
 in ``docs/theory/integration.md``).  For the open tree it is a decade finer than the
 coarsest without a detectable error.  Each run measures its step error itself
 (``campaign/replicates.py``).

@@ -144,7 +144,7 @@ def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
         r"(?s)```\{code-cell\} ipython3\n(?::tags:.*?\n)?(.*?)```", page.read_text()
     )
     file = (
-        DOCS / "outputs" / "-".join(page.relative_to(DOCS).with_suffix(".ipynb").parts)
+        DOCS / "_outputs" / "-".join(page.relative_to(DOCS).with_suffix(".ipynb").parts)
     )
     stored = json.loads(file.read_text())["cells"]
     assert ["".join(cell["source"]) for cell in stored] == [
@@ -266,7 +266,7 @@ def test_reference_lists_all_public_names() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_to_existing_files(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
-        drawn = "_drawn" in target  # by the build, from docs/draw.py
+        drawn = "_drawn" in target  # by the build, from docs/_tools/draw.py
         assert drawn or "://" in target or (page.parent / target).exists(), target
 
 

@@ -1,10 +1,10 @@
 """Outputs of the pages with code, for builds of the site without execution.
 
-    sphinx-build docs site && python docs/outputs.py
+    sphinx-build docs site && python docs/_tools/outputs.py
     sphinx-build -D nb_execution_mode=off docs site
 
 The first line executes the pages, stores the cells with their outputs in
-``docs/outputs``, and writes the table of README.md; the second one shows the cells.
+``docs/_outputs``, and writes the table of README.md; the second one shows the cells.
 """
 
 import base64
@@ -18,8 +18,8 @@ from myst_nb.core.read import read_myst_markdown_notebook
 from PIL import Image
 from sphinx.errors import SphinxError
 
-DOCS = Path(__file__).resolve().parent
-FOLDER = DOCS / "outputs"
+DOCS = Path(__file__).resolve().parents[1]
+FOLDER = DOCS / "_outputs"
 EXECUTED = DOCS.parent / "jupyter_execute"  # written by myst-nb beside the site
 PICTURE = "image/png"
 COLOURS = 64  # of a stored picture
@@ -57,7 +57,7 @@ def read(text: str, page: str) -> Any:
     stored, cells = nbformat.read(stored_file(page), 4), cells_of(notebook)
     if [cell.source for cell in cells] != [cell.source for cell in stored.cells]:
         raise SphinxError(
-            f"{page}: its code has changed; execute it and run docs/outputs.py"
+            f"{page}: its code has changed; execute it and run docs/_tools/outputs.py"
         )
     for cell, executed in zip(cells, stored.cells, strict=True):
         cell.outputs, cell.execution_count = executed.outputs, executed.execution_count

@@ -1,6 +1,6 @@
-"""Write the table of results in README.md:  python docs/readme.py
+"""Write the table of results in README.md:  python docs/_tools/readme.py
 
-``docs/outputs.py`` calls this.
+``docs/_tools/outputs.py`` calls this.
 """
 
 import re
@@ -9,7 +9,7 @@ from pathlib import Path
 import presswear as pw
 from presswear.tools.numbers import readable
 
-README = Path(__file__).parents[1] / "README.md"
+README = Path(__file__).parents[2] / "README.md"
 
 
 def result_table(cycles: int = 20) -> str:

@@ -1,4 +1,4 @@
-"""Run the command lines of pages and help texts:  python docs/lines.py [PAGE ...]
+"""Run the command lines of pages and help texts:  python docs/_tools/lines.py [PAGE ...]
 
 The build of the site calls this.  Command lines in cells run with their page.  The
 others run in the order of their page, in one folder per page that contains the results
@@ -20,7 +20,7 @@ from pathlib import Path
 
 from presswear.cli import COMMANDS
 
-DOCS = Path(__file__).resolve().parent
+DOCS = Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
 PAGES = sorted(
     page

@@ -1,4 +1,4 @@
-"""Write the coverage of intervals into its page:  python docs/coverages.py results/coverage
+"""Write the coverage of intervals into its page:  python docs/_tools/coverages.py results/coverage
 
 The folder is that of ``pytest -m coverage``, finished or interrupted.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import presswear as pw
 
-DOCS = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 sys.path.insert(0, str(DOCS.parent / "tests"))
 from intervals.coverage import SUBJECTS, Coverage, table  # noqa: E402
 

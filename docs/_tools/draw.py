@@ -1,4 +1,4 @@
-"""Draw pictures of the documentation:  python docs/draw.py [NAME ...]
+"""Draw pictures of the documentation:  python docs/_tools/draw.py [NAME ...]
 
 The build of the site draws all but ``life``, which takes minutes.
 """

@@ -1,7 +1,7 @@
 """Measure what the tolerance of ``dae`` changes in the statistics of cycles, and write the table.
 
-    python docs/tolerances.py measure FILE [SCENE ...]
-    python docs/tolerances.py fill FILE
+    python docs/_tools/tolerances.py measure FILE [SCENE ...]
+    python docs/_tools/tolerances.py fill FILE
 
 The motion is chaotic, so that two tolerances give two samples of it. Replicates with
 the same seeds run at each tolerance. A mean over them is compared with that at the
@@ -31,7 +31,7 @@ from presswear.engines.settings import InHouse, Integrator
 from presswear.recording.statistics import half_width, mean_map, quantile
 from presswear.tools.arrays import Array
 
-DOCS = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 PAGE = DOCS / "theory" / "integration.md"
 KINDS = {  # beginnings of the names of quantities, and headings
     "load distance": "load distance (N m; %)",

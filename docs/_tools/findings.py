@@ -1,4 +1,4 @@
-"""Write the results of the paper's study into findings.md:  python docs/findings.py FOLDER
+"""Write the results of the paper's study into findings.md:  python docs/_tools/findings.py FOLDER
 
 The folder is that of a finished study, ``python -m presswear.paper FOLDER --engine
 dae``.
@@ -17,7 +17,7 @@ from presswear.paper.verdicts import compared
 from presswear.show.page import text_of
 from presswear.tools.numbers import readable
 
-PAGE = Path(__file__).parent / "findings.md"
+PAGE = Path(__file__).parents[1] / "findings.md"
 LABELS = {
     "second wear": "ratio of the wear depths at A: second to first wear update",
     "friction, wear": "ratio of the wear depths at A: friction coefficient doubled",
