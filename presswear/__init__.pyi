@@ -40,6 +40,7 @@ from presswear.linkage.mechanisms import Press as Press
 from presswear.linkage.mechanisms import SixBar as SixBar
 from presswear.linkage.mechanisms import SliderCrank as SliderCrank
 from presswear.linkage.mechanisms import TwoPoint as TwoPoint
+from presswear.linkage.motor import Motor as Motor
 from presswear.linkage.surface import Surface as Surface
 from presswear.physics.statics import deflection as deflection
 from presswear.physics.statics import total_clearance as total_clearance

@@ -8,7 +8,6 @@ import numpy as np
 from presswear.engines.base import Start, with_velocity
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
-from presswear.physics.statics import closed
 from presswear.tools.arrays import Array
 
 NEWTON_STEPS = 8  # Newton steps that move pins; three suffice
@@ -60,6 +59,6 @@ def kick_pins(linkage: Linkage, start: Start, change: Array) -> Start:
 
 def _rows(linkage: Linkage) -> tuple[Constraints, slice]:
     """Return the constraints of the linkage with ideal joints, and the rows of its pins."""
-    ideal = closed(linkage)
+    ideal = linkage.ideal
     pins = slice(2 * len(linkage.revolutes), 2 * len(ideal.revolutes))
     return constraints_of(ideal), pins

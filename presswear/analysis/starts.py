@@ -8,7 +8,6 @@ import numpy as np
 from presswear.analysis.pins import capped, kick_pins, move_pins
 from presswear.engines.base import Start, with_velocity
 from presswear.linkage.linkage import Linkage
-from presswear.physics.statics import closed
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -28,7 +27,7 @@ class SpreadStarts:
         target = capped(self.eccentricity[index], clearance)
         position = move_pins(linkage, ideal.position, target)
         at_rest = with_velocity(
-            closed(linkage), position, ideal.velocity
+            linkage.ideal, position, ideal.velocity
         )  # in the bearings
         return kick_pins(linkage, at_rest, self.velocity[index])
 

@@ -22,6 +22,7 @@ from presswear.linkage.elements import (
     OutputPoint,
     angle,
 )
+from presswear.linkage.motor import Motor
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, choice, quantity, written
@@ -324,6 +325,9 @@ class Drive(_Motion):
     follow : Follow or None
         Motion of a point in place of that of the body; ``angle`` is the body's at the
         start, ``speed`` its mean speed.
+    motor : Motor or None
+        Law of the torque. The motion above is then that of the ideal linkage, the
+        nominal one; in the dynamics the motor turns the body.
     """
 
     body: str
@@ -339,6 +343,7 @@ class Drive(_Motion):
     rises: Sequence[Rise] = ()
     follow: Follow | None = None
     torque_limit: float | None = torque_limit()
+    motor: Motor | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -353,6 +358,20 @@ class Drive(_Motion):
             fault = f"with {names[0]} and a mean speed of 0 it must be above 0"
             raise InputError(
                 f"frequency of {self.body} = {self.frequency:g} rad/s: {fault}"
+            )
+        if self.motor is not None:
+            self._check_motor(self.motor, names)
+
+    def _check_motor(self, motor: Motor, motions: Sequence[str]) -> None:
+        """Raise InputError where the drive has no motion that its motor can have."""
+        if motions and not motor.is_servo:
+            raise InputError(
+                f"motor of {self.body}: with {motions[0]} a servo is expected, "
+                "motor = {stiffness, damping}; other motors turn at their own speed"
+            )
+        if motor.has_slip and self.speed == 0.0:
+            raise InputError(
+                f"speed of {self.body} = 0 rad/s: a motor needs the nominal speed of its drive"
             )
 
     @property
@@ -374,6 +393,11 @@ class Drive(_Motion):
     def repeats(self) -> bool:
         """True if the drive has a periodic motion."""
         return bool(self.harmonics or self.table or self.rises or self.follow)
+
+    @property
+    def is_at_rest(self) -> bool:
+        """True if the drive holds its body at rest."""
+        return self.speed == 0.0 and not self.repeats
 
     @property
     def frequencies(self) -> tuple[float, ...]:

@@ -48,7 +48,7 @@ MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
 _SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
 _FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
-_ELASTIC = "elastic_pins", "elastic_guides"
+_RELEASED = "elastic_pins", "elastic_guides", "is_turned_by_motors"
 
 # Fields of data classes; without a cycle its time follows from the drives.
 run_up = partial(
@@ -89,18 +89,44 @@ class Linkage(Checked):
     # that stretch; see ``released``
     elastic_pins: tuple[Revolute, ...] = ()
     elastic_guides: tuple[Guide, ...] = ()
+    # True where motors turn their bodies; see ``released``
+    is_turned_by_motors: bool = False
 
     def changed(self, **changes: Any) -> "Linkage":
         """Return the linkage assembled again with arguments of ``assemble`` changed."""
         arguments = vars(self) | changes
-        elastic = {name: arguments.pop(name) for name in _ELASTIC}
-        return replace(assemble(**arguments), **elastic)
+        released = {name: arguments.pop(name) for name in _RELEASED}
+        return replace(assemble(**arguments), **released)
+
+    @property
+    def ideal(self) -> "Linkage":
+        """The linkage without laws: drives prescribe its motion, its joints are ideal.
+
+        Guides with a spring hold their body at their point. The loads stay. It is the
+        reference of a scene, with the period, the start and bottom dead centre.
+        """
+        pins = (
+            Revolute(joint.name, joint.bearing, joint.pin) for joint in self.clearances
+        )
+        elastic = {guide.name: guide for guide in self.elastic_guides}
+        held = (elastic.get(joint.name, joint) for joint in self.joints)
+        return replace(
+            self,
+            joints=(*held, *pins, *self.elastic_pins),
+            drives=tuple(replace(drive, motor=None) for drive in self.drives),
+            clearances=(),
+            elastic_pins=(),
+            elastic_guides=(),
+            is_turned_by_motors=False,
+        )
 
     @property
     def released(self) -> "Linkage":
         """The linkage for the dynamics, in which joints with a stiffness stretch.
 
         Elastic pins hold nothing, and guides with a spring only their line and angle.
+        Drives with a motor prescribe nothing, and the inertia of the motor turns with
+        the body.
         """
         pins = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
         guides = tuple(guide for guide in self.guides if guide.stiffness is not None)
@@ -111,10 +137,58 @@ class Linkage(Checked):
         )
         return replace(
             self,
+            bodies=self._bodies_with_rotors,
             joints=joints,
             elastic_pins=(*self.elastic_pins, *pins),
             elastic_guides=(*self.elastic_guides, *guides),
+            is_turned_by_motors=self.has_motors,
         )
+
+    @property
+    def _bodies_with_rotors(self) -> tuple[Body, ...]:
+        """Bodies with the inertia of the motors that turn them."""
+        if self.is_turned_by_motors or not self.has_motors:
+            return self.bodies
+        rotors = {
+            drive.body: drive.motor.reflected_inertia
+            for drive in self.drives
+            if drive.motor is not None
+        }
+        return tuple(
+            replace(body, inertia=body.inertia + rotors.get(body.name, 0.0))
+            for body in self.bodies
+        )
+
+    @property
+    def has_motors(self) -> bool:
+        """True if a drive has a motor."""
+        return any(drive.motor is not None for drive in self.drives)
+
+    @property
+    def leader(self) -> Drive | None:
+        """First drive with a motor that is no servo; its angle is the clock of the cycles.
+
+        tau = (angle - its start) / nominal speed is the time of the ideal motion at
+        which the leader has this angle. Without a leader tau is the time.
+        """
+        for drive in self.drives:
+            if drive.motor is not None and not drive.motor.is_servo:
+                return drive
+        return None
+
+    @property
+    def motor_drives(self) -> tuple[Drive, ...]:
+        """Drives whose motors turn their bodies."""
+        return tuple(drive for drive in self.drives if not self.prescribes(drive))
+
+    @property
+    def prescribed_drives(self) -> tuple[Drive, ...]:
+        """Drives that prescribe the motion of their bodies."""
+        return tuple(drive for drive in self.drives if self.prescribes(drive))
+
+    def prescribes(self, drive: Drive) -> bool:
+        """Return whether a drive prescribes the motion of its body."""
+        return drive.motor is None or not self.is_turned_by_motors
 
     @property
     def elastic_joints(self) -> tuple[Joint, ...]:
@@ -455,11 +529,12 @@ def _check(linkage: Linkage) -> None:
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
+    _check_motors(linkage)
     fixed = {guide.body for guide in linkage.guides}
     fixed |= {
         drive.body
         for drive in linkage.drives
-        if drive.speed == 0.0 and not drive.repeats
+        if drive.is_at_rest and drive.motor is None
     }
     for body in linkage.bodies:
         if body.inertia < MIN_INERTIA and not (
@@ -470,6 +545,25 @@ def _check(linkage: Linkage) -> None:
             allowed = f"must be {MIN_INERTIA:g} kg m^2 or more; {exception}"
             raise InputError(
                 f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}"
+            )
+
+
+def _check_motors(linkage: Linkage) -> None:
+    """Raise InputError for a moving drive beside a motor, and for a leader without a speed."""
+    leader = linkage.leader
+    if leader is None:
+        return
+    if leader.speed == 0.0:
+        raise InputError(
+            f"speed of {leader.body} = 0 rad/s: cycles are counted by the angle of this drive, the "
+            "first with a motor; a nominal speed is needed"
+        )
+    for drive in linkage.drives:
+        if drive.motor is None and not drive.is_at_rest:
+            raise InputError(
+                f"{drive.name}: its motion follows the time, but the motor of {leader.body} does "
+                "not; give it a servo, motor = {stiffness, damping}, which follows the angle of "
+                f"{leader.body}"
             )
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Bushing, Revolute
+from presswear.linkage.elements import GROUND, Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, OverPosition, OverTime
 from presswear.physics.assembly import ROUND_OFF
@@ -301,19 +301,6 @@ class Equilibrium(NamedTuple):
     contacts: Records
 
 
-def closed(linkage: Linkage) -> Linkage:
-    """Return the linkage with ideal joints in place of those with clearance or a spring."""
-    pins = (
-        Revolute(joint.name, joint.bearing, joint.pin) for joint in linkage.clearances
-    )
-    elastic = {guide.name: guide for guide in linkage.elastic_guides}
-    held = (elastic.get(joint.name, joint) for joint in linkage.joints)
-    joints = (*held, *pins, *linkage.elastic_pins)
-    return replace(
-        linkage, joints=joints, clearances=(), elastic_pins=(), elastic_guides=()
-    )
-
-
 class _Rest:
     """Position and unbalanced forces of a linkage as functions of the offsets in its joints.
 
@@ -326,7 +313,7 @@ class _Rest:
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
-        self.ideal = ideal_motion(closed(linkage), linkage.period)
+        self.ideal = ideal_motion(linkage.ideal, linkage.period)
         if self.ideal.rows.repeated:
             raise InputError(
                 f"{linkage.name}: joints hold a body more than once; a total clearance or a "
@@ -340,7 +327,7 @@ class _Rest:
         self._forces = BodyForces(resting, self.packed, self._onset)
         self.contacts = self._forces.contacts
         self._linkage, self._time, self._pull = linkage, time, pull
-        self._rows = constraints_of(closed(linkage))
+        self._rows = constraints_of(linkage.ideal)
         self.offset_rows = _offset_rows(linkage)
         self._still = np.zeros(self.position.size)
 
@@ -395,7 +382,7 @@ def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
     pins = len(linkage.clearances) + len(linkage.elastic_pins)
     rows = [[first + 2 * k, first + 2 * k + 1] for k in range(pins)]
     end = first + 2 * pins
-    for guide in closed(linkage).guides:
+    for guide in linkage.ideal.guides:
         end += guide.rows
         if guide.stiffness is not None:
             rows.append([end - 1, -1])
@@ -454,7 +441,7 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
 
 
 def _instant_of_bottom(linkage: Linkage) -> float:
-    bottom = bottom_of(ideal_motion(closed(linkage), linkage.period))
+    bottom = bottom_of(ideal_motion(linkage.ideal, linkage.period))
     if bottom is None:
         raise InputError(
             f"{linkage.name} has no bottom dead centre: its output point stands still"

@@ -66,9 +66,10 @@ def check_fields(owner: Any) -> None:
         result = value = getattr(owner, item.name)
         name = item.name if item.name == first else f"{item.name}{whose}"
         meaning = meaning_of(item, owner)
-        if item.default is None and isinstance(meaning, Quantity) and value == NONE:
+        is_optional = item.default is None or NoneType in get_args(item.type)
+        if is_optional and isinstance(meaning, Quantity) and value == NONE:
             result = None
-        elif value is not None or item.default is not None:
+        elif value is not None or not is_optional:
             kind = item.type if meaning is None else Annotated[Any, meaning]
             result = converted(name, value, kind)
         if result is not value:

@@ -11,7 +11,6 @@ from presswear.analysis.pins import CONTACT_GAP
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.constraints import constraints_of
-from presswear.physics.statics import closed
 from presswear.scene.settings import changed
 from presswear.show.figures.dynamics import draw_diagram
 
@@ -66,7 +65,7 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
     # The rows of the closed joint are the last but those of guide and drive.
     rows = slice(2 * len(linkage.revolutes), 2 * len(linkage.revolutes) + 2)
     before, after = (
-        constraints_of(closed(each)).evaluate(0.0, end.position, end.velocity)[0][rows]
+        constraints_of(each.ideal).evaluate(0.0, end.position, end.velocity)[0][rows]
         for each, end in ((previous, run.end), (linkage, start))
     )
     cap = min(1.0, (1.0 - CONTACT_GAP) * 5e-4 / np.hypot(*before))

@@ -1,0 +1,100 @@
+"""Motors as data: their ranges, the leader, the ideal and the released linkage, files."""
+
+import math
+from typing import Any
+
+import pytest
+
+import presswear as pw
+from presswear.linkage.linkage import Linkage, linkage_from
+
+SERVO = pw.Motor(stiffness=2e3, damping=10.0)
+INDUCTION = pw.Motor("20 N m", ratio=24, inertia="0.25 kg m^2")
+
+
+def two_cranks(first: pw.Motor | None, second: pw.Motor | None) -> Linkage:
+    """Two cranks on the frame, each with a drive."""
+    bodies = [pw.Bar("one", 0.1, 1.0, 0.5), pw.Bar("two", 0.1, 1.0, 0.5)]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "one.tail"),
+        pw.Pin("P", (1.0, 0.0), "two.tail"),
+    ]
+    drives = [
+        pw.Drive("one", "60 spm", motor=first),
+        pw.Drive("two", "60 spm", motor=second),
+    ]
+    return pw.assemble(bodies, joints, drives)
+
+
+def test_a_motor_has_the_values_of_its_plate() -> None:
+    assert (INDUCTION.torque, INDUCTION.slip, INDUCTION.breakdown) == (20.0, 0.08, 2.75)
+    slip = 0.08 * (2.75 + math.sqrt(2.75**2 - 1.0))
+    assert INDUCTION.breakdown_slip == pytest.approx(slip, rel=1e-15)
+    assert INDUCTION.reflected_inertia == 144.0
+    assert pw.Motor(20.0, breakdown="none").breakdown_slip is None
+    assert not pw.Motor(0).has_slip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"torque": 1e-4}, "torque = 0.0001 N m: allowed is 0.001 to 1e.07 N m, or 0"),
+        ({"torque": -1.0}, "torque = -1 N m: allowed is 0 to 1e.07 N m"),
+        ({"torque": 20.0, "slip": 0.0}, "slip = 0: allowed is 0.001 to 0.5"),
+        ({"torque": 20.0, "breakdown": 1.0}, "breakdown = 1: allowed is 1.01 to 10"),
+        ({"torque": 20.0, "inertia": -1.0}, "inertia = -1 kg m.2: allowed is 0 to"),
+        ({"torque": 20.0, "stiffness": 1.0}, "torque and stiffness are given; one is"),
+        ({"torque": 20.0, "damping": 1.0}, "damping = 1 N m s/rad: only a servo has"),
+        ({}, "motor: no law is given; one is expected"),
+    ],
+)
+def test_bad_motors_are_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(pw.InputError, match=message):
+        pw.Motor(**arguments)
+
+
+def test_the_leader_is_the_first_motor_that_is_no_servo() -> None:
+    for first, second, leader in (
+        (None, None, None),
+        (INDUCTION, SERVO, "one"),
+        (SERVO, INDUCTION, "two"),
+        (SERVO, SERVO, None),
+        (INDUCTION, pw.Motor(0), "one"),
+    ):
+        found = two_cranks(first, second).leader
+        assert (found.body if found else None) == leader
+
+
+def test_released_and_ideal_linkages() -> None:
+    linkage = two_cranks(INDUCTION, SERVO)
+    released = linkage.released
+    assert (len(linkage.prescribed_drives), len(linkage.motor_drives)) == (2, 0)
+    assert (len(released.prescribed_drives), len(released.motor_drives)) == (0, 2)
+    assert [body.inertia for body in released.bodies] == [144.5, 0.5]
+    assert released.released == released
+    ideal = released.ideal
+    assert ideal.prescribed_drives == ideal.drives
+    assert (ideal.leader, ideal.period) == (None, linkage.period)
+    assert released.changed(gravity=1.0).motor_drives == released.drives
+    even = two_cranks(None, None)
+    assert even.released == even
+
+
+def test_drives_that_do_not_fit_a_motor_are_refused() -> None:
+    with pytest.raises(
+        pw.InputError, match="drive of two: its motion follows the time"
+    ):
+        two_cranks(INDUCTION, None)
+    with pytest.raises(pw.InputError, match="motor of crank: with harmonics a servo"):
+        pw.Drive("crank", 1.0, harmonics=[(0.0, 0.1)], motor=INDUCTION)
+    with pytest.raises(pw.InputError, match="speed of crank = 0 rad/s: a motor needs"):
+        pw.Drive("crank", motor=INDUCTION)
+
+
+def test_motors_are_stored_with_the_linkage() -> None:
+    line = pw.Motor(20.0, breakdown=None)
+    for motor in (INDUCTION, line):
+        linkage = two_cranks(motor, SERVO)
+        assert linkage_from(linkage.as_plain(), "file") == linkage
+    drive: Any = {"body": "crank", "speed": "60 spm", "motor": {"torque": "20 N m"}}
+    assert pw.Drive(**drive).motor == pw.Motor(20.0)
