@@ -77,11 +77,9 @@ class Conventions(Checked):
     )
 
 
-_PAPER = Conventions("paper", "angle", "fixed", "bin", "radial", "raw")
 CONVENTIONS: dict[str, Conventions] = {
     "refined": Conventions(),
-    "standard": replace(_PAPER, wear_maps="smoothed"),
-    "paper": _PAPER,
+    "paper": Conventions("paper", "angle", "fixed", "bin", "radial", "raw"),
 }
 
 Law = str | UserFunction | Callable[..., float]

@@ -50,7 +50,7 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
 
 
 _STUDY: dict[str, Any] = {  # choices of the scenes of the paper
-    "conventions": CONVENTIONS["standard"],
+    "conventions": replace(CONVENTIONS["paper"], wear_maps="smoothed"),
     "engine": "exudyn",
     "max_cycles": 200,
 }

@@ -100,7 +100,7 @@ class Scene(Checked):
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         *("refined", CONVENTIONS),
-        "model choices: refined (advised), paper (as printed), standard (paper, smoothed maps)",
+        "model choices: refined (advised), paper (as printed)",
     )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str | Any = choice(

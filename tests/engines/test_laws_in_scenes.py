@@ -115,7 +115,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
         Scene(mechanism=FOUR_BAR, joints="AB", wear_updates=0),
         {
             **{"clearance": 5e-4, "friction": 0.1, "B.elasticity": "foundation"},
-            "conventions": "standard",
+            "conventions": "paper",
             **{"A.normal_law": "herbert-mcwhannell", "A.restitution": 0.8},
             **{
                 "A.friction_law": "lugre",

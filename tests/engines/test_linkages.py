@@ -100,7 +100,7 @@ SPRUNG = PUMP.changed(
     loads=[Load("slider", 3.0, -2.0), Load("rod", 0.0, 1.0, 0.2)],
 )
 LOOSE = Bearing(clearance=0.8e-3)
-_scene = partial(Scene, engine="exudyn", conventions=CONVENTIONS["standard"])
+_scene = partial(Scene, engine="exudyn", conventions=CONVENTIONS["paper"])
 SCENES = {
     "press, A and C": wear_times(),
     "press, loads of all kinds": _scene(

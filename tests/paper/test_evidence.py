@@ -19,7 +19,7 @@ SETTING = "wear-times"
 FORCE = cycle_column("force_max", 0)  # column of the first joint
 SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 one = partial(stage, SETTING)
-BODY = replace(CONVENTIONS["standard"], map_frame="body")
+BODY = replace(CONVENTIONS["paper"], map_frame="body")
 body_maps = partial(evidence_of, SETTING, conventions=BODY)
 
 

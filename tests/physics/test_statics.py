@@ -33,7 +33,7 @@ from presswear.tools.errors import InputError
 LIGHT = pw.Scene(
     pw.SliderCrank(slide_angle=0.0, gravity=0.0),
     bearings=pw.Bearing(clearance=0.8e-3),
-    conventions=CONVENTIONS["standard"],
+    conventions=CONVENTIONS["paper"],
     joints="AB",
     wear_updates=0,
 )

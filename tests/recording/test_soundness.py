@@ -168,8 +168,8 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     """
     coarse = ExudynJoints(steps_per_contact=20, steps_sustained=5, free_steps=1000)
     settings = {"clearance": 1e-5, "friction": 0.3, "restitution": 0.6}
-    standard = CONVENTIONS["standard"]
-    scene = Scene(mechanism=FOUR_BAR, joints="A", wear_updates=0, conventions=standard)
+    paper = CONVENTIONS["paper"]
+    scene = Scene(mechanism=FOUR_BAR, joints="A", wear_updates=0, conventions=paper)
     scene = changed(scene, settings)
     period = scene.mechanism.period
     found = {}

@@ -521,7 +521,7 @@ def both() -> list[pw.Result]:
     )
     exact = Numerics(dae=pw.InHouse(integration_tolerance=1e-12))
     short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae"}
-    short |= {"numerics": exact, "conventions": "standard"}
+    short |= {"numerics": exact, "conventions": "paper"}
     scenes = [
         pw.Scene(mechanism, process=process, bearings={"B": SOFT}, **short)
         for mechanism, process in (
@@ -581,7 +581,7 @@ def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
 
 
 SCENE = pw.scenes.press_blanking(
-    conventions="standard", wear_updates=0, cycles=1, clearance="0.5 mm"
+    conventions="paper", wear_updates=0, cycles=1, clearance="0.5 mm"
 )
 EQUAL = (
     "Joint C: the pin penetrates its bearing by 500 µm, 1.00 of the clearance, and touches it over "

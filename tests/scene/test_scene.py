@@ -255,7 +255,7 @@ def test_wear_updates_need_a_joint_that_wears() -> None:
     changed(scene, {"A.wear_coefficient": "1e-15/Pa"}).check()
 
 
-@pytest.mark.parametrize("conventions", ["standard", "refined"])
+@pytest.mark.parametrize("conventions", ["paper", "refined"])
 def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -> None:
     scene = Scene(
         SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae"

@@ -95,7 +95,7 @@ def test_changed_sets_every_part_and_nothing_else() -> None:
     assert scene.mechanism == pw.Press(geometry=geometry, speed=4.0 * math.pi)
     assert scene.bearings == replace(PRESS.bearings, clearance=0.6e-3)
     assert scene.conventions == replace(
-        CONVENTIONS["standard"], wear_distribution="arc"
+        CONVENTIONS["paper"], wear_maps="smoothed", wear_distribution="arc"
     )
     assert scene.clearance_joints == ("C",)
     assert (scene.wear_updates, scene.cycles) == (3, 7)
@@ -386,7 +386,7 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
     [
         (
             pw.scenes.wear_times(conventions="refined"),
-            {"conventions": ("refined", "standard", "")},
+            {"conventions": ("refined", "custom", "")},
         ),
         (pw.scenes.wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
         (
