@@ -1,19 +1,25 @@
 """Oil film in the joints: does the assumption of dry contact hold?
 
-No film is simulated. The force of each joint with all joints closed, and the turning of
-its bodies, give the film of a finite journal bearing in steady rotation over the cycle
-(Butenschoen, Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter
-instationaerer Belastung, 1976). Oil that is squeezed out carries as well and is left
-out: the film is a lower bound.
+No film acts in the run. The forces with all joints closed, and the speeds of the
+bodies, move the pin of each joint on a film of oil, by wedge and squeeze
+(``physics.oil_film``), until its orbit repeats itself.
 """
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND
+from presswear.linkage.elements import GROUND, Revolute
+from presswear.physics.oil_film import NARROWEST, WIDEST, film_of
+from presswear.results.film_orbit import (
+    FilmLoad,
+    FilmOrbit,
+    OrbitTooStiff,
+    periodic_orbit,
+)
 from presswear.results.press_analysis import ideal_forces
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
@@ -21,75 +27,66 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
-WIDEST = 2.0 * OIL_CLEARANCES[1]  # with grease; no film carries in a wider clearance
+WIDEST_CLEARANCE = (
+    2.0 * OIL_CLEARANCES[1]
+)  # with grease; no film carries in a wider one
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
-USUAL_WIDTHS = 0.125, 1.0  # widths over diameters for which the closed form holds
-STEADY = "Steady rotation, no squeeze: a lower bound of the film"
-_LEAST_GAP = 1e-12  # of the clearance; a smaller film is none
-_HALVINGS = 60
+ASSUMES = (
+    "The film assumes a rigid bearing that is full of oil of this viscosity; with grease, or "
+    "with little oil, the joint is nearer to dry contact"
+)
 
 
 @dataclass(frozen=True)
-class OilFilm:
+class JointFilm:
     """Film in a joint over a cycle of the linkage without clearance."""
 
-    time: Array  # s, shape (n,)
+    angle: Array  # of the cycle since its start, degrees, shape (n,)
     force: Array  # between pin and bearing, N
-    speed: Array  # effective angular speed, rad/s
-    thickness: Array  # least, m
+    orbit: FilmOrbit
+    clearance: float  # m
     roughness: float  # R_q of both surfaces together, m
+
+    @property
+    def thickness(self) -> Array:
+        """Least thickness at each instant, m."""
+        return self.clearance * self.orbit.gap
+
+    @property
+    def thinnest(self) -> int:
+        """Instant of the least film in the cycle."""
+        return int(self.orbit.gap.argmin())
+
+    @property
+    def time_shares(self) -> tuple[float, float, float]:
+        """Shares of the time with full film, mixed lubrication and contact of asperities."""
+        return self._shares(np.ones(self.angle.size))
+
+    @property
+    def load_shares(self) -> tuple[float, float, float]:
+        """Shares of the integral of the force over the time in the same states."""
+        return self._shares(self.force)
 
     @property
     def full_share(self) -> float:
         """Share of the time in which the film is full."""
-        weights = np.gradient(self.time)  # the instants are not evenly spaced
-        return float(
-            weights @ (self.thickness > FULL_FILM * self.roughness) / weights.sum()
+        return self.time_shares[0]
+
+    def _shares(self, weights: Array) -> tuple[float, float, float]:
+        """Return shares of a weight over the time: the instants are not evenly spaced."""
+        is_full = self.thickness > FULL_FILM * self.roughness
+        is_dry = self.thickness < self.roughness
+        total = float(np.trapezoid(weights, self.angle))
+        if total == 0.0:
+            return self.time_shares
+        full, dry = (
+            float(np.trapezoid(weights * state, self.angle)) / total
+            for state in (is_full, is_dry)
         )
+        return full, max(1.0 - full - dry, 0.0), dry
 
 
-def sommerfeld(eccentricity: Array, ratio: float) -> Array:
-    """Return the Sommerfeld number F psi^2 / (B d eta omega) of a finite bearing in rotation.
-
-    Parameters
-    ----------
-    eccentricity : ndarray
-        Over the clearance, 0 to 1.
-    ratio : float
-        Width over diameter. The fit lies within 7 % of tables for 1/8 to 1.
-    """
-    e, b = eccentricity, ratio
-    a1 = 1.1642 + b * (-1.9456 + b * (7.1161 + b * (-10.1073 + b * 5.0141)))
-    a2 = -1.000026 - b * (0.023634 + b * (0.4215 + b * (0.038817 + b * 0.090551)))
-    rest = 1.0 - e * e
-    root = np.sqrt(math.pi**2 * rest + 16.0 * e * e)
-    return np.asarray(
-        b * b * e / (2.0 * rest * rest) * root * a1 * (e - 1.0) / (a2 + e)
-    )
-
-
-def thickness(bearing: Bearing, force: Array, speed: Array) -> Array:
-    """Return the least thickness of the film, m, for forces, N, and speeds, rad/s.
-
-    ``speed`` is |w1 + w2 - 2 gamma'| with the rates of pin, bearing and direction of
-    the force.
-    """
-    diameter, clearance = 2.0 * bearing.bearing_radius, bearing.clearance
-    ratio = min(max(bearing.width / diameter, USUAL_WIDTHS[0]), USUAL_WIDTHS[1])
-    psi = clearance / bearing.bearing_radius
-    # So is proportional to 1 / speed, which may be zero: the products are compared.
-    carried = bearing.width * diameter * (bearing.viscosity or 0.0) * speed / psi**2
-    low, high = np.full(force.shape, math.log(_LEAST_GAP)), np.zeros(force.shape)
-    for _ in range(_HALVINGS):
-        gap = 0.5 * (low + high)
-        is_carried = carried * sommerfeld(-np.expm1(gap), ratio) >= force
-        low, high = np.where(is_carried, gap, low), np.where(is_carried, high, gap)
-    return np.asarray(
-        clearance * np.where(high <= math.log(2.0 * _LEAST_GAP), 0.0, np.exp(high))
-    )
-
-
-def oil_films(scene: Scene) -> dict[str, OilFilm]:
+def oil_films(scene: Scene) -> dict[str, JointFilm]:
     """Return the films over a cycle after the run-up, of clearance joints in which one carries.
 
     None if the forces need user laws that are not trusted.
@@ -100,33 +97,54 @@ def oil_films(scene: Scene) -> dict[str, OilFilm]:
 @lru_cache(
     maxsize=16
 )  # a report has the films in sentences, in a number and in a figure
-def _films(scene: Scene) -> dict[str, OilFilm]:
+def _films(scene: Scene) -> dict[str, JointFilm]:
     bearings = {name: scene.bearing(name) for name in scene.clearance_joints}
     oiled = {
         name: one
         for name, one in bearings.items()
-        if one.viscosity is not None and _relative(one) <= WIDEST
+        if one.viscosity is not None and _relative(one) <= WIDEST_CLEARANCE
     }
-    if not oiled:
-        return {}
-    linkage, (time, forces) = scene.loaded, ideal_forces(scene)
-    velocity, films = scene.ideal.at(time).velocity, {}
-    for pin in linkage.revolutes:
-        if pin.name not in oiled:
-            continue
-        bearing, force = oiled[pin.name], forces[pin.name]
-        first, second = (
-            0.0 if end.body == GROUND else velocity[:, 3 * linkage.index(end.body) + 2]
-            for end in (pin.first, pin.second)
-        )
-        turning = first + second - 2.0 * np.gradient(np.unwrap(np.angle(force)), time)
-        size, speed = np.abs(force), np.abs(turning)
-        film, roughness = (
-            thickness(bearing, size, speed),
-            math.sqrt(2.0) * bearing.roughness,
-        )
-        films[pin.name] = OilFilm(time, size, speed, film, roughness)
+    films = {}
+    for pin in scene.loaded.revolutes:
+        if pin.name in oiled:
+            # Without a film that can be computed the contact is as good as dry.
+            with suppress(OrbitTooStiff):
+                films[pin.name] = _film(scene, pin, oiled[pin.name])
     return films
+
+
+def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
+    """Return the film of a joint."""
+    time, forces = ideal_forces(scene)
+    velocity, linkage = scene.ideal.at(time).velocity, scene.loaded
+    speeds = sum(
+        velocity[:, 3 * linkage.index(end.body) + 2]
+        for end in pin.ends
+        if end.body != GROUND
+    )
+    load = FilmLoad(
+        np.append(time, time[0] + scene.mechanism.period),
+        _cycle(-forces[pin.name]),  # the force is on the bearing
+        _cycle(speeds + np.zeros(time.size)),
+    )
+    film = film_of(
+        bearing.width,
+        bearing.bearing_radius,
+        bearing.clearance,
+        bearing.viscosity or 0.0,
+    )
+    return JointFilm(
+        360.0 * (load.time - load.time[0]) / scene.mechanism.period,
+        np.abs(load.force),
+        periodic_orbit(load, film),
+        bearing.clearance,
+        math.sqrt(2.0) * bearing.roughness,
+    )
+
+
+def _cycle(values: Array) -> Array:
+    """Return values with the first one at the end."""
+    return np.append(values, values[0])
 
 
 def _relative(bearing: Bearing) -> float:
@@ -135,8 +153,8 @@ def _relative(bearing: Bearing) -> float:
 
 
 def dry_contact(scene: Scene) -> list[str]:
-    """Return a sentence for each clearance joint: does the model of dry contact hold there?"""
-    sentences = []
+    """Return sentences for each clearance joint: does the model of dry contact hold there?"""
+    paragraphs = []
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
         relative = readable(_relative(bearing))
@@ -149,28 +167,81 @@ def dry_contact(scene: Scene) -> list[str]:
         text += f"(bearing makers give {usual})."
         film = oil_films(scene).get(name)
         if film is None:
-            is_wide = bearing.viscosity is not None
-            reason = (
-                "It is too wide for a film" if is_wide else "No viscosity is specified"
-            )
-            sentences.append(f"{text} {reason}: the contact is dry.")
+            paragraphs.append(f"{text} {_reason(bearing)}: the contact is dry.")
             continue
-        thick, loaded = film.thickness, int(film.force.argmax())
-        median, at_force, least = (
-            readable(1e6 * float(value))
-            for value in (np.median(thick), thick[loaded], thick.min())
+        phase = scene.mechanism.linkage().phase
+        text += f" {_film_text(film, bearing, phase)} {_verdict(film)} {ASSUMES}."
+        paragraphs.append(text)
+    return paragraphs
+
+
+def _reason(bearing: Bearing) -> str:
+    """Return why a joint has no film."""
+    if bearing.viscosity is None:
+        return "No viscosity is specified"
+    if _relative(bearing) > WIDEST_CLEARANCE:
+        return "It is too wide for a film"
+    return (
+        f"With {bearing.viscosity:g} Pa s the film under these forces is too thin to be "
+        "computed"
+    )
+
+
+def _film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
+    """Return the least film and where it is, and the shares of the states."""
+    least = readable(1e6 * float(film.thickness.min()))
+    place, force = film.angle[film.thinnest], 1e-3 * film.force[film.thinnest]
+    states = "full film", "mixed lubrication", "contact of asperities"
+    shares = ", ".join(
+        f"{state} for {_percent(time)} of the time and {_percent(load)} of the load"
+        for state, time, load in zip(
+            states, film.time_shares, film.load_shares, strict=True
         )
-        full = readable(100.0 * film.full_share)
+    )
+    text = (
+        f"With {bearing.viscosity:g} Pa s the least film of the cycle is {least} µm, at "
+        f"{place:.0f}° ({phase} since the start) under {readable(force)} kN; the roughness of both "
+        f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}."
+    )
+    if not film.orbit.is_closed:
         text += (
-            f" With {bearing.viscosity:g} Pa s the film is at least {median} µm thick (median of "
-            f"the cycle), {at_force} µm at the greatest force and {least} µm at its thinnest, "
-            f"beside a roughness of {readable(1e6 * film.roughness)} µm: a full film for at least "
-            f"{full} % of the cycle. {STEADY}."
+            f" These numbers are those {film.orbit.cycles_text}, and the film still changes "
+            "from cycle to cycle."
         )
-        if film.full_share < 1.0:
-            text += (
-                " Short work squeezes the oil, which can carry where this film is thin."
-            )
-        text += " Impacts and wear of dry contact are upper bounds."
-        sentences.append(text)
-    return sentences
+    ratio = 0.5 * bearing.width / bearing.bearing_radius
+    if not NARROWEST <= ratio <= WIDEST:
+        text += (
+            f" The width over the diameter is {readable(ratio)}; the film is that of "
+            f"{film_of(bearing.width, bearing.bearing_radius, 1.0, 1.0).width_ratio:g}, the "
+            "nearest for which its formulas hold."
+        )
+    return text
+
+
+def _percent(share: float) -> str:
+    return f"{readable(100.0 * share)} %"
+
+
+def _verdict(film: JointFilm) -> str:
+    """Return a sentence on what the film means for impacts and wear of dry contact."""
+    full, mixed, dry = film.time_shares
+    if full == 1.0:
+        return (
+            "Oil keeps pin and bearing apart in the whole cycle, so that impacts and wear of dry "
+            "contact are far above those of this joint."
+        )
+    if dry == 0.0:
+        return (
+            f"The surfaces touch at their highest asperities for {_percent(mixed)} of the time, so "
+            "that impacts and wear of dry contact are upper bounds."
+        )
+    load = film.load_shares[2]
+    if load < 0.5:
+        return (
+            f"The film is thinner than the roughness under {_percent(load)} of the load, so that "
+            "impacts and wear of dry contact are upper bounds."
+        )
+    return (
+        f"The film is thinner than the roughness under {_percent(load)} of the load: the oil "
+        "separates too little, and dry contact is the nearer model."
+    )

@@ -23,6 +23,7 @@ USUAL = {
     "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
     "speed": (0.0, 2000.0, "rad/s"),
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
+    "viscosity": (1e-3, 10.0, "Pa s"),  # water at 20 °C; ISO VG 1000 at 10 °C
     "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
 }
 
@@ -68,6 +69,9 @@ def doubts(scene: Scene) -> list[str]:
         lines += unusual(
             "relative clearance", bearing.clearance / bearing.bearing_radius, words
         )
+        if bearing.viscosity is not None:
+            words = f"the viscosity of joint {name}"
+            lines += unusual("viscosity", bearing.viscosity, words)
     if scene.process is not None:
         # The body that is too light for the force of the process, as a bar.
         force = max(force for _, force in scene.process.curve)

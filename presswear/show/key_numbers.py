@@ -15,7 +15,7 @@ from presswear.results.life import (
     words_of,
 )
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
-from presswear.results.oil_film import STEADY, oil_films
+from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
 from presswear.scene.plausible import doubts, unusual
@@ -267,7 +267,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                     for at, film in films.items()
                 )
                 text += " The wear is that of dry contact: an upper bound where oil carries. Full "
-                text += f"oil film for at least {shares}. {STEADY}."
+                text += f"oil film for {shares}. {ASSUMES}."
             strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
             return [
                 measured("Wear per million strokes", wear[place], "m", text, strokes)

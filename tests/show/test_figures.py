@@ -181,7 +181,8 @@ def test_a_phase_portrait_tells_new_surfaces_from_worn_ones() -> None:
 
 
 def test_oil_film_is_that_of_each_joint() -> None:
-    for axes, name in zip(OILED.plot("oil"), ("A", "C"), strict=True):
+    panels = OILED.plot("oil")
+    for name, axes, circle in zip(("A", "C"), panels[::2], panels[1::2], strict=True):
         film = oil_films(OILED.scene)[name]
         drawn, *levels = (
             np.asarray(line.get_ydata(), dtype=float) for line in axes.lines
@@ -190,11 +191,14 @@ def test_oil_film_is_that_of_each_joint() -> None:
         assert [level[0] for level in levels] == pytest.approx(
             [3e6 * film.roughness, 1e6 * film.roughness]
         )
-        share = float((film.thickness > 3.0 * film.roughness).mean())
         full = (
-            f"joint {name}: full film for at least\n{100.0 * share:.3g} % of the cycle"
+            f"joint {name}: full film for\n{100.0 * film.full_share:.3g} % of the cycle"
         )
         assert axes.get_title(loc="left") == full
+        limit, orbit, least = (np.asarray(line.get_xydata()) for line in circle.lines)
+        np.testing.assert_allclose(np.hypot(*limit.T), 1.0)
+        np.testing.assert_allclose(1.0 - np.hypot(*orbit.T), film.orbit.gap)
+        assert 1.0 - math.hypot(*least[0]) == pytest.approx(film.orbit.gap.min())
 
 
 @pytest.mark.parametrize(

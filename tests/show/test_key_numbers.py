@@ -254,10 +254,9 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     oiled = replace(result, scene=replace(made.BOTH, bearings=bearings))
     (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
     assert "that of dry contact: an upper bound where oil carries." in first.meaning
-    assert first.meaning.endswith("no squeeze: a lower bound of the film.")
-    assert (
-        "Full oil film for at least 100 % of the cycle at A, 99.9 % of the cycle at C."
-        in (first.meaning)
+    assert first.meaning.endswith("the joint is nearer to dry contact.")
+    assert "Full oil film for 100 % of the cycle at A, 100 % of the cycle at C." in (
+        first.meaning
     )
 
 

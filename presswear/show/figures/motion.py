@@ -12,7 +12,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
-from presswear.results.oil_film import FULL_FILM, oil_films
+from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.style import (
@@ -40,7 +40,7 @@ _MOMENTS = {
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
-_FILM = Pen("film of a steady bearing", style.LINES[0][0])
+_FILM = Pen("oil film", style.LINES[0][0])
 _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
 _ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
 
@@ -434,24 +434,44 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
 
 
 def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
-    """Draw the oil film that each joint with a viscosity would have over the phase of the cycle."""
+    """Draw the oil film of each joint with a viscosity over the phase of the cycle, and its orbit.
+
+    The orbit is that of the centre of the pin in the circle of the clearance.
+    """
     scene = result.scene
     films = oil_films(scene)
     if not films:
         return []
-    sheet, panels, lowest = style.panel_list(len(films), 1.9, sharex=True)
-    for axes, (name, film) in zip(panels, films.items(), strict=True):
-        phase = 360.0 * (film.time - film.time[0]) / scene.mechanism.period
-        _FILM.draw(axes, phase, film.thickness * style.MICRONS)
+    height = min(0.6 + 2.2 * len(films), _TALLEST)
+    sheet, grid = style.panels(len(films), 2, height)
+    for (axes, circle), (name, film) in zip(grid, films.items(), strict=True):
+        _FILM.draw(axes, film.angle, film.thickness * style.MICRONS)
         for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
             axes.axhline(factor * film.roughness * style.MICRONS, **pen.look)
         axes.set_yscale("log")
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
-        title = f"joint {name}: full film for at least\n{share}"
+        title = f"joint {name}: full film for\n{share}"
         axes.set_title(title, loc="left", fontweight="bold")
         axes.set_ylabel("film (µm)")
         axes.set_xlim(0.0, 360.0)
         axes.xaxis.set_major_locator(MultipleLocator(90.0))
-    for axes in lowest:
-        axes.set_xlabel(f"{scene.mechanism.linkage().phase} since the start (degrees)")
+        _draw_orbit(circle, film)
+    grid[-1, 0].set_xlabel(
+        f"{scene.mechanism.linkage().phase} since the start (degrees)"
+    )
+    grid[-1, 1].set_xlabel("x over the clearance")
     return style.finished("oil", sheet, [_FILM, _FULL, _ROUGHNESS], full=FULL_FILM)
+
+
+def _draw_orbit(axes: Axes, film: JointFilm) -> None:
+    """Draw the orbit of a pin in the circle of the clearance, with the place of the least film."""
+    place, least = film.orbit.place, film.thinnest
+    turn = np.linspace(0.0, 2.0 * math.pi, 181)
+    axes.plot(np.cos(turn), np.sin(turn), **_ROUND_GAP.look)
+    _FILM.draw(axes, place.real, place.imag)
+    axes.plot(place.real[least], place.imag[least], "o", color=_FULL.colour, ms=4.0)
+    thin = readable(style.MICRONS * float(film.thickness[least]))
+    title = f"least {thin} µm at {film.angle[least]:.0f}°"
+    axes.set_title(title, loc="left")
+    axes.set_aspect("equal")
+    axes.set_ylabel("y over the clearance")

@@ -1,0 +1,122 @@
+"""Periodic orbit of a pin on its oil film, from the force and the speeds in a cycle.
+
+The pin has no mass: the force gives its velocity in the film. The state is the vector
+s = -ln(g) n with the relative gap g and the direction n of the eccentricity. A thin
+film keeps its digits, and a gap stays above zero however long the force lasts.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from presswear.physics.oil_film import OilFilm, film_velocity
+from presswear.tools.arrays import Array
+
+_MAX_CYCLES = 60  # a dwell without rotation never closes: its film falls as 1 / time^2
+_CLOSED = 1e-3  # largest relative change of the gap in a cycle of a closed orbit
+_MAX_EVALUATIONS = 100_000  # a second; an orbit has about 500 to 3000 in a cycle
+_TOLERANCE = 1e-6  # of the integrator, for -ln(g)
+# Least gap, far below any roughness: at a smaller one, thin oil that opens again would
+# move the pin within a time that is round-off of the time in the cycle.
+_THINNEST = 1e-5
+
+
+@dataclass(frozen=True)
+class FilmLoad:
+    """Force and speeds of a joint in a cycle, whose last instant is the first of the next."""
+
+    time: Array  # s, shape (n,)
+    force: Array  # of the film on the pin, x + 1j y, N
+    speed_sum: Array  # speeds of pin and bearing, rad/s
+
+
+@dataclass(frozen=True)
+class FilmOrbit:
+    """Places of a pin in a cycle, at the times of its load."""
+
+    gap: Array  # least film over the clearance, shape (n,)
+    place: Array  # eccentricity over the clearance, x + 1j y
+    is_closed: bool  # the cycle repeats itself
+
+    @property
+    def cycles_text(self) -> str:
+        """Words on an orbit that does not close."""
+        return f"after {_MAX_CYCLES} cycles"
+
+
+class OrbitTooStiff(Exception):
+    """The force changes much more slowly than a film of so little viscosity follows it."""
+
+
+def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
+    """Return the orbit of a pin that starts centred and repeats the cycle until it closes.
+
+    Raises
+    ------
+    OrbitTooStiff
+        If the film is much thinner than any roughness under most of the load: closing
+        is then slower than opening by many powers of ten.
+    """
+    time = load.time - load.time[0]
+    parts = load.force.real, load.force.imag, load.speed_sum
+
+    evaluations = 0
+
+    def rate(now: float, state: Array) -> tuple[float, float]:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > _MAX_EVALUATIONS:
+            raise OrbitTooStiff
+        x, y, speeds = (float(np.interp(now, time, part)) for part in parts)
+        return stretched_rate(state, (x, y), speeds, film)
+
+    start = np.zeros(2)
+    previous = np.full(time.size, math.inf)
+    for _ in range(_MAX_CYCLES):
+        solution = solve_ivp(
+            rate,
+            (0.0, time[-1]),
+            start,
+            method="LSODA",
+            t_eval=time,
+            rtol=_TOLERANCE,
+            atol=_TOLERANCE,
+        )
+        if not solution.success:
+            raise OrbitTooStiff(solution.message)
+        start = solution.y[:, -1]
+        stretched = np.hypot(*solution.y)
+        change = float(np.abs(stretched - previous).max())
+        if change <= _CLOSED:
+            break
+        previous = stretched
+    direction = np.arctan2(solution.y[1], solution.y[0])
+    place = -np.expm1(-stretched) * np.exp(1j * direction)
+    return FilmOrbit(np.exp(-stretched), place, change <= _CLOSED)
+
+
+def stretched_rate(
+    state: Array, force: tuple[float, float], speed_sum: float, film: OilFilm
+) -> tuple[float, float]:
+    """Return the rate of s = -ln(g) n, 1/s, under a force of the film on the pin, N.
+
+    A centred pin moves along the force.
+    """
+    x, y = float(state[0]), float(state[1])
+    length = math.hypot(x, y)
+    eccentricity = -math.expm1(-length)
+    if eccentricity > 0.0:
+        nx, ny, stretch = x / length, y / length, length / eccentricity
+    else:
+        size = math.hypot(*force) or 1.0
+        nx, ny, stretch = -force[0] / size, -force[1] / size, 1.0
+    gap = max(math.exp(-length), _THINNEST)
+    along = force[0] * nx + force[1] * ny
+    across = force[1] * nx - force[0] * ny
+    closing, wedge = film_velocity(gap, along, across, film)
+    is_thinnest = gap == _THINNEST
+    outwards = 0.0 if is_thinnest and closing > 0.0 else closing / gap
+    sideways = (0.5 * eccentricity * speed_sum - wedge) * stretch
+    return outwards * nx - sideways * ny, outwards * ny + sideways * nx

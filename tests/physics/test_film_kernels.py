@@ -1,0 +1,85 @@
+"""Film of a plain bearing: published tables, and forces and velocities that invert each other."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from presswear.physics.oil_film import (
+    attitude,
+    film_force,
+    film_of,
+    film_velocity,
+    rotation_slope,
+    squeeze_number,
+)
+
+# Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over
+# diameter and relative eccentricity
+TABLE = {
+    1.0: {0.5: 0.8903, 0.9: 8.4352, 0.99: 107.79},
+    0.5: {0.5: 0.3124, 0.9: 5.0881, 0.99: 93.79},
+    0.25: {0.5: 0.0888, 0.9: 2.1595, 0.99: 70.04},
+}
+BUSH = film_of(width=0.08, bearing_radius=0.045, clearance=5e-5, viscosity=0.1)
+
+
+@pytest.mark.parametrize("ratio", TABLE)
+def test_sommerfeld_numbers_are_those_of_tables(ratio: float) -> None:
+    for eccentricity, number in TABLE[ratio].items():
+        computed = eccentricity * rotation_slope(1.0 - eccentricity, ratio)
+        assert computed == pytest.approx(number, rel=0.07)
+
+
+@pytest.mark.parametrize(
+    ("load", "wedge", "eccentricity", "angle"),
+    [
+        (2440.0, 6.28, 0.4917858209, 58.0543735),
+        (5000.0, -6.28, 0.6578239676, 45.775299),  # the load turns with the bearing
+    ],
+)
+def test_steady_films_are_those_of_an_independent_program(
+    load: float, wedge: float, eccentricity: float, angle: float
+) -> None:
+    def excess(gap: float) -> float:
+        return math.hypot(*film_force(gap, 0.0, wedge, BUSH)) - load
+
+    gap = brentq(excess, 0.1, 0.9, xtol=1e-14)
+    assert 1.0 - gap == pytest.approx(eccentricity, abs=1e-10)
+    assert math.degrees(attitude(gap, BUSH.width_ratio)) == pytest.approx(
+        angle, abs=5e-7
+    )
+
+
+def test_velocity_of_a_film_is_the_inverse_of_its_force() -> None:
+    random = np.random.default_rng(5)
+    for _ in range(500):
+        gap = 10.0 ** random.uniform(-9.0, 0.0)
+        rate, wedge = random.normal(size=2) * 10.0 ** random.uniform(-3.0, 3.0, 2)
+        force = film_force(gap, rate, wedge, BUSH)
+        closing, half = film_velocity(gap, *force, BUSH)
+        again = film_force(gap, closing, 2.0 * half / (1.0 - gap), BUSH)
+        assert math.dist(again, force) < 1e-14 * math.hypot(*force)
+
+
+@pytest.mark.parametrize("eccentricity", [0.1, 0.5, 0.85, 0.95])
+def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity: float) -> None:
+    """The program sums a series where the terms of the formula cancel."""
+    b = BUSH.width_ratio
+    a8 = 0.70038 + 3.2415 * b - 12.2486 * b**2 + 18.895 * b**3 - 9.3561 * b**4
+    a9 = -0.999935 + 0.0157434 * b - 0.74224 * b**2 + 0.42278 * b**3 - 0.368928 * b**4
+    for is_closing in (True, False):
+        x = eccentricity if is_closing else -eccentricity
+        printed = (0.5 * math.pi - 0.5 * math.acos(x)) * (1.0 + 2.0 * x * x)
+        printed += 1.5 * x * math.sqrt(1.0 - x * x)
+        printed *= 4.0 * b * b * (1.0 - x * x) ** -2.5 * a8 * (1.0 - x) / (-a9 - x)
+        number = squeeze_number(1.0 - eccentricity, is_closing, b)
+        assert number == pytest.approx(printed, rel=1e-11)
+
+
+def test_an_opening_film_resists_little_however_thin_it_is() -> None:
+    """(pi/2 - acos(x)/2) (1 + 2 x^2) + 1.5 x sqrt(1 - x^2) is 2/15 (1 - x^2)^2.5 near x = -1."""
+    limit = squeeze_number(1e-12, False, 0.5) / squeeze_number(1e-9, False, 0.5)
+    assert limit == pytest.approx(1.0, abs=1e-8)
+    assert squeeze_number(1e-9, True, 0.5) > 1e12 * squeeze_number(1e-9, False, 0.5)
