@@ -210,8 +210,9 @@ class Linkage(Checked):
     @property
     def bushings(self) -> tuple[Bushing, ...]:
         """Pin joints with friction, with and without clearance."""
-        loose = (joint for joint in self.clearances if joint.friction.coefficient > 0.0)
-        return (*loose, *self.rubbing_pins)
+        others = (*self.clearances, *self.elastic_pins)
+        rubbing = (joint for joint in others if joint.friction.coefficient > 0.0)
+        return (*rubbing, *self.rubbing_pins)
 
     @property
     def guides(self) -> tuple[Guide, ...]:

@@ -124,7 +124,8 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     )
     load = FilmLoad(
         np.append(time, time[0] + scene.mechanism.period),
-        _cycle(-forces[pin.name]),  # the force is on the bearing
+        # The force is on the bearing, and each of parallel rods bears its part.
+        _cycle(-forces[pin.name] / bearing.parallel_rods),
         _cycle(speeds + np.zeros(time.size)),
     )
     film = film_of(

@@ -683,7 +683,7 @@ def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
         return {}
     records = {}
     for law in get_args(Elasticity):
-        stiffness = bearing.stiffness(law, conventions.stiffness)
+        stiffness = bearing.normal_stiffness(law, conventions.stiffness)
         records[law] = normal_record(
             NormalLaw(stiffness, elasticity=law), bearing.clearance
         )

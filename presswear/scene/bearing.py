@@ -40,8 +40,13 @@ _READ_RIGID = {
         "friction",
         "lower_speed",
         "upper_speed",
+        "stiffness",
+        "damping_ratio",
+        "parallel_rods",
     )
 }
+# Keys that each joint has for itself
+SINGLE = "stiffness", "damping_ratio"
 
 
 @dataclass(frozen=True)
@@ -196,6 +201,18 @@ class Bearing(Checked):
         "chosen",
         "largest mean of p times sliding speed; default: none",
     )
+    stiffness: float | None = quantity(
+        *(None, "N/m", elements.MIN_STIFFNESS, elements.MAX_STIFFNESS, "chosen"),
+        "of the pin with one of its rods, with clearance = 0; default: rigid",
+    )
+    damping_ratio: float = quantity(
+        *(elements.DAMPING, "", 0.0, 1.0, "assumed"),
+        "damping of an elastic pin, part of the critical one",
+    )
+    parallel_rods: int = count(
+        *(1, 1, 16, "chosen"),
+        "equal rods side by side, each with a bearing of this width and stiffness",
+    )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
     diametral_clearance: InitVar[float | str | None] = None  # in place of ``clearance``
 
@@ -209,6 +226,12 @@ class Bearing(Checked):
                 f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
             )
             raise InputError(f"clearance = {written(self.clearance, 'm')}: {allowed}")
+        if self.stiffness is not None and self.clearance > 0.0:
+            clearance = written(self.clearance, "m")
+            raise InputError(
+                f"clearance = {clearance}: with stiffness = {written(self.stiffness, 'N/m')} "
+                "allowed is 0; a joint stretches or has clearance"
+            )
         law, friction_law = self.normal_law, self.friction_law
         if self.clearance == 0.0 and friction_law == laws.LUGRE:
             names = ", ".join(name for name in laws.FRICTIONS if name != laws.LUGRE)
@@ -289,8 +312,11 @@ class Bearing(Checked):
     def unread(self) -> tuple[str, ...]:
         """Names of the values that neither its laws nor its oil film read."""
         if self.clearance == 0.0:
+            rigid = () if self.stiffness is not None else SINGLE
             return tuple(
-                one.name for one in fields(self) if one.name not in _READ_RIGID
+                one.name
+                for one in fields(self)
+                if one.name not in _READ_RIGID or one.name in rigid
             )
         lugre = (
             "static_friction",
@@ -299,6 +325,7 @@ class Bearing(Checked):
             "bristle_damping",
         )
         return (
+            *SINGLE,
             *(lugre if self.friction_law != laws.LUGRE else ()),
             *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
             *(("roughness",) if self.viscosity is None else ()),
@@ -336,17 +363,25 @@ class Bearing(Checked):
             else cast(laws.Elasticity, self.elasticity)
         )
 
-    def stiffness(
+    @property
+    def total_width(self) -> float:
+        """Axial width of all parallel rods together, m."""
+        return self.parallel_rods * self.width
+
+    def normal_stiffness(
         self, elasticity: laws.Elasticity, reading: laws.StiffnessReading
     ) -> float:
-        """Return K, N/m^n: the contact stiffness, else Liu's for his law, else Hertz's."""
+        """Return K, N/m^n: the contact stiffness, else Liu's for his law, else Hertz's.
+
+        Parallel rods bear equal parts of the force.
+        """
         if self.contact_stiffness is not None:
-            return self.contact_stiffness
+            return self.parallel_rods * self.contact_stiffness
         compliance = self.materials.compliance
         if elasticity == "liu":
-            return laws.liu_stiffness(self.width, self.clearance, compliance)
+            return laws.liu_stiffness(self.total_width, self.clearance, compliance)
         radii = self.bearing_radius, self.bearing_radius - self.clearance
-        return laws.hertz_stiffness(*radii, compliance, reading)
+        return self.parallel_rods * laws.hertz_stiffness(*radii, compliance, reading)
 
     def normal(self, conventions: Conventions) -> laws.NormalLaw:
         """Return the normal force law with its parameters."""
@@ -356,9 +391,10 @@ class Bearing(Checked):
         damping = laws.DAMPINGS[
             "lankarani-nikravesh" if function else str(self.normal_law)
         ]
-        factors = damping.factor(self.restitution), self.viscous_damping
+        viscosity = self.parallel_rods * self.viscous_damping
+        factors = damping.factor(self.restitution), viscosity
         elasticity = self.elastic_law(conventions.contact)
-        stiffness = self.stiffness(elasticity, conventions.stiffness)
+        stiffness = self.normal_stiffness(elasticity, conventions.stiffness)
         return laws.NormalLaw(stiffness, self.exponent, *factors, elasticity, function)
 
     def check_user_laws(self, joint: str, conventions: Conventions) -> None:
@@ -394,9 +430,17 @@ class Bearing(Checked):
         return laws.FrictionLaw(*ramp, name, function, static, *bristles)
 
     def rigid(self, revolute: elements.Revolute) -> elements.Revolute:
-        """Return an ideal pin joint with the friction of this bearing."""
-        law = self.friction_parameters
-        return replace(revolute, bearing_radius=self.bearing_radius, friction=law)
+        """Return an ideal pin joint with the friction of this bearing, or an elastic one."""
+        stiffness = self.stiffness
+        if stiffness is not None:
+            stiffness *= self.parallel_rods
+        return replace(
+            revolute,
+            bearing_radius=self.bearing_radius,
+            friction=self.friction_parameters,
+            stiffness=stiffness,
+            damping_ratio=self.damping_ratio,
+        )
 
     def joint(
         self,
@@ -412,7 +456,7 @@ class Bearing(Checked):
         slip, distribution = conventions.slip, conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
-        sizes = self.bearing_radius, self.clearance, self.width
+        sizes = self.bearing_radius, self.clearance, self.total_width
         forces = self.normal(conventions), self.friction_parameters
         law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
         return elements.ClearanceJoint(

@@ -200,6 +200,7 @@ class Scene(Checked):
             self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
         self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()
+        self._give_stiffness_to_joints()
         for name in self.joint_bearings:
             if name not in self.mechanism.allowed_joints:
                 raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
@@ -224,6 +225,13 @@ class Scene(Checked):
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
             )
+
+    def _give_stiffness_to_joints(self) -> None:
+        """Move the stiffness of the common bearing to the joints that have this bearing."""
+        if self.bearings.stiffness is None:
+            return
+        each = dict.fromkeys(self.bearing_joints, self.bearings) | self.joint_bearings
+        self._set(joint_bearings=each, bearings=replace(self.bearings, stiffness=None))
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():

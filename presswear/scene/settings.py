@@ -14,7 +14,7 @@ import numpy as np
 
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
-from presswear.scene.bearing import DIAMETRAL, radial_clearance
+from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
@@ -32,6 +32,7 @@ from presswear.tools.user_function import UserFunction, is_stored_function
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
+_COMMON = "bearings"  # field of a scene with the bearing that joints share
 DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
@@ -84,7 +85,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         for one in settings_in(bearing)
         if one.key not in bearing.unread
     }
-    common = {one.key for one in settings_in(scene.bearings)}
+    common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
     engines = (
         one for one in vars(scene.numerics).values() if one.word != scene.solver.word
     )
@@ -139,7 +140,7 @@ def settings_in(
 ) -> Iterator[Setting]:
     """Yield the settings of the parts of a data class, then those of its fields."""
     plain = []
-    for _, key, value, meaning, inner in _fields_of(owner, prefix):
+    for name, key, value, meaning, inner in _fields_of(owner, prefix):
         if isinstance(meaning, Choice):
             setting = Setting(key, meaning.shown(value), meaning)
             if not meaning.is_part:
@@ -150,7 +151,9 @@ def settings_in(
             origin = (origins or {}).get(key, meaning.origin)
             plain.append(Setting(key, value, replace(meaning, origin=origin)))
         if _has_settings(value):
-            yield from settings_in(value, origins, inner)
+            for setting in settings_in(value, origins, inner):
+                if name != _COMMON or setting.key not in SINGLE:
+                    yield setting
     yield from plain
 
 
@@ -203,8 +206,10 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
             single.setdefault(first, {})[last] = value
         else:
             common[key] = value
+    _release_elastic(scene, single, common)
+    for_all = _without_single(common)
     bearings = {
-        name: _changed(scene.bearing(name), common | values, message_prefix=f"{name}.")
+        name: _changed(scene.bearing(name), for_all | values, message_prefix=f"{name}.")
         for name, values in single.items()
     }
     origins = {**scene.origins, **dict.fromkeys(named, origin)}
@@ -224,6 +229,29 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     return result
 
 
+def _without_single(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings without the keys that each joint has for itself."""
+    return {key: value for key, value in settings.items() if key not in SINGLE}
+
+
+def _release_elastic(
+    scene: Scene, single: Mapping[str, dict[str, Any]], common: dict[str, Any]
+) -> None:
+    """Give joints that get a stiffness a bearing without clearance, in place."""
+    elastic = [
+        name
+        for name, values in single.items()
+        if f"{values.get('stiffness', NONE)}".strip() not in (NONE, "None")
+    ]
+    for name in elastic:
+        if name not in scene.clearance_joints:
+            single[name].setdefault("clearance", 0.0)
+    joints = common.get("joints", scene.joints)
+    if elastic and isinstance(joints, str):
+        allowed = Choice((*scene.mechanism.allowed_joints, NONE), several=True)
+        common["joints"] = allowed.combine((*allowed.split(joints), *elastic))
+
+
 def _radial(key: str, value: Any) -> tuple[str, Any]:
     """Return a setting; of a diametral clearance that of the radial one, m."""
     name = _RADIAL.sub("clearance", key)
@@ -235,6 +263,9 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if last == DIAMETRAL:
         radial = _RADIAL.sub("clearance", key)
         return InputError(f"{key}: use {radial}, which is half the diametral clearance")
+    if not first and last in SINGLE:
+        joint = scene.mechanism.allowed_joints[-1]
+        return InputError(f"{key}: name the joint, for example {joint}.{last}")
     part = allowed.get(first)
     if part is not None and part.value == NONE:
         kinds = ", ".join(
@@ -283,7 +314,8 @@ def _changed(
                 value if is_same else meaning.convert(f"{message_prefix}{key}", result)
             )
         if _has_settings(result) and name not in updates:
-            result = _changed(result, settings, inner, message_prefix)
+            mine = _without_single(settings) if name == _COMMON else settings
+            result = _changed(result, mine, inner, message_prefix)
         if result is not value:
             updates[name] = result
     if not updates:
@@ -398,7 +430,8 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
             was |= {item.key: item.value for item in inner}
     for joint in scene.joint_bearings:
         for key in [item.key for item in settings_in(scene.bearings)]:
-            was.setdefault(f"{joint}.{key}", was[key])
+            before = getattr(base.bearings, key) if key in SINGLE else was[key]
+            was.setdefault(f"{joint}.{key}", before)
     if not base.clearance_joints and scene.clearance_joints:
         was["wear_updates"] = Scene.wear_updates  # a scene without clearance has none
     changes = []

@@ -135,7 +135,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     loads: dict[str, dict[str, Estimate]] = {key: {} for key in _LOADS}
     for name, joint in stage.statistics.joints.items():
         bearing = scene.bearing(name)
-        per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.width)
+        per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.total_width)
         loads["pressure_limit"][name] = _largest_force(stage, name).scaled(per_area)
         if (
             scene.conventions.slip == "sliding"

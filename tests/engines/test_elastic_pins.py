@@ -1,16 +1,21 @@
 """Elastic pins: closed forms of a mass on one, the rigid limit, statics, bad input."""
 
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from runs import residual, run_scene
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.surface import Surface
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.statics import equilibrium
+from presswear.scene.settings import changes_from, used_settings_of
 
 MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
 OMEGA = math.sqrt(STIFFNESS / MASS)
@@ -126,3 +131,63 @@ def test_stiffness_is_stored_with_the_linkage() -> None:
     assert linkage_from(linkage.as_plain(), "file") == linkage
     (pin,) = linkage.released.elastic_pins
     assert (pin.name, pin.stiffness, pin.damping_ratio) == ("B", 1e7, 0.02)
+
+
+def scene_of(**values: Any) -> pw.Scene:
+    bearing = pw.Bearing(clearance=0.0, friction=0.1, **values)
+    return pw.Scene(four_bar(None), bearings={"B": bearing}, purpose="trajectory")
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
+def test_friction_of_a_stiff_pin_is_that_of_a_rigid_joint(engine: Engine) -> None:
+    """Also in the tree, which has no force of a rigid joint."""
+    rigid = run_scene(scene_of(), ENGINES[0], 0.05)
+    elastic = run_scene(scene_of(stiffness=1e8, damping_ratio=1.0), engine, 0.05)
+    losses = [float(run.diagnostics["friction_loss_J"]) for run in (rigid, elastic)]
+    assert losses[0] > 1e-4
+    assert losses[1] == pytest.approx(losses[0], rel=2e-3)
+    assert residual(elastic) < (1e-4 if isinstance(engine, ExudynJoints) else 1e-8)
+
+
+def test_bearings_make_joints_elastic() -> None:
+    scene = scene_of(stiffness="10 MN/m", damping_ratio=0.1, parallel_rods=2)
+    (pin,) = scene.linkage().elastic_pins
+    assert (pin.name, pin.stiffness, pin.damping_ratio) == ("B", 2e7, 0.1)
+    assert pw.Scene.from_dict(scene.as_dict()) == scene
+    assert scene.clearance_joints == ()
+    assert [one.name for one in scene.linkage().bushings] == ["B"]
+
+
+def test_a_stiffness_is_set_by_joint() -> None:
+    """The stiffness without a joint is the reading of K."""
+    scene = pw.changed(pw.Scene(), {"E.stiffness": "3GN/m", "stiffness": "paper"})
+    assert scene.clearance_joints == ("A", "C")
+    assert [pin.stiffness for pin in scene.linkage().elastic_pins] == [3e9]
+    assert scene.conventions.stiffness == "paper"
+    values = {one.key: one.value for one in used_settings_of(scene)}
+    assert (values["E.stiffness"], values["stiffness"]) == (3e9, "paper")
+    changes = {one.key for one in changes_from(pw.Scene(), scene)}
+    assert changes == {"stiffness", "joints", "E.clearance", "E.stiffness"}
+    with pytest.raises(pw.InputError, match=r"A\.clearance = 0\.3 mm: with stiffness"):
+        pw.changed(pw.Scene(), {"A.stiffness": "3GN/m"})
+    with pytest.raises(pw.InputError, match="name the joint, for example E"):
+        pw.changed(pw.Scene(), {"damping_ratio": 0.1})
+
+
+def test_a_file_makes_a_rod_elastic(tmp_path: Path) -> None:
+    file = tmp_path / "press.toml"
+    file.write_text(
+        'mechanism = "press"\n[bearings]\njoints = "A"\n[bearings.E]\nstiffness = "3 GN/m"\n'
+    )
+    scene = pw.scene_from(file)
+    assert scene.bearing_joints == ("A", "E")
+    assert [pin.name for pin in scene.linkage().elastic_pins] == ["E"]
+
+
+def test_parallel_rods_are_one_with_their_widths_and_stiffness() -> None:
+    one = pw.Bearing(contact_stiffness=4e10)
+    four = pw.Bearing(contact_stiffness=1e10, parallel_rods=4)
+    conventions = pw.Scene().conventions
+    assert four.normal(conventions) == one.normal(conventions)
+    joint = four.joint(four_bar(None).revolutes[0], conventions, (Surface(), Surface()))
+    assert joint.width == 4.0 * one.width

@@ -1,4 +1,8 @@
-"""Pins that stretch: a linear spring and damper between the centres of bearing and pin."""
+"""Pins that stretch: a linear spring and damper between the centres of bearing and pin.
+
+Friction of the bearing is a moment r F_t(r omega, F) of the pin force F, with the radius
+r of the bearing, as in rigid joints.
+"""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +10,15 @@ from typing import ClassVar, Self
 
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage, place_of
-from presswear.physics.equations.text import ONE, negative, product
+from presswear.physics.equations.text import (
+    ONE,
+    Vector,
+    difference,
+    negative,
+    product,
+)
+from presswear.physics.friction_and_normal import friction_record
+from presswear.physics.interactions.friction import FrictionWithoutState
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed, effective_mass
 from presswear.tools.arrays import Array
@@ -19,7 +31,7 @@ class ElasticPin:
     pin: Revolute
     damping: float  # D, N s/m
 
-    kernels: ClassVar[Kernels] = ()
+    kernels: ClassVar[Kernels] = FrictionWithoutState.kernels
 
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
@@ -66,6 +78,25 @@ class ElasticPin:
         )
         if self.damping != 0.0:
             page.add_power("load_work", negative(product(damping, rate.dot(rate))))
+        if pin.friction.coefficient > 0.0:
+            self._write_friction(page, prefix, force)
+
+    def _write_friction(self, page: Page, prefix: str, force: Vector) -> None:
+        """Write the friction moments on both bodies, and the power that they lose."""
+        text, pin = page.text, self.pin
+        bearing, body = (page.chain.of(end.body) for end in pin.ends)
+        radius = text.parameter(f"{prefix}_bearing_radius", pin.bearing_radius)
+        size = text.let(f"{prefix}_force_size", f"math.sqrt({force.dot(force)})")
+        spin = difference(body.omega, bearing.omega)
+        sliding = text.let(f"{prefix}_sliding", product(radius, spin))
+        record = friction_record(pin.friction)
+        law = FrictionWithoutState(page, prefix, pin.friction, record)
+        law.write_state(sliding, ONE)
+        friction = text.let(f"{prefix}_friction_force", law.force(size))
+        moment = text.let(f"{prefix}_friction_moment", product(radius, friction))
+        body.moments.append(moment)
+        bearing.moments.append(negative(moment))
+        page.add_power("friction_loss", negative(product(friction, sliding)))
 
 
 def damping_of(linkage: Linkage, pin: Revolute) -> float:
