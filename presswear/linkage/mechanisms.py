@@ -13,10 +13,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from presswear.linkage.drives import SERVOS, Drive, Servo, torque_limit
-from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
+from presswear.linkage.elements import (
+    DAMPING,
+    MAX_STIFFNESS,
+    MIN_STIFFNESS,
+    Attachment,
+    Bar,
+    Body,
+    End,
+    Guide,
+    OutputPoint,
+    Pin,
+    Place,
+)
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import choice, named_set, one_of, quantity, written
@@ -55,6 +67,26 @@ _c_length, _c_mass, _c_inertia = (
     partial(make, "chosen") for make in (_length, _mass, _inertia)
 )
 _c_speed = partial(_number, "rad/s", MIN_SPEED, 5000.0, "chosen")
+_frame_mass = partial(
+    *(quantity, None, "kg", 1.0, 1e6, "assumed"),
+    "reduced mass of crown and bed, which move on a frame with a frame_stiffness",
+)
+_frame_stiffness = partial(
+    *(quantity, None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
+    "stiffness of the frame along the output direction; default: rigid",
+)
+_frame_damping = partial(
+    *(quantity, DAMPING, "", 0.0, 1.0, "assumed"),
+    "damping of the frame, part of the critical one",
+)
+
+
+class _Crown(NamedTuple):
+    """Part of an elastic frame in which cranks turn; without bodies on a rigid frame."""
+
+    bodies: tuple[Body, ...]
+    guides: tuple[Guide, ...]
+    ends: Mapping[str, End]  # of the pins on the frame, by joint
 
 
 class Mechanism(Checked, ABC):
@@ -65,6 +97,37 @@ class Mechanism(Checked, ABC):
     default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
     origin: ClassVar[str]  # of its values, in a sentence
     speed: float  # of the driven crank, rad/s
+    # Elastic frame; None: rigid
+    frame_mass: float | None = None  # kg
+    frame_stiffness: float | None = None  # N/m
+    frame_damping: float = DAMPING
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.frame_stiffness is not None and self.frame_mass is None:
+            stiffness = written(self.frame_stiffness, "N/m")
+            raise InputError(
+                f"frame_stiffness = {stiffness}: it needs a frame_mass, such as 600 kg"
+            )
+
+    def _crown(self, direction: float, pivots: Mapping[str, Place]) -> _Crown:
+        """Return the crown of an elastic frame that moves along a direction, rad.
+
+        ``pivots`` are the places of joints on the frame, m.
+        """
+        if self.frame_stiffness is None or self.frame_mass is None:
+            return _Crown((), (), pivots)
+        crown = Body("crown", self.frame_mass, points=pivots)
+        guide = Guide(
+            "frame",
+            crown.name,
+            *(0.0, 0.0),
+            direction=direction,
+            stiffness=self.frame_stiffness,
+            damping=self.frame_damping,
+        )
+        ends = {joint: f"{crown.name}.{joint}" for joint in pivots}
+        return _Crown((crown,), (guide,), ends)
 
     @property
     def period(self) -> float:
@@ -182,6 +245,9 @@ class Press(Mechanism):
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
+    frame_mass: float | None = _frame_mass()
+    frame_stiffness: float | None = _frame_stiffness()
+    frame_damping: float = _frame_damping()
     servo: Servo | None = one_of(
         SERVOS, "servo motion of crank 7; none: it turns at constant speed, as crank 2"
     )
@@ -202,9 +268,12 @@ class Press(Mechanism):
         # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14;
         # the slider's angle of 90 degrees there is the direction of its guide.
         geometry, corner = self.geometry, self.plate_corners()
+        pivots = {"O2": (geometry.hx, geometry.hy), "O7": (0.0, 0.0)}
+        crown = self._crown(0.5 * math.pi, pivots)
         return assemble(
             name="seven-bar press",
             bodies=(
+                *crown.bodies,
                 Bar("crank 2", self.length_2, self.mass_2, self.inertia_2),
                 Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
                 Body("plate 4", self.mass_4, self.inertia_4),
@@ -214,8 +283,9 @@ class Press(Mechanism):
                 Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
             ),
             joints=(
-                Pin("O2", (geometry.hx, geometry.hy), "crank 2.head"),
-                Pin("O7", (0.0, 0.0), "crank 7.tail"),
+                *crown.guides,
+                Pin("O2", crown.ends["O2"], "crank 2.head"),
+                Pin("O7", crown.ends["O7"], "crank 7.tail"),
                 Pin("A", "rod 3.head", "crank 2.tail"),
                 Pin("B", "rod 3.tail", corner["B"]),
                 Pin("C", "rod 5.head", corner["C"]),
@@ -319,6 +389,9 @@ class SliderCrank(Mechanism):
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
+    frame_mass: float | None = _frame_mass()
+    frame_stiffness: float | None = _frame_stiffness()
+    frame_damping: float = _frame_damping()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -329,15 +402,18 @@ class SliderCrank(Mechanism):
         # slide.
         along = self.slide_angle
         upward = along if math.sin(along) >= 0.0 else along + math.pi
+        crown = self._crown(upward, {"O": (0.0, 0.0)})
         return assemble(
             name="slider-crank",
             bodies=(
+                *crown.bodies,
                 *_bars(self, "crank", "rod"),
                 # The slider does not turn: its inertia never enters.
                 Body("slider", self.slider_mass, 1.0),
             ),
             joints=(
-                Pin("O", (0.0, 0.0), "crank.tail"),
+                *crown.guides,
+                Pin("O", crown.ends["O"], "crank.tail"),
                 Pin("A", "rod.tail", "crank.head"),
                 Pin("B", "rod.head", "slider"),
                 Guide("guide", "slider", direction=upward),
@@ -381,20 +457,25 @@ class FourBar(Mechanism):
     speed: float = _c_speed(10.0 * math.pi, "crank speed omega")
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
+    frame_mass: float | None = _frame_mass()
+    frame_stiffness: float | None = _frame_stiffness()
+    frame_damping: float = _frame_damping()
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the coupler from A to B, the rocker from P to B.
         a, p = complex(self.crank_length), complex(self.frame_length)
         side = LEFT if self.side == "above" else RIGHT
         b = _meeting(a, p, self.coupler_length, self.rocker_length, side)
+        crown = self._crown(0.0, {"O": (0.0, 0.0), "P": (self.frame_length, 0.0)})
         return assemble(
             name=self.kind,
-            bodies=_bars(self, "crank", "coupler", "rocker"),
+            bodies=(*crown.bodies, *_bars(self, "crank", "coupler", "rocker")),
             joints=(
-                Pin("O", (0.0, 0.0), "crank.tail"),
+                *crown.guides,
+                Pin("O", crown.ends["O"], "crank.tail"),
                 Pin("A", "crank.head", "coupler.tail"),
                 Pin("B", "coupler.head", "rocker.head"),
-                Pin("P", (self.frame_length, 0.0), "rocker.tail"),
+                Pin("P", crown.ends["P"], "rocker.tail"),
             ),
             drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
             guess={"coupler": cmath.phase(b - a), "rocker": cmath.phase(b - p)},
@@ -441,6 +522,9 @@ class SixBar(Mechanism):
     speed: float = _c_speed(2.0 * math.pi, "crank speed omega")
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
+    frame_mass: float | None = _frame_mass()
+    frame_stiffness: float | None = _frame_stiffness()
+    frame_damping: float = _frame_damping()
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the rod from A to B, the links from P to B and C
@@ -451,18 +535,22 @@ class SixBar(Mechanism):
             0j, a, self.upper_length, self.rod_length, LEFT if o.real < 0.0 else RIGHT
         )
         down = math.sqrt(max(self.lower_length**2 - b.real**2, 0.0))
+        pivots = {"O": (self.crank_x, self.crank_y), "P": (0.0, 0.0)}
+        crown = self._crown(0.5 * math.pi, pivots)
         return assemble(
             name=self.kind,
             bodies=(
+                *crown.bodies,
                 *_bars(self, "crank", "rod", "upper link", "lower link"),
                 # The slider does not turn: its inertia never enters.
                 Body("slider", self.slider_mass, 1.0),
             ),
             joints=(
-                Pin("O", (self.crank_x, self.crank_y), "crank.tail"),
+                *crown.guides,
+                Pin("O", crown.ends["O"], "crank.tail"),
                 Pin("A", "crank.head", "rod.tail"),
                 Pin("B", "rod.head", "upper link.head"),
-                Pin("P", (0.0, 0.0), "upper link.tail"),
+                Pin("P", crown.ends["P"], "upper link.tail"),
                 Pin("C", "upper link.head", "lower link.tail"),
                 Pin("D", "lower link.head", "slider"),
                 Guide("guide", "slider", direction=0.5 * math.pi),

@@ -20,7 +20,9 @@ from presswear.linkage.mechanisms import (
     TwoPoint,
 )
 from presswear.physics.ideal import bottom_of, motion_of
+from presswear.physics.statics import deflection
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, meaning_of
 
@@ -207,3 +209,26 @@ def test_a_press_runs_at_six_strokes_a_minute() -> None:
     expected = 9.81 * math.hypot(mechanism.slider_mass, aside)
     force = stage.joints["B"].force[stage.time > mechanism.period, 0]
     assert force.max() == pytest.approx(expected, rel=8e-3)
+
+
+@pytest.mark.parametrize("kind", ["press", "slider-crank", "four-bar", "six-bar"])
+def test_an_elastic_frame_stretches_along_the_output(kind: str) -> None:
+    """Under a static force at bottom dead centre, all drives held."""
+    rigid = Scene(kind, joints="none")
+    frame = {"frame_mass": "50 kg", "frame_stiffness": "10 kN/mm", "frame_damping": 0.1}
+    elastic = changed(rigid, frame)
+    (guide,) = elastic.linkage().elastic_guides
+    assert (guide.stiffness, guide.damping, guide.body) == (1e7, 0.1, "crown")
+    assert elastic.bottom == pytest.approx(rigid.bottom, abs=1e-12)
+    assert deflection(elastic.linkage(), 1000.0) == pytest.approx(1e-4, rel=1e-6)
+    assert Scene.from_dict(elastic.as_dict()) == elastic
+
+
+def test_a_frame_has_mass_and_stiffness() -> None:
+    with pytest.raises(InputError, match="frame_stiffness = 1 N/m: allowed is 1000"):
+        changed(Scene(), {"frame_mass": "50 kg", "frame_stiffness": "1 N/m"})
+    with pytest.raises(InputError, match="frame_stiffness = 0 N/m: allowed is 1000"):
+        changed(Scene(), {"frame_mass": "50 kg", "frame_stiffness": "0 N/m"})
+    with pytest.raises(InputError, match="it needs a frame_mass"):
+        changed(Scene(), {"frame_stiffness": "1 GN/m"})
+    assert not changed(Scene(), {"frame_mass": "50 kg"}).linkage().elastic_guides

@@ -84,8 +84,8 @@ def approximate(data: Any) -> Any:
 def switched_off(kind: str) -> list[str]:
     """Return the tables, and the single lines, that an example has switched off."""
     blocks = example_file(kind).split("\n\n")
-    tables = [block for block in blocks if block.startswith("#[")]
-    rest = "\n".join(block for block in blocks if not block.startswith("#["))
+    tables = [block for block in blocks if block.startswith(("#[", "#frame"))]
+    rest = "\n".join(block for block in blocks if block not in tables)
     return [*tables, *(line for line in rest.splitlines() if OFF.match(line))]
 
 
