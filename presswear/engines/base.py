@@ -21,6 +21,7 @@ from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import JOINT_SERIES_COUNT, SERIES_COUNT, cycle_columns
 from presswear.recording.film import empty_film
+from presswear.recording.nominal_time import nominal_of
 from presswear.recording.observe import (
     CONTACTS_AT_MOST,
     DRIVE,
@@ -56,7 +57,7 @@ class Start:
 class Plan:
     """Duration of a run and the results to store."""
 
-    cycle: float  # duration, s
+    cycle: float  # nominal duration, s
     cycles: int  # at most
     # at the start, whose series and single contacts are stored
     recorded_cycles: int = 5
@@ -75,29 +76,29 @@ class Plan:
     wear: Callable[[int, Array], Array] | None = None
     # of a run with the same linkage, start, engine and plan
     resume: State | None = None
-    # time before the first cycle, s; it is in the series, and in no cycle
+    # nominal time before the first cycle, s; it is in the series, and in no cycle
     run_up: float = 0.0
-    # Times from the start of a cycle between which the bottom of its stroke is
+    # Nominal times from the start of a cycle between which the bottom of its stroke is
     # searched, s; the first may be negative.  None: start and end of the cycle.
     stroke: tuple[float, float] | None = None
 
     def time_of(self, cycles: float) -> float:
-        """Return the time at which so many cycles have been made, s."""
+        """Return the nominal time at which so many cycles have been made, s."""
         return self.run_up + self.cycle * cycles
 
     @property
     def duration(self) -> float:
-        """Time of the most cycles, s."""
+        """Nominal time of the most cycles, s."""
         return self.time_of(self.cycles)
 
     @property
     def settled(self) -> float:
-        """Time from which the energies of a run are judged, s."""
+        """Nominal time from which the energies of a run are judged, s."""
         return self.run_up + SETTLED * self.cycle
 
-    def advanced(self, time: float, recorder: Recorder) -> None:
-        """Report the time reached, s."""
-        self.report(min(time / self.duration, 1.0), recorder)
+    def advanced(self, recorder: Recorder) -> None:
+        """Report the nominal time reached."""
+        self.report(min(recorder.nominal_time / self.duration, 1.0), recorder)
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     output["stroke_begin"] = plan.run_up + max(first, 0.0) - STROKE_NOISE * cycle
     rows = plan.recorded_cycles + math.ceil(plan.run_up / cycle)
     rows = min(rows * (ROWS_AT_MOST if count else 2 * plan.rows_per_cycle), ROWS_IN_ALL)
-    shape = map_shape(linkage.clearances)
+    shape, has_leader = map_shape(linkage.clearances), linkage.leader is not None
+    columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
     film, sampler = empty_film(len(linkage.bodies), count, cycle)
     records = RecorderState(
         packed=pack(linkage, plan.wear is not None),
@@ -165,12 +167,11 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
             (count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT
         ),
         output=output,
-        series=np.empty(
-            (rows, SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques)
-        ),
+        series=np.empty((rows, columns + has_leader)),
         film=film,
         sampler=sampler,
-        cycle=np.zeros(cycle_columns(count, drives)),
+        nominal=nominal_of(linkage),
+        cycle=np.zeros(cycle_columns(count, drives, has_leader)),
         depth=np.zeros(shape),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros(shape[1:]),

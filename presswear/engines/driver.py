@@ -22,7 +22,8 @@ from presswear.tools.arrays import Array, State, named, part
 class Simulation:
     """A linkage in an engine, ready to run."""
 
-    advance: Callable[[float], Finding | None]  # integrates up to a time, s
+    # integrates up to a time, s; up to the nominal time of ``Recorder.aim`` if it is set
+    advance: Callable[[float], Finding | None]
     # time, s, and q and v of all bodies, copied
     state: Callable[[], tuple[float, Array, Array]]
     ledger: Callable[[], Ledger]  # energies since the run began
@@ -148,7 +149,7 @@ class _Cycles:
         done = len(recorder.cycles)
         for phase in plan.sections:
             if phase < 1.0:
-                if finding := self.running.advance(plan.time_of(done + phase)):
+                if finding := self._integrate(plan.time_of(done + phase)):
                     return finding
                 recorder.note_section()
         if finding := self._advance(plan.time_of(done + 1)):
@@ -162,10 +163,19 @@ class _Cycles:
             recorder.stop_recording()
         return None
 
+    def _integrate(self, end: float) -> Finding | None:
+        """Integrate up to a nominal time, s; return what went wrong, if anything."""
+        if self.recorder.has_leader:
+            self.recorder.aim(end)
+        return self.running.advance(end)
+
     def _advance(self, end: float) -> Finding | None:
-        """Integrate up to a time, s, and account for the energies; return what went wrong."""
+        """Integrate up to a nominal time, s, and account for the energies.
+
+        Returns what went wrong, if anything.
+        """
         running, recorder = self.running, self.recorder
-        finding = running.advance(end)
+        finding = self._integrate(end)
         if finding is not None:
             return finding
         time, position, velocity = running.state()

@@ -12,6 +12,7 @@ import numpy as np
 from presswear.engines.base import Plan
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.physics.ledger import made_energy, made_remedy
+from presswear.recording.nominal_time import SECTION_TOL
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress
 from presswear.tools.exudyn import exudyn_module
@@ -20,6 +21,10 @@ exu = exudyn_module()
 
 # Exudyn ends a run this close to its end time, s; a cycle is closed the same way.
 END_TOLERANCE = 1e-10
+# Part of the expected time to the end of a section that its first step takes at most
+FIRST_PART = 0.5
+# Exudyn's end of a section that ends at an angle, longest steps; it lies far behind
+MOST_STEPS = 10**9
 STEP_SAFETY = 0.9  # Exudyn's own factor behind the step that an error of DOPRI5 allows
 _PROGRESS_STEPS = 512
 
@@ -51,7 +56,7 @@ class Solver:
     # time, s; the time of the last accepted step, and the next step as the contacts
     # allow it (``following``) and as the solver proposes it, s
     sums: dict[str, float] = field(init=False)
-    _end: float = 0.0  # of the present cycle, s
+    _end: float = 0.0  # of the present section, s; nominal with a leader
     _has_ended: bool = False  # the cycle ran to its end
     _is_broken: bool = False
     _limit: float = 0.0  # of the step to come, s
@@ -109,7 +114,7 @@ class Solver:
                 if self.time > 0.0:
                     # Exudyn shows the state that a cycle starts from; it is accounted
                     # for.
-                    self._take(min(sums["following"], self._end - t))
+                    self._take(min(sums["following"], self._first_step(t)))
                     return True
                 sums["steps"] -= 1.0
             following = self.accept(t)
@@ -118,7 +123,7 @@ class Solver:
             self._is_broken = following != following
             if self._is_broken:
                 return False
-            if t >= self._end - END_TOLERANCE:
+            if self._is_at_end(t):
                 self._has_ended = True
                 sums["following"], sums["proposed"] = following, iteration.maxStepSize
                 # Exudyn tells the step that error control takes next only behind
@@ -128,9 +133,11 @@ class Solver:
                     proposed = STEP_SAFETY * iteration.currentStepSize * factor
                     sums["proposed"] = min(proposed, iteration.maxStepSize)
                 return False
-            self._take(min(following, self._end - t))
+            if not self.recorder.has_leader:
+                following = min(following, self._end - t)
+            self._take(following)
             if sums["steps"] % _PROGRESS_STEPS == 0:
-                plan.advanced(t, self.recorder)
+                plan.advanced(self.recorder)
                 self._finding = self._judge(t)
                 return self._finding is None
         except (
@@ -140,10 +147,25 @@ class Solver:
             return False
         return True
 
+    def _is_at_end(self, t: float) -> bool:
+        """Return whether the section has ended at a time, s, or at its angle."""
+        if self.recorder.has_leader:
+            return self.recorder.nominal_time >= self._end - SECTION_TOL
+        return t >= self._end - END_TOLERANCE
+
+    def _first_step(self, t: float) -> float:
+        """Return the longest first step of a section, s."""
+        if not self.recorder.has_leader:
+            return self._end - t
+        # The last section chose the step that follows without this end.
+        rate = float(self.recorder.records.nominal["rate"][0])
+        left = FIRST_PART * (self._end - self.recorder.nominal_time)
+        return left / rate if rate > 0.0 else self.longest
+
     def _judge(self, t: float) -> Finding | None:
         """Return a finding if contacts have created energy, or if time stands still."""
         records = self.recorder.records
-        if t > self.plan.settled:
+        if self.recorder.nominal_time > self.plan.settled:
             lost, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
             if made := made_energy(records.packed, lost, exchange):
                 return Finding(
@@ -163,14 +185,16 @@ class Solver:
             Live arrays that the solver begins from, by the names that Exudyn gives
             them.
         end : float
-            End of the cycle, s.
+            End of the section, s; with a leader its nominal time.
         """
         self._end, self._has_ended, self._iteration = end, False, None
         data, initial = system.systemData, exu.ConfigurationType.Initial
         for name, values in live.items():
             getattr(data, f"Set{name}")(np.array(values), initial)
         integration = self.settings.timeIntegration
-        steps = math.ceil((end - self.time) / self.longest) + 2
+        steps = MOST_STEPS
+        if not self.recorder.has_leader:
+            steps = math.ceil((end - self.time) / self.longest) + 2
         integration.startTime = self.time
         integration.endTime = self.time + steps * self.longest
         integration.numberOfSteps = steps

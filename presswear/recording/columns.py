@@ -110,6 +110,15 @@ TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = 
 CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(
     len, (CYCLE, JOINT_CYCLE, DRIVE_CYCLE)
 )
+# Numbers of each cycle of a linkage with a motor, behind those of the joints; see
+# ``nominal_time``
+LEADER_CYCLE = (
+    Column("duration", "s", "of the cycle"),
+    Column("leader_speed_min", "rad/s", "least speed of the first motor, in its sense"),
+    Column("leader_speed_max", "rad/s", "its greatest speed"),
+)
+DURATION, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(len(LEADER_CYCLE))
+LEADER_CYCLE_COUNT = len(LEADER_CYCLE)
 SERIES_COUNT, JOINT_SERIES_COUNT = len(SERIES), len(JOINT_SERIES)
 
 # Columns of a Poincare section: of the output point, then of each joint; see
@@ -121,9 +130,15 @@ SECTION_JOINT_NAMES = (
 )
 
 
-def cycle_columns(joints: int, drives: int) -> int:
+def cycle_columns(joints: int, drives: int, has_leader: bool = False) -> int:
     """Return the number of columns in a cycle's row."""
-    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joints + DRIVE_CYCLE_COUNT * drives
+    first = first_leader_column(joints) + LEADER_CYCLE_COUNT * has_leader
+    return first + DRIVE_CYCLE_COUNT * drives
+
+
+def first_leader_column(joints: int) -> int:
+    """Return the first column of LEADER_CYCLE in a cycle's row."""
+    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joints
 
 
 def cycle_column(name: str, joint: int | None = None) -> int:

@@ -29,6 +29,8 @@ from presswear.recording.columns import (
     GIVEN,
     JOINT_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
+    LEADER_SPEED_MAX,
+    LEADER_SPEED_MIN,
     LOAD_DISTANCE,
     NORMAL,
     PENETRATION,
@@ -48,6 +50,12 @@ from presswear.recording.columns import (
     VELOCITY_MIN,
 )
 from presswear.recording.film import take_frame
+from presswear.recording.nominal_time import (
+    nominal_rate,
+    nominal_time,
+    nominal_within,
+    note_nominal,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
@@ -101,8 +109,9 @@ OUTPUT = np.dtype(
         ("velocity", np.float64),  # m/s
         ("acceleration", np.float64),  # m/s^2
         ("bottom", np.float64),  # its lowest place in the present stroke, m
-        ("bottom_time", np.float64),  # s
-        ("stroke_begin", np.float64),  # times between which its bottom is sought, s
+        ("bottom_time", np.float64),  # nominal, s
+        # nominal times between which its bottom is sought, s
+        ("stroke_begin", np.float64),
         ("stroke_end", np.float64),
         ("stroke_length", np.float64),  # s
         ("period", np.float64),  # from one stroke to the next, s
@@ -121,11 +130,12 @@ class RecorderState(NamedTuple):
     counters: Records  # of COUNTERS
     stored_contacts: Records  # of STORED_CONTACT, shape (joints, rows)
     output: Records  # one of OUTPUT
-    # Rows of SERIES, of JOINT_SERIES for each joint, and of torques where they are
-    # stored
+    # Rows of SERIES, of JOINT_SERIES for each joint, of torques where they are stored,
+    # and of the nominal time where a motor turns the linkage
     series: Array
     film: Array  # see ``presswear.recording.film``
     sampler: Records  # one of FRAME_SAMPLER
+    nominal: Records  # one of NOMINAL
     cycle: Array  # row of the present cycle, see ``cycle_columns``
     depth: Array  # that the present cycle added, (joints, 2, m), see ``map_shape``, m
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
@@ -197,18 +207,29 @@ def lowest_between(
 
 @compiled
 def note_bottom(
-    state: Records, cycle: Array, t: float, h: float, now: tuple[float, float, float]
+    records: RecorderState,
+    t: float,
+    h: float,
+    nominal: tuple[float, float],
+    now: tuple[float, float, float],
 ) -> None:
-    """Find the bottom of the present stroke in a step, and store it when the stroke has ended."""
-    if t > state.stroke_begin:
+    """Find the bottom of the present stroke in a step, and store it when the stroke has ended.
+
+    ``nominal`` are nominal time and rate at the end of the step.
+    """
+    state, cycle, time = records.output[0], records.cycle, nominal[0]
+    if time > state.stroke_begin:
         if now[0] < state.bottom:
-            state.bottom, state.bottom_time = now[0], t
+            state.bottom, state.bottom_time = now[0], time
         if state.velocity <= 0.0 and now[1] > 0.0:
             before = (state.place, state.velocity, state.acceleration)
             place, since = lowest_between(h, before, now)
             if place < state.bottom:
-                state.bottom, state.bottom_time = place, t - h + since
-        if t >= state.stroke_end:
+                state.bottom = place
+                state.bottom_time = nominal_within(
+                    records.nominal, t, h, since, nominal
+                )
+        if time >= state.stroke_end:
             cycle[BOTTOM_HEIGHT] = state.bottom
             cycle[BOTTOM_TIME] = state.bottom_time
             state.stroke_end += state.period
@@ -277,7 +298,7 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
 def note_output(
     records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
 ) -> None:
-    """Add the motion of the output point in a step of length ``h``, s, to the cycle."""
+    """Add the motion of output point and leader in a step of length ``h``, s, to the cycle."""
     cycle, state = records.cycle, records.output[0]
     motion = output_motion(state, q, v, a)
     _, velocity, acceleration = motion
@@ -286,8 +307,25 @@ def note_output(
     cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
     cycle[STEPS] += 1
     note_top(state, cycle, h, motion)
-    note_bottom(state, cycle, t, h, motion)
+    nominal = nominal_time(records.nominal, t, q), nominal_rate(records.nominal, v)
+    note_bottom(records, t, h, nominal, motion)
+    note_leader(records, nominal[1])
+    note_nominal(records.nominal, h, nominal, a)
     state.now = t
+
+
+@inlined
+def note_leader(records: RecorderState, rate: float) -> None:
+    """Update the least and the greatest speed of the leader in the cycle, in its sense.
+
+    ``rate`` is that of the nominal time.
+    """
+    leader = records.nominal[0]
+    if leader.column >= 0:
+        joints, speed = records.contacts.shape[0], rate * abs(leader.speed)
+        row = records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * joints :]
+        row[LEADER_SPEED_MIN] = min(row[LEADER_SPEED_MIN], speed)
+        row[LEADER_SPEED_MAX] = max(row[LEADER_SPEED_MAX], speed)
 
 
 @inlined
@@ -347,9 +385,9 @@ def is_row_due(records: RecorderState, t: float) -> bool:
 
 
 @compiled
-def write_row(output: Records, series: Array, contacts: Records, torque: Array) -> None:
+def write_row(records: RecorderState) -> None:
     """Write the present state as a row of the series."""
-    state = output[0]
+    state, series, contacts = records.output[0], records.series, records.contacts
     row = series[state.rows]
     row[TIME] = state.now
     row[DISPLACEMENT] = state.place - state.start
@@ -363,9 +401,12 @@ def write_row(output: Records, series: Array, contacts: Records, torque: Array) 
         joint[NORMAL] = contact.normal
         joint[TANGENTIAL] = contact.tangential
         joint[SLIDING] = contact.sliding
-    first = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0]
-    for column in range(first, series.shape[1]):
-        row[column] = torque[column - first]
+    first, last = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0], row.shape[0]
+    if records.nominal[0].column >= 0:
+        last -= 1
+        row[last] = records.nominal[0].now
+    for column in range(first, last):
+        row[column] = records.torque[column - first]
     state.rows += 1
     state.last_time = state.now
 
@@ -380,6 +421,7 @@ def observe(
     for k in range(records.contacts.shape[0]):
         note_joint(records, k, t, h)
         note_wear(records, k, h)
-    take_frame(records.film, records.sampler, records.contacts, records.memory, t, q)
+    time = records.nominal[0].now
+    take_frame(records.film, records.sampler, records.contacts, records.memory, time, q)
     if is_row_due(records, t):
-        write_row(records.output, records.series, records.contacts, records.torque)
+        write_row(records)

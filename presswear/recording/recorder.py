@@ -13,16 +13,22 @@ from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, settle
 from presswear.recording.columns import (
     CYCLE_COUNT,
     DISPLACEMENT_MAX,
+    DURATION,
     END_X,
     END_Y,
     JOINT_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
+    LEADER_CYCLE,
+    LEADER_SPEED_MAX,
+    LEADER_SPEED_MIN,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     SERIES_COUNT,
     VELOCITY_MAX,
     VELOCITY_MIN,
     cycle_column,
+    first_leader_column,
+    names_of,
     series_column,
 )
 from presswear.recording.film import Film
@@ -65,15 +71,31 @@ class Recorder:
         return self.rows[:, series_column(name, joint)]
 
     @property
+    def has_leader(self) -> bool:
+        """True if a motor turns the linkage, so that its cycles end at angles."""
+        return bool(self.records.nominal["column"][0] >= 0)
+
+    @property
+    def nominal_times(self) -> Array:
+        """Nominal times of the series rows, s; without a motor their times."""
+        return self.rows[:, -1] if self.has_leader else self.series("time")
+
+    @property
     def torques(self) -> Array:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
-        return self.rows[
-            :, SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size :
-        ]
+        first = SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size
+        return self.rows[:, first : self.rows.shape[1] - self.has_leader]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
+        if self.has_leader and name in names_of(LEADER_CYCLE):
+            column = self._leader_column + names_of(LEADER_CYCLE).index(name)
+            return self.cycles[:, column]
         return self.cycles[:, cycle_column(name, joint)]
+
+    @property
+    def _leader_column(self) -> int:
+        return first_leader_column(self.records.memory.size)
 
     def since(self, cycle: int) -> "Recorder":
         """Return a recorder without the rows and maps of the first cycles."""
@@ -129,12 +151,29 @@ class Recorder:
         records.cycle[:] = 0.0
         records.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
         records.cycle[VELOCITY_MIN] = math.inf
+        if self.has_leader:
+            leader = records.cycle[self._leader_column :]
+            nominal = records.nominal[0]
+            nominal["cycle_start"] = self.last_time
+            speed = nominal["rate"] * abs(nominal["speed"])
+            is_first = self.last_time == 0.0  # without a state yet
+            leader[LEADER_SPEED_MIN] = math.inf if is_first else speed
+            leader[LEADER_SPEED_MAX] = -math.inf if is_first else speed
         records.depth[:] = 0.0
 
     @property
     def last_time(self) -> float:
         """Time of the last accepted state, s."""
         return float(self.records.output["now"][0])
+
+    @property
+    def nominal_time(self) -> float:
+        """Nominal time of the last accepted state, s; without a motor its time."""
+        return float(self.records.nominal["now"][0])
+
+    def aim(self, end: float) -> None:
+        """Let the engine stop at a nominal time, s, instead of at a time of the clock."""
+        self.records.nominal["end"] = end
 
     @property
     def surface_depth(self) -> Array:
@@ -165,6 +204,9 @@ class Recorder:
     def end_cycle(self) -> Array:
         """Store the present cycle and start the next; return the depth that it added, m."""
         self._note_pins()
+        if self.has_leader:
+            duration = self.last_time - self.records.nominal["cycle_start"][0]
+            self.records.cycle[self._leader_column + DURATION] = duration
         self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)

@@ -65,7 +65,8 @@ class FakeEngine:
             recorder.load(part(plan.resume, "recorder"))
         status: Status = "completed"
         for cycle in range(len(recorder.cycles), plan.cycles):
-            plan.advanced((cycle + 0.5) * plan.cycle, recorder)
+            recorder.records.nominal["now"] = (cycle + 0.5) * plan.cycle
+            plan.advanced(recorder)
             recorder.records.cycle[:] = 100.0 * self.runs
             worn = recorder.surface_depth
             worn = worn if worn.size else np.zeros(recorder.records.depth.shape)

@@ -52,19 +52,14 @@ def recorded(
     scene = ideal()
     plan = Plan(PERIOD, cycles, stroke=stroke)
     recorder = recorder_of(scene.linkage(), start_of(scene), plan)
-    state, draw = recorder.records.output[0], np.random.default_rng(seed)
-    note_bottom(state, recorder.records.cycle, 0.0, 0.0, swing(0.0, bottom))
+    records, draw = recorder.records, np.random.default_rng(seed)
+    note_bottom(records, 0.0, 0.0, (0.0, 1.0), swing(0.0, bottom))
     for cycle in range(cycles):
         times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
         for before, time in pairwise(times):
-            note_bottom(
-                state,
-                recorder.records.cycle,
-                time,
-                time - before,
-                swing(float(time), bottom),
-            )
+            motion = swing(float(time), bottom)
+            note_bottom(records, time, time - before, (time, 1.0), motion)
         recorder.end_cycle()
     return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
 

@@ -244,12 +244,13 @@ class _Solver:
     def _look(self, status: int) -> Finding | None:
         """Report the time reached; return what went wrong in the last steps, if anything."""
         packed, time = self.records.packed, self.time
-        self.plan.advanced(time, self.recorder)
+        self.plan.advanced(self.recorder)
+        is_settled = self.recorder.nominal_time > self.plan.settled
         lost, exchange = (
             float(self.energies[CONTACT_LOSS]),
             float(self.energies[DRIVE_EXCHANGE]),
         )
-        made = made_energy(packed, lost, exchange) if time > self.plan.settled else ""
+        made = made_energy(packed, lost, exchange) if is_settled else ""
         if made:
             return Finding("energy", made, time, "", made_remedy(packed, REMEDY))
         if status in (BROKEN, STUCK):

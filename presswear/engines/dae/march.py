@@ -49,6 +49,11 @@ from presswear.physics.touchdown import (
     settle,
     touch_down,
 )
+from presswear.recording.nominal_time import (
+    section_crossing,
+    section_value,
+    time_left,
+)
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to
@@ -91,7 +96,8 @@ def event_value(
 
     Events are those of the joints, for which slopes were evaluated last in that state,
     then the ways out of the modes of the loads, then the corners of friction: of each
-    joint the next one upwards and the next one downwards.
+    joint the next one upwards and the next one downwards.  The last is the end of a
+    section of a cycle that ends at an angle.
     """
     (run,) = unpack(address)
     system, records = run.system, run.records
@@ -111,6 +117,10 @@ def event_value(
         reach_end(address, classical, t, h)
         q, v, a, _, _ = system.state
         return transition_value(system.packed.loads, k, q, v, a)
+    if k == transitions + 2 * joints:
+        reach_end(address, classical, t, h)
+        q, v, _, _, _ = system.state
+        return section_value(records.nominal, q, v)
     sense = 1.0 - 2.0 * ((k - transitions) & 1)
     k = (k - transitions) >> 1
     start, end = records.contacts[k].sliding, system.contacts[k].sliding
@@ -210,9 +220,15 @@ def first_event(
             last, is_closed, s * h, value, rate, control[0].resolution
         ):
             event, part = k, s
-    if transitions > 0:
+    has_leader = records.nominal[0].column >= 0
+    if transitions > 0 or has_leader:
         reach_end(address, classical, t, h)
     q, v, a, _, _ = system.state
+    section = count + transitions + 2 * count
+    if has_leader and excluded != section:
+        s = section_crossing(records.nominal, q, v, h, 2.0 * BEHIND)
+        if s < part:
+            event, part = section, s
     for k in range(transitions):
         if count + k == excluded:
             continue
@@ -311,7 +327,8 @@ def search_event(
         if not state.is_located:
             return False
     # The cubics may see events of two joints in the wrong order.
-    if state.searches > 3 * contacts + count_transitions(run.system.packed.loads):
+    events = 3 * contacts + count_transitions(run.system.packed.loads)
+    if state.searches > events + (run.records.nominal[0].column >= 0):
         return False
     state.searches += 1
     earlier, part = first_event(address, tableau, t, state.length, state.event, joints)
@@ -407,7 +424,7 @@ def propose_step(address: PackedArguments, end: float) -> bool:
     (run,) = unpack(address)
     records, state = run.records, run.control[0]
     t = state.time
-    left = end - t
+    left = time_left(records.nominal, t, end)
     if left <= 0.0:
         return False
     longest = longest_step(records, state.longest, state.parts)
@@ -454,7 +471,8 @@ def judge_step(
     if not state.is_located:
         # The cubic through both ends saw what is not there; a shorter one sees better.
         # The sliding of a pin that hardly presses on a worn arc is round-off.
-        state.ignores_corners = k >= joints + count_transitions(system.packed.loads)
+        corners = joints + count_transitions(system.packed.loads)
+        state.ignores_corners = corners <= k < corners + 2 * joints
         state.rejected += 1
         state.step = state.whole if state.ignores_corners else 0.5 * state.whole
         return RUNNING if state.step > state.shortest else STUCK
@@ -519,7 +537,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
     start_march(address)
     for _ in range(state.most):
         t = state.time
-        left = end - t
+        left = time_left(records.nominal, t, end)
         # A remainder of round-off is no step.
         if left <= 1e-9 * state.step:
             return DONE

@@ -464,7 +464,7 @@ class _Joints:
             {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
         )
         solver.install(self.system)
-        if self.joined:
+        if self.joined or recorder.has_leader:
             self.system.SetPostNewtonUserFunction(self.send_back)
         return solver
 

@@ -46,7 +46,13 @@ from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
-from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, settle
+from presswear.physics.touchdown import (
+    LEAST_STEPS,
+    joint_crossing,
+    settle,
+    time_to_event,
+)
+from presswear.recording.nominal_time import section_at_start, section_value
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
@@ -61,6 +67,9 @@ JUMP = 1e-3
 # slope of the rate over the value
 STEP_START, STEP_END = 0, 3
 RATE, SLOPE = 1, 2
+# A section that ends at an angle ends within this of its end, s
+SECTION_NEAR = 1e-9
+SECTION_PART = 1e-3  # change of a step, part of it, that puts its end on that section
 FORCES, START, ACCEPTED, SHORTER = range(4)
 """Tasks of ``run_task``."""
 
@@ -393,7 +402,39 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
             following = steps[0].least
     left = next_break(packed.loads) - t
     following = step_to_break(records.motions, t, min(following, left))
+    following = step_to_section(records, following)
     return max(following, 0.1 * steps[0].least)
+
+
+@compiled
+def step_to_section(records: RecorderState, h: float) -> float:
+    """Return the step, s, no longer than ``h``, to the end of a section that ends at an angle."""
+    p, r, a, _ = section_at_start(records.nominal, False)
+    if p >= 0.0 or math.isinf(p):
+        return h
+    arrival, speed, _ = time_to_event(p, r, a, 0.0)
+    if speed <= 0.0:
+        return h
+    # One that would end shortly before it is halved, so that no tiny one follows.
+    if arrival <= h:
+        return arrival
+    return 0.5 * arrival if arrival < 2.0 * h else h
+
+
+@compiled
+def step_back_to_section(frame: Frame, records: RecorderState, h: float) -> float:
+    """Return the step, s, with which a trial step that misses the end of a section is repeated.
+
+    -1 if it does not, or is not the one that was to end there.
+    """
+    p, r, a, _ = section_at_start(records.nominal, False)
+    if p >= 0.0 or math.isinf(p):
+        return -1.0
+    value, rate = section_value(records.nominal, frame.q, frame.v)
+    is_aimed = abs(h - time_to_event(p, r, a, 0.0)[0]) < SECTION_PART * h
+    if rate <= 0.0 or not (value > SECTION_NEAR or (is_aimed and value < 0.0)):
+        return -1.0
+    return h + (0.5 * SECTION_NEAR - value) / rate
 
 
 @compiled
@@ -404,7 +445,9 @@ def shorter_joint_step(address: PackedArguments, t: float) -> float:
     fill_forces(frame, t, END)
     h = t - records.output[0].now
     contacts = frame.model.contact_records
-    return shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)
+    wanted = shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)
+    back = step_back_to_section(frame, records, h)
+    return back if wanted < 0.0 or 0.0 < back < wanted else wanted
 
 
 @compiled

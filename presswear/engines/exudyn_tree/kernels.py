@@ -46,6 +46,7 @@ from presswear.physics.touchdown import (
     time_across,
     time_to_event,
 )
+from presswear.recording.nominal_time import section_at_start
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
@@ -153,16 +154,36 @@ def step_to_changes(packed: Packed, smooth: bool, t: float, h: float) -> float:
     h = min(h, next_break(packed.loads) - t)
     for k in range(count_transitions(packed.loads)):
         p, r, a, j = transition_at_start(packed.loads, k, 1.0 if smooth else 0.0)
-        if p == -math.inf:
-            continue
-        # To just behind it: what does not come so far is round-off.
-        arrival, speed, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
-        if arrival <= h and speed > 0.0:
-            if not smooth:
-                doubt = max(doubt, PREDICTION_TOL * arrival)
-            is_near = doubt * speed <= 0.5 * LANDING_DEPTH
-            h = min(h, step_to_event(arrival, doubt, is_near, 0.0, False))
+        if p != -math.inf:
+            h = step_behind(min(p, 0.0), (r, a, j), smooth, h)
     return h
+
+
+@compiled
+def step_behind(
+    value: float, derivatives: tuple[float, float, float], smooth: bool, h: float
+) -> float:
+    """Return the step, s, no longer than ``h``, that ends where a quantity below 0 reaches it.
+
+    It ends just behind, because what does not come so far is round-off, and before
+    while the prediction is in doubt.
+    """
+    r, a, j = derivatives
+    arrival, speed, doubt = time_to_event(value - LANDING_DEPTH, r, a, j)
+    if arrival <= h and speed > 0.0:
+        if not smooth:
+            doubt = max(doubt, PREDICTION_TOL * arrival)
+        is_near = doubt * speed <= 0.5 * LANDING_DEPTH
+        h = min(h, step_to_event(arrival, doubt, is_near, 0.0, False))
+    return h
+
+
+@compiled
+def step_to_section(records: RecorderState, smooth: bool, h: float) -> float:
+    """Return the step, s, no longer than ``h``, that ends with a section that ends at an angle."""
+    p, r, a, j = section_at_start(records.nominal, smooth)
+    # A section that has ended is left by the engine.
+    return step_behind(p, (r, a, j), smooth, h) if -math.inf < p < 0.0 else h
 
 
 @compiled
@@ -232,6 +253,7 @@ def next_tree_step(
     limit = longest_step(records, min(GROWTH * pace.reach, pace.longest), pace.parts)
     to_break = step_to_break(records.motions, t, limit)
     to_change = step_to_changes(records.packed, pace.smooth, t, to_break)
+    to_change = step_to_section(records, pace.smooth, to_change)
     pace.limit = step_to_contacts(records, system, to_change)
     pace.cut = pace.limit < limit
     pace.to_break = to_break < limit and pace.limit == to_break

@@ -1,0 +1,144 @@
+"""Nominal time, by which the cycles of a linkage with a motor are counted.
+
+Without a motor it is the time. A motor does not turn evenly: the nominal time is then
+the one at which the leader would have its present angle at its nominal speed, (angle -
+start) / speed. The leader is the first drive that has a motor. Places in a cycle,
+strokes and the ideal motion are functions of the nominal time; durations, energies and
+frequencies are of the time.
+"""
+
+import math
+
+import numpy as np
+
+from presswear.linkage.linkage import Linkage
+from presswear.physics.touchdown import crossing, hermite
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled, floats, inlined
+
+# A section is reached this far before its end, s: round-off of angles lies below
+SECTION_TOL = 1e-11
+
+# Leader and nominal time of a run
+NOMINAL = np.dtype(
+    [
+        ("column", np.int64),  # of the leader's angle in q; -1: no motor
+        ("start", np.float64),  # initial angle of the leader, rad
+        ("speed", np.float64),  # its nominal speed, rad/s
+        # nominal time in the last accepted state, s, and two derivatives by time
+        *floats("now", "rate", "rise"),
+        # third derivative over the last step, 1/s^2
+        ("jerk", np.float64),
+        # at which the present section ends, s; infinite: at a time of the clock
+        ("end", np.float64),
+        ("cycle_start", np.float64),  # time at which the cycle began, s
+    ]
+)
+
+
+def nominal_of(linkage: Linkage) -> Records:
+    """Return the record of the leader of a linkage, as one of NOMINAL."""
+    nominal, leader = np.zeros(1, NOMINAL), linkage.leader
+    nominal["column"], nominal["end"] = -1, math.inf
+    if leader is not None:
+        nominal["column"] = 3 * linkage.index(leader.body) + 2
+        nominal["start"], nominal["speed"] = leader.angle, leader.speed
+    return nominal
+
+
+@inlined
+def nominal_time(nominal: Records, t: float, q: Array) -> float:
+    """Return the nominal time of a state at a time, s."""
+    state = nominal[0]
+    if state.column < 0:
+        return t
+    time: float = (q[state.column] - state.start) / state.speed
+    return time
+
+
+@inlined
+def nominal_within(
+    nominal: Records, t: float, h: float, since: float, now: tuple[float, float]
+) -> float:
+    """Return the nominal time so long since the beginning of a step that ends at ``t``, s.
+
+    ``now`` are nominal time and rate at the end of the step; those at its beginning
+    are in the record.
+    """
+    state = nominal[0]
+    if state.column < 0:
+        return t - h + since
+    return hermite(state.now, state.rate, now[0], now[1], h, since / h)[0]
+
+
+@inlined
+def nominal_rate(nominal: Records, v: Array) -> float:
+    """Return the rate of the nominal time: the speed of the leader over its nominal speed."""
+    state = nominal[0]
+    if state.column < 0:
+        return 1.0
+    rate: float = v[state.column] / state.speed
+    return rate
+
+
+@inlined
+def note_nominal(
+    nominal: Records, h: float, now: tuple[float, float], a: Array
+) -> None:
+    """Store nominal time and rate, and derivatives, of an accepted state."""
+    state = nominal[0]
+    state.now, state.rate = now
+    if state.column >= 0:
+        rise = a[state.column] / state.speed
+        state.jerk = (rise - state.rise) / h if h > 0.0 else 0.0
+        state.rise = rise
+
+
+@inlined
+def time_left(nominal: Records, t: float, end: float) -> float:
+    """Return the time to the end of a march, s; infinite where a section ends by angle.
+
+    Zero where the section has ended.
+    """
+    state = nominal[0]
+    if math.isinf(state.end):
+        return end - t
+    return 0.0 if state.now >= state.end - SECTION_TOL else math.inf
+
+
+@inlined
+def section_at_start(
+    nominal: Records, smooth: bool
+) -> tuple[float, float, float, float]:
+    """Return the nominal time beyond the end of the section, s, and three derivatives.
+
+    They are those of the last accepted state. The time is infinite without an end. The
+    third derivative is 0 unless the motion is ``smooth``.
+    """
+    state = nominal[0]
+    jerk = state.jerk if smooth else 0.0
+    return state.now - state.end, state.rate, state.rise, jerk
+
+
+@compiled
+def section_value(nominal: Records, q: Array, v: Array) -> tuple[float, float]:
+    """Return the nominal time of a state beyond the end of the section, s, and its rate."""
+    state = nominal[0]
+    time = (q[state.column] - state.start) / state.speed
+    return time - state.end, v[state.column] / state.speed
+
+
+@compiled
+def section_crossing(
+    nominal: Records, q: Array, v: Array, h: float, behind: float
+) -> float:
+    """Return the part of a step at which it goes so far behind the end of the section, s.
+
+    2 if it does not.
+    """
+    state = nominal[0]
+    if math.isinf(state.end):
+        return 2.0
+    value, rate = section_value(nominal, q, v)
+    start = min(state.now - state.end, 0.0) - behind
+    return crossing(start, state.rate, value - behind, rate, h)
