@@ -123,12 +123,12 @@ class Ensemble:
             self.linkage.clearances, [run.cycles for run in self.recorders]
         )
 
-    @property
+    @cached_property
     def together(self) -> "Ensemble":
         """The first set, which the statistics of a stage are of."""
         return self._samples(0, self.replicates)
 
-    @property
+    @cached_property
     def alone(self) -> "Ensemble":
         """The last set, whose runs are independent: each replicate on surfaces of its own."""
         first = self.replicates if len(self.runs) > self.replicates else 0
@@ -137,12 +137,11 @@ class Ensemble:
 
     def _samples(self, first: int, end: int) -> "Ensemble":
         """Return some runs with the cycles that are samples, and the start-up before them."""
-        runs = [
-            replace(run, recorder=run.recorder.since(self.settling.skipped(k)))
-            if self.settling
-            else run
-            for k, run in enumerate(self.runs)
-        ]
+        runs = [*self.runs]
+        for k, run in enumerate(self.runs):
+            skipped = self.settling.skipped(k) if self.settling else 0
+            if skipped > 0:
+                runs[k] = replace(run, recorder=run.recorder.since(skipped))
         return replace(self, depth=self.depth[first:end], runs=tuple(runs[first:end]))
 
     @property

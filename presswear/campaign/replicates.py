@@ -20,7 +20,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import bottom_of
+from presswear.physics.ideal import IdealMotion, bottom_of
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -53,8 +53,7 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     The first replicate of seed 0 has its pins centred in their bearings, with positions
     and velocities of the ideal mechanism. All others are moved along a free direction.
     """
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
+    start = _ideal_start(scene.ideal)
     # Multiples of two independent irrational numbers leave no two replicates close
     # together.
     fraction = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
@@ -71,6 +70,12 @@ def start_of(scene: Scene, index: int = 0) -> Start:
         gap, _, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
         position = position - np.linalg.pinv(jacobian) @ gap
     return with_velocity(linkage, position, moved.velocity)
+
+
+@lru_cache(maxsize=64)  # rows of a sweep that differ in a clearance share it
+def _ideal_start(ideal: IdealMotion) -> Start:
+    motion = ideal.at(np.zeros(1))
+    return Start(motion.position[0], motion.velocity[0])
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
@@ -97,6 +102,11 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
 
 def linkage_on(scene: Scene, depth: Array) -> Linkage:
     """Return the linkage of a scene on surfaces worn by a depth, m; see ``map_shape``."""
+    linkage = scene.linkage()
+    initial = [(one.bearing_surface, one.pin_surface) for one in linkage.clearances]
+    is_worn = any(surface.is_worn for sides in initial for surface in sides)
+    if not (is_worn or depth.any()):
+        return linkage
     return _linkage_on(scene, depth.shape, depth.tobytes())
 
 

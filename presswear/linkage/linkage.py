@@ -130,6 +130,8 @@ class Linkage(Checked):
         """
         pins = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
         guides = tuple(guide for guide in self.guides if guide.stiffness is not None)
+        if not (pins or guides or self.has_motors):
+            return self
         joints = tuple(
             replace(joint, stiffness=None) if joint in guides else joint
             for joint in self.joints

@@ -13,15 +13,19 @@ from typing import NamedTuple
 ZERO, ONE = "0.0", "1.0"
 ROUND_OFF = 1e-15  # sine or cosine of a right angle, in place of zero
 _ATOM = re.compile(r"-?[\w.]+")
+_BRACKETS_AND_SIGNS = re.compile(r"[()\[\]]| [+-] ")
 _INDENT = "    "
 
 
 def is_sum(expression: str) -> bool:
     """Return whether an expression has a plus or minus outside of its brackets."""
     depth = 0
-    for i, letter in enumerate(expression):
-        depth += (letter in "([") - (letter in ")]")
-        if depth == 0 and i > 0 and expression[i - 1 : i + 2] in (" + ", " - "):
+    for bracket_or_sign in _BRACKETS_AND_SIGNS.findall(expression):
+        if bracket_or_sign in "([":
+            depth += 1
+        elif bracket_or_sign in ")]":
+            depth -= 1
+        elif depth == 0:
             return True
     return False
 
