@@ -144,20 +144,25 @@ def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
 
 
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
-    """Return the contact modes of a joint in the recorded sampled cycles, over time in s."""
-    start, end = sampled_span(scene, stage)
+    """Return the contact modes of a joint in the recorded sampled cycles, by the clock, s."""
+    start, end = map(float, stage.clock_of(np.array(sampled_span(scene, stage))))
     item = stage.joints[joint]
     contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
     closing = item.contact("closing_speed")
-    last = float(contacts[-1, 1]) if len(contacts) else float(stage.time[0])
+    last = float(contacts[-1, 1]) if len(contacts) else float(stage.clock[0])
     # A contact that continues at the end is not recorded as one.
-    lasting = (stage.time > last) & (item.penetration > 0.0)
+    lasting = (stage.clock > last) & (item.penetration > 0.0)
     if lasting.any():
-        more = [[stage.time[lasting][0], end + scene.mechanism.period]]
+        more = [[stage.clock[lasting][0], end + scene.mechanism.period]]
         contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
-    sliding, lower_speed = (stage.time, item.sliding), scene.bearing(joint).lower_speed
-    result = timeline((start, end), contacts, closing, sliding, lower_speed)
-    return Timeline(result.edges - scene.run_up, result.mode, result.names)
+    sliding, lower_speed = (stage.clock, item.sliding), scene.bearing(joint).lower_speed
+    return timeline((start, end), contacts, closing, sliding, lower_speed)
+
+
+def over_nominal_time(scene: Scene, stage: StageResult, line: Timeline) -> Timeline:
+    """Return a timeline of a stage over the nominal time after the run-up, s."""
+    edges = stage.nominal_of(line.edges) - scene.run_up
+    return Timeline(edges, line.mode, line.names)
 
 
 def resonance(stage: StageResult, joint: str) -> float | None:

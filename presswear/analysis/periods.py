@@ -83,7 +83,7 @@ def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Arr
     """Return phase, 0 to 1, and closing speed, m/s, of sampled touchdowns, (n,) each."""
     start, end = sampled_span(scene, stage)
     item = stage.joints[joint]
-    instant = item.contact("touchdown")
+    instant = stage.nominal_of(item.contact("touchdown"))
     inside = (instant >= start) & (instant <= end)
     phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
     return phase, item.contact("closing_speed")[inside]

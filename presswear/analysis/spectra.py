@@ -121,8 +121,10 @@ def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     rows = (stage.time >= start) & (stage.time <= end)
     series = {"": stage.acceleration}
     series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
-    period = scene.mechanism.period
+    clock, period = stage.clock[rows], scene.mechanism.period
+    if stage.has_clock:  # the mean duration of a cycle
+        period *= float(np.ptp(clock) / np.ptp(stage.time[rows]))
     return {
-        name: power_spectrum(stage.time[rows], values[rows], period, MAX_ORDER / period)
+        name: power_spectrum(clock, values[rows], period, MAX_ORDER / period)
         for name, values in series.items()
     }

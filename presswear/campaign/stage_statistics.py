@@ -461,11 +461,13 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
         return values.astype(np.float32).astype(np.float64)
 
     arrays = {
-        "time": stacked("time"),
+        "time": recorder.nominal_times.copy(),
         "slider": stacked("displacement", "velocity", "acceleration"),
         "wear_batch_cycles": wear.weights,
         "cycles": np.concatenate([run.cycles for run in recorders]),
     }
+    if recorder.has_leader:
+        arrays["clock"] = stacked("time")
     if recorder.torques.size:
         arrays["drive_torque"] = recorder.torques.copy()
     if recorder.sections_per_cycle:
@@ -500,11 +502,14 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
     It covers as many cycles as are recorded of a scene without work. The delay is the
     one by which the ideal motion fits best, up to a constant offset: by least squares,
     of first order in the delay. Columns are COLUMNS, and of each clearance joint the
-    fraction of the time out of contact.
+    fraction of the time out of contact. With a motor the ideal motion is that at the
+    nominal time, at the nominal speed.
     """
     last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
-    recorded = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
-    time, moved, speed = (
+    time = recorder.nominal_times
+    recorded = slice(int(np.searchsorted(time, last, side="right")))
+    time = time[recorded]
+    clock, moved, speed = (
         recorder.series(name)[recorded] for name in ("time", "displacement", "velocity")
     )
     joints = range(recorder.records.memory.size)
@@ -522,8 +527,8 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         if end - first < 2:
             continue
         rows = slice(first, end)
-        at = time[rows]
-        ideal = scene.ideal_slider(at, closed=False)
+        at = clock[rows]
+        ideal = scene.ideal_slider(time[rows], closed=False)
         off, faster, wanted = (
             moved[rows] - ideal[:, 0],
             speed[rows] - ideal[:, 1],

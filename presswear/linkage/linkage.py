@@ -291,7 +291,9 @@ class Linkage(Checked):
 
     @property
     def run_up_time(self) -> float:
-        """Time in which it runs up, s."""
+        """Time in which it runs up, s; with a motor the nominal time."""
+        if self.leader is not None:
+            return self.run_up * self.period
         return 2.0 * self.run_up * self.period if self.run_up else 0.0
 
     def index(self, body: str) -> int:

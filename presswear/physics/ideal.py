@@ -114,7 +114,9 @@ class IdealMotion:
         1e-8.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
-        duration = 2.0 * self.rows.linkage.run_up * self.period
+        duration = 0.0
+        if self.rows.linkage.leader is None:
+            duration = 2.0 * self.rows.linkage.run_up * self.period
         time = now
         if duration > 0.0:
             from presswear.physics.drive_motion import run_up_motion  # slow import

@@ -39,6 +39,7 @@ Table = Mapping[str, Array]  # columns by name, all of one length
 _DRIVE = {"angle": "rad", "torque": "N m", "power": "W"}  # torque, power: if stored
 UNITS = {
     **{column.table_name: column.unit for column in SERIES},
+    "clock": "s",  # real time; with a motor ``time`` is the nominal time
     "height": "m",  # of the output over the ideal bottom dead centre
     "process_force": "N",  # of the work, if the scene has a process
     **{column.table_name: column.unit for column in JOINT_SERIES},
@@ -83,6 +84,8 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     """Return the recorded series of a stage; InputError if there is no such stage."""
     item = result.stage(stage)
     columns = {column.table_name: getattr(item, column.name) for column in SERIES}
+    if item.has_clock:
+        columns["clock"] = item.clock
     columns["height"] = height_of(result.scene, item)
     force = process_force(result.scene, item)
     if force is not None:
@@ -90,9 +93,7 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     for name, joint in item.joints.items() if item.has_joint_series else ():
         for column in JOINT_SERIES:
             columns[f"{name}_{column.table_name}"] = joint.series(column.name)
-    for body, curve in curves_of(
-        result.scene, item.time, item.arrays.get("drive_torque")
-    ).items():
+    for body, curve in curves_of(result.scene, item).items():
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}
     return columns
@@ -235,7 +236,8 @@ def compare_tables(
         PchipInterpolator,
     )  # slow to import
 
-    time = ours["time"]
+    # Other programs know the real time alone.
+    time = ours.get("clock", ours["time"])
     if time.size < 2:
         raise InputError("the run contains no motion to compare with")
     for name in theirs:

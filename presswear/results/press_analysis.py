@@ -6,7 +6,7 @@ scene.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple, get_args
@@ -27,7 +27,12 @@ from presswear.physics.statics import (
 )
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
-from presswear.recording.columns import DRIVE_CYCLE, names_of
+from presswear.recording.columns import (
+    DRIVE_CYCLE,
+    DURATION,
+    first_leader_column,
+    names_of,
+)
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
@@ -64,8 +69,8 @@ _PIECES, _PIECES_BEFORE = (
 class Strokes:
     """Instants of the recorded strokes on the work.
 
-    Each array has the shape (strokes, 2): time, s, and height over the ideal bottom
-    dead centre, m; nan for a missing instant.
+    Each array has the shape (strokes, 2): time, s, as ``StageResult.time``, and height
+    over the ideal bottom dead centre, m; nan for a missing instant.
     """
 
     contact: Array  # the output touches the work
@@ -74,7 +79,7 @@ class Strokes:
 
 
 class SampledStroke(NamedTuple):
-    """Instants of a stroke after the start-up, s; nan for a missing instant."""
+    """Instants of a stroke after the start-up, s, by the clock; nan for a missing instant."""
 
     start: float  # upper dead centre of the ideal motion
     bottom: float  # bottom dead centre
@@ -117,7 +122,7 @@ def process_force(scene: Scene, stage: StageResult) -> Array | None:
     if scene.process is None:
         return None
     place = height_of(scene, stage) + scene.bottom
-    motion = np.column_stack([stage.time, place, stage.velocity, stage.acceleration])
+    motion = np.column_stack([stage.clock, place, stage.velocity, stage.acceleration])
     sizes = sizes_over(scene.process_laws.values(), scene.loaded, motion)
     return np.asarray(sizes.sum(axis=1))
 
@@ -162,7 +167,7 @@ def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Arr
     off, rate, time, instants = (
         sign * (height - level),
         sign * stage.velocity,
-        stage.time,
+        stage.clock,
         [],
     )
     for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
@@ -170,7 +175,9 @@ def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Arr
         ends = off[k], rate[k], off[k + 1], rate[k + 1], step
         part = min(crossing(*ends), 1.0)
         instants.append((time[k] + part * step, level + sign * hermite(*ends, part)[0]))
-    return np.array(instants).reshape(-1, 2)
+    passes = np.array(instants).reshape(-1, 2)
+    passes[:, 0] = stage.nominal_of(passes[:, 0])
+    return passes
 
 
 def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
@@ -195,7 +202,7 @@ def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
                 pressed = time[(time > contact) & (time < stroke.end) & (force > 0.0)]
                 done = float(pressed[-1]) if pressed.size else contact
                 stroke = stroke._replace(contact=contact, fracture=fracture, done=done)
-        result.append(stroke)
+        result.append(SampledStroke(*map(float, stage.clock_of(np.array(stroke)))))
     return result
 
 
@@ -245,10 +252,10 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         return None
     series = stage.joints if stage.has_joint_series else {}
     joints = {
-        name: joint_tonnage(stage.time, joint, strokes)
+        name: joint_tonnage(stage.clock, joint, strokes)
         for name, joint in series.items()
     }
-    force, time = process_force(scene, stage), stage.time
+    force, time = process_force(scene, stage), stage.clock
     peak = work = before = after = None
     if force is not None:
         height = height_of(scene, stage)
@@ -257,7 +264,8 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         # The force is linear in height between two rows.
         work = _mean(-float(np.trapezoid(force[part], height[part])) for part in rows)
         # To 1e-8 of the greatest acceleration, which is far below what contacts add.
-        deviation = stage.acceleration - scene.ideal_slider(time, closed=False)[:, 2]
+        ideal = scene.ideal_slider(stage.time, closed=False)
+        deviation = stage.acceleration - ideal[:, 2]
         window = SNAP_THROUGH_S
         broken = [item for item in strokes if not math.isnan(item.fracture)]
         before = _mean(
@@ -436,11 +444,19 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
             name: _farthest(values) if name.endswith("peak") else float(values.mean())
             for name, values in columns.items()
         }
-    duties = _duties(numbers, scene.mechanism.period)
+    duties = _duties(numbers, _mean_duration(scene, stage, cycles))
     return {
         body: DriveResult(duties[body], ideal[body], rubbing.get(body), *peaks[body])
         for body in ideal
     }
+
+
+def _mean_duration(scene: Scene, stage: StageResult, cycles: Array) -> float:
+    """Return the mean duration of cycles, rows of a stage, s."""
+    if not stage.has_clock:
+        return scene.mechanism.period
+    column = first_leader_column(len(stage.joint_names)) + DURATION
+    return float(cycles[:, column].mean())
 
 
 def rubbing_joints(scene: Scene) -> tuple[Bushing, ...]:
@@ -535,9 +551,13 @@ def _duties(
     return duties
 
 
-def curves_of(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
-    """Return drives by their bodies from their torques, shape (n, drives), N m."""
-    return _curves(scene.mechanism.linkage(), scene.ideal.at(time), torque)
+def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
+    """Return the drives of a stage by their bodies; without torques if none were stored."""
+    motion, torque = scene.ideal.at(stage.time), stage.arrays.get("drive_torque")
+    if stage.has_clock:
+        rate = stage.nominal_rate[:, np.newaxis]
+        motion = replace(motion, velocity=motion.velocity * rate)
+    return _curves(scene.mechanism.linkage(), motion, torque)
 
 
 def _curves(
@@ -784,7 +804,10 @@ def has_motion(scene: Scene, stage: StageResult) -> bool:
 
 
 def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
-    """Return start and end of the recorded motion after the start-up, s; complete cycles."""
+    """Return start and end of the recorded motion after the start-up, s; complete cycles.
+
+    They are values of ``StageResult.time``.
+    """
     period, run_up = scene.mechanism.period, scene.run_up
     whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
     first = max(min(STARTUP_CYCLES, whole - 1), 0)

@@ -15,9 +15,11 @@ from presswear.recording.columns import (
     JOINT_CYCLE,
     JOINT_CYCLE_COUNT,
     JOINT_SERIES,
+    LEADER_CYCLE,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     cycle_column,
+    first_leader_column,
     names_of,
 )
 from presswear.recording.film import Film
@@ -360,8 +362,42 @@ class StageResult:
 
     @property
     def time(self) -> Array:
-        """Times of the recorded series, shape (n,), s."""
+        """Times of the recorded series, shape (n,), s; with a motor the nominal times.
+
+        The nominal time is that at which the ideal motion has the first driven body at
+        its angle. Places in a cycle are functions of it.
+        """
         return self.arrays["time"]
+
+    @property
+    def has_clock(self) -> bool:
+        """True with a motor, whose cycles do not last equally long."""
+        return "clock" in self.arrays
+
+    @property
+    def clock(self) -> Array:
+        """Real times of the recorded series, shape (n,), s; for durations and integrals."""
+        return self.arrays["clock"] if self.has_clock else self.time
+
+    @property
+    def nominal_rate(self) -> Array:
+        """Speed of the first motor over its nominal speed at the rows of the series, (n,).
+
+        It is the slope over equal intervals, because rows can be a rounding apart.
+        """
+        if not self.has_clock:
+            return np.ones(self.time.size)
+        grid = np.linspace(self.clock[0], self.clock[-1], self.clock.size)
+        slope = np.gradient(self.nominal_of(grid), grid)
+        return np.interp(self.clock, grid, slope)
+
+    def nominal_of(self, clock: Array) -> Array:
+        """Return the nominal times of real times, s, linear between rows of the series."""
+        return np.interp(clock, self.clock, self.time) if self.has_clock else clock
+
+    def clock_of(self, time: Array) -> Array:
+        """Return the real times of nominal times, s, linear between rows of the series."""
+        return np.interp(time, self.time, self.clock) if self.has_clock else time
 
     @property
     def displacement(self) -> Array:
@@ -414,5 +450,17 @@ class StageResult:
         return self.arrays["sections"][:, :, quantities.index(column)]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a quantity of each cycle, by a name of ``CYCLE``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, cycle_column(name)]
+        """Return a quantity of each cycle, shape (cycles,); SI.
+
+        Its name is of ``CYCLE``, or of ``LEADER_CYCLE`` with a motor.
+        """
+        leader = names_of(LEADER_CYCLE)
+        if name not in leader:
+            return self.arrays["cycles"][:, cycle_column(name)]
+        if not self.has_clock:
+            raise InputError(
+                f"{self.name}: {name} is stored with a motor alone; without a motor "
+                "all cycles last equally long"
+            )
+        first = first_leader_column(len(self.joint_names))
+        return self.arrays["cycles"][:, first + leader.index(name)]

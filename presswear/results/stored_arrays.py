@@ -46,8 +46,9 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
     bins = max((joint.bins for joint in linkage.clearances), default=0)
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
-    width = cycle_columns(joints, drives) + sections + 8 + joints * (1 + 2 * bins)
-    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
+    width = cycle_columns(joints, drives, linkage.leader is not None)
+    width += sections + 8 + joints * (1 + 2 * bins)
+    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives + 1
     return _HEADS + 8 * (rows * series + contacts + cycles * width + 8 * joints * bins)
 
 
@@ -55,11 +56,15 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     """Raise InputError for an array of a stage that is missing or has another shape."""
     joints, drives = linkage.clearances, len(linkage.drives)
     section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
+    columns = cycle_columns(len(joints), drives, linkage.leader is not None)
+    if linkage.leader is not None:
+        arrays["clock"]
     shapes: dict[str, tuple[str | int, ...]] = {
         "time": ("time",),
+        "clock": ("time",),
         "slider": ("time", 3),
         "drive_torque": ("time", drives),
-        "cycles": ("cycles", cycle_columns(len(joints), drives)),
+        "cycles": ("cycles", columns),
         "cycle_start": ("cycles",),
         "sections": ("sections", scene.recording.sections, section),
         "deviation": ("deviation", 4),

@@ -24,7 +24,12 @@ import presswear as pw
 from presswear.cli import COMMANDS
 from presswear.cli.parser import joined, parser_for
 from presswear.cli.terminal import parse_settings
-from presswear.recording.columns import CYCLE, DRIVE_CYCLE, JOINT_CYCLE
+from presswear.recording.columns import (
+    CYCLE,
+    DRIVE_CYCLE,
+    JOINT_CYCLE,
+    LEADER_CYCLE,
+)
 from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
 from presswear.show import figures
@@ -311,7 +316,8 @@ def test_arrays_on_the_page_are_those_of_a_stage() -> None:
                 expected = int(word) if word.isdigit() else sizes.setdefault(word, size)
                 assert size == expected or word == "columns", f"{name}: {word}"
     assert listed == set(stage.arrays)
-    names = {column.name for column in (*CYCLE, *JOINT_CYCLE, *DRIVE_CYCLE)}
+    tables = (*CYCLE, *JOINT_CYCLE, *LEADER_CYCLE, *DRIVE_CYCLE)
+    names = {column.name for column in tables}
     assert names <= set(
         re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :])
     )

@@ -419,7 +419,7 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     scene = turned(replace(PENDULUM, run_up=run_up), cycles=3)
     stage = pw.run(scene).stages[0]
     found = drives_of(scene, stage)["crank"]
-    curve = curves_of(scene, stage.time, stage.arrays["drive_torque"])["crank"]
+    curve = curves_of(scene, stage)["crank"]
     motion = scene.ideal.at(stage.time)
     levels = motion.position, motion.velocity, motion.acceleration
     angle, speed, faster = (level[:, 2] for level in levels)

@@ -6,7 +6,12 @@ import matplotlib
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from presswear.analysis.contact_modes import MODES, resonance, timeline_of
+from presswear.analysis.contact_modes import (
+    MODES,
+    over_nominal_time,
+    resonance,
+    timeline_of,
+)
 from presswear.analysis.periods import impacts_of, period_of, section_of
 from presswear.analysis.spectra import MAX_ORDER, spectra_of
 from presswear.results import press_analysis as press
@@ -52,7 +57,7 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
             continue
         distance = np.hypot(*data.joints[joint].eccentricity.T)
         # Times of successive rows may differ by round-off only.
-        time, rows = np.unique(data.time, return_index=True)
+        time, rows = np.unique(data.clock, return_index=True)
         axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
         clearance = factor * scene.bearing(joint).clearance
         axes.axvline(
@@ -124,6 +129,7 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
     for axes, joint, stage in places:
         line = timeline_of(scene, stage.data, joint)
+        line = over_nominal_time(scene, stage.data, line)
         parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
         parts = np.column_stack([parts, parts[:, -1]])
         edges = np.linspace(0.0, 360.0, BINS + 1)

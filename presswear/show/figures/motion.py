@@ -358,8 +358,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
         for stroke in strokes:
             # Above the reach nothing presses on the work.
             inside = (
-                (data.time >= stroke.start)
-                & (data.time < stroke.end)
+                (data.clock >= stroke.start)
+                & (data.clock < stroke.end)
                 & (height <= reach)
             )
             for axes, values in zip(column, series, strict=True):
@@ -399,8 +399,8 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
     curves = []
     for stage in shown:
-        time, torque = stage.data.time, stage.data.arrays["drive_torque"]
-        curves.append((stage.pen, time, press.curves_of(scene, time, torque)))
+        each = press.curves_of(scene, stage.data)
+        curves.append((stage.pen, stage.data.time, each))
     ideal, _ = press.ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):

@@ -249,12 +249,16 @@ class Picture:
         self, clip: Clip, panel: Panel, state: Snapshot, note: str
     ) -> list[dict[str, Any]]:
         linkage = clip.linkage
-        elapsed = run_up_motion(linkage.run_up_time, state.time)[0]
+        elapsed = state.time
+        if linkage.leader is None:
+            elapsed = run_up_motion(linkage.run_up_time, elapsed)[0]
         angle = 360.0 * elapsed / clip.period
         status = f"{linkage.phase} {angle % 360.0:5.1f} deg"
         if len(clip.chapters) == 1:  # the cycles of a service life have no common time
             cycle = int(angle // 360.0) + 1
-            status = f"t = {state.time:.4f} s   {status} of cycle {cycle}"
+            status = f"{status} of cycle {cycle}"
+            if linkage.leader is None:  # a film of a motor has no time of the clock
+                status = f"t = {state.time:.4f} s   {status}"
         title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
         below = panel.title - [0.0, self._line_height(1.2)]
         return [

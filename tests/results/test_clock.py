@@ -1,0 +1,94 @@
+"""Results by the nominal time: of a leader that turns evenly they are those without one."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.analysis.contact_modes import over_nominal_time, timeline_of
+from presswear.analysis.periods import impacts_of
+from presswear.analysis.spectra import spectra_of
+from presswear.linkage.linkage import Linkage
+from presswear.results.export import table_of
+from presswear.results.press_analysis import curves_of
+
+SETTINGS = {"cycles": 4, "wear_updates": 0, "replicates": 1, "drive_torque": "on"}
+
+
+def run() -> pw.Result:
+    scene = pw.scenes.slider_crank(joints="B", **SETTINGS)
+    return pw.run(scene, engine="dae", jobs=1)
+
+
+@pytest.fixture(scope="module")
+def results() -> Iterator[tuple[pw.Result, pw.Result]]:
+    """Results without a leader, and with the prescribed crank as one."""
+    with pytest.MonkeyPatch.context() as patch:
+        plain = run()
+        leader = property(lambda self: self.drives[0] if self.drives else None)
+        patch.setattr(Linkage, "leader", leader)
+        yield plain, run()
+
+
+def numbers(value: object) -> list[float]:
+    if isinstance(value, dict):
+        return [one for item in value.values() for one in numbers(item)]
+    if isinstance(value, tuple | list):
+        return [one for item in value for one in numbers(item)]
+    return [float(value)] if isinstance(value, float) else []
+
+
+def test_statistics_are_those_without_a_leader(
+    results: tuple[pw.Result, pw.Result],
+) -> None:
+    plain, led = (result.stages[0] for result in results)
+    period = results[0].scene.mechanism.period
+    assert led.each_cycle("duration") == pytest.approx(period, rel=1e-12)
+    assert led.clock == pytest.approx(led.time, abs=1e-12)
+    # What follows from the first touchdowns is the same before chaos sets in.
+    for name in ("bottom_time", "bottom_height", "velocity_max"):
+        assert led.each_cycle(name)[:2] == pytest.approx(
+            plain.each_cycle(name)[:2], rel=1e-7
+        )
+    assert numbers(asdict(led.statistics.bdc)) == pytest.approx(
+        numbers(asdict(plain.statistics.bdc)), rel=1e-2, abs=1e-5
+    )
+    with pytest.raises(pw.InputError, match="with a motor alone"):
+        plain.each_cycle("duration")
+
+
+def test_places_in_the_cycle_and_durations(
+    results: tuple[pw.Result, pw.Result],
+) -> None:
+    """A clock that runs half as fast moves durations and frequencies, and no place."""
+    scene, stage = results[1].scene, results[1].stages[0]
+    period = scene.mechanism.period
+    contacts = stage.arrays["B_contacts"].copy()
+    contacts[:, :2] *= 2.0  # touchdown and separation
+    arrays = {**stage.arrays, "clock": 2.0 * stage.clock, "B_contacts": contacts}
+    slow = replace(stage, arrays=arrays)
+    assert slow.nominal_of(slow.clock) == pytest.approx(slow.time, abs=1e-12)
+    for one, other in zip(
+        impacts_of(scene, stage, "B"), impacts_of(scene, slow, "B"), strict=True
+    ):
+        assert other == pytest.approx(one, abs=1e-9)
+    lines = [timeline_of(scene, one, "B") for one in (stage, slow)]
+    assert lines[1].durations.sum() == pytest.approx(2.0 * lines[0].durations.sum())
+    shares = [
+        over_nominal_time(scene, one, line).over_phase(period, 36)
+        for one, line in zip((stage, slow), lines, strict=True)
+    ]
+    assert shares[1] == pytest.approx(shares[0], abs=1e-9)
+    spectra = [spectra_of(scene, one)["B"] for one in (stage, slow)]
+    assert spectra[1].frequency == pytest.approx(0.5 * spectra[0].frequency)
+    assert spectra[1].order == pytest.approx(spectra[0].order)
+    power = [curves_of(scene, one)["crank"].power for one in (stage, slow)]
+    assert power[1] == pytest.approx(0.5 * power[0], rel=1e-6)
+
+
+def test_tables_hold_the_clock(results: tuple[pw.Result, pw.Result]) -> None:
+    assert "clock" not in table_of(results[0], 0)
+    table = table_of(results[1], 0)
+    assert np.array_equal(table["clock"], results[1].stages[0].clock)
