@@ -33,6 +33,7 @@ from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
 from presswear.tools.kernel_compiler import COMPILER, CalleeCompiler, KernelCompiler
 from presswear.tools.kernel_digest import function_digest
+from presswear.tools.processes import signals_held
 
 F = TypeVar("F", bound=Callable[..., Any])
 # structured array; kernels read ``records[k].name``, a type checker cannot
@@ -108,7 +109,9 @@ class Kernel:
     def dispatcher(self, **wrappers: bool) -> Any:
         """Return the function compiled by numba and stored, with all that it calls."""
         options = {**self.options, **wrappers}
-        dispatcher = numba.njit(**options, pipeline_class=KernelCompiler)(self.py_func)
+        decorator = numba.njit(**options, pipeline_class=KernelCompiler)
+        with signals_held():  # as the compiler does: numba makes it with the first one
+            dispatcher = decorator(self.py_func)
         if self._is_stored:
             code = function_digest(self.py_func)
             dispatcher._cache = KernelCache(self._name, options, code, COMPILER)

@@ -25,6 +25,7 @@ from numba.np.numpy_support import numpy_version
 
 from presswear.tools.files import BUSY, digest, lock, write_bytes
 from presswear.tools.kernel_digest import fields_of
+from presswear.tools.processes import signals_held
 
 # s for which a process that compiles may stand still; a function takes up to 15 s
 PATIENCE = 20.0
@@ -157,7 +158,8 @@ class KernelCache:
                     if not _is_usable(file.parent):
                         continue
                     content = pickle.loads(_read_entry(file))
-                    code = compiler.CompileResult._rebuild(context, *content)
+                    with signals_held():  # as the compiler does
+                        code = compiler.CompileResult._rebuild(context, *content)
                     if code.signature.args == signature:
                         return code
         return None

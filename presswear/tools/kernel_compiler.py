@@ -24,6 +24,7 @@ from numba.core.registry import cpu_target
 from numba.extending import lower_builtin
 
 from presswear.tools.files import digest
+from presswear.tools.processes import signals_held
 
 _FILES = (
     Path(__file__),
@@ -90,7 +91,15 @@ def _types_found_once() -> Iterator[None]:
 
 
 class KernelCompiler(Compiler):
-    """Compiler of kernels with all that they call."""
+    """Compiler of kernels with all that they call.
+
+    A signal waits: LLVM ends the process with a fault where an object of it was left
+    half made.
+    """
+
+    def __init__(self, *arguments: Any) -> None:
+        with signals_held():
+            super().__init__(*arguments)
 
     def define_pipelines(self) -> Any:
         """Return the passes; numba calls this before the first one."""
@@ -104,7 +113,7 @@ class KernelCompiler(Compiler):
         import_module(
             "presswear.tools.constant_places"
         )  # slow: only where something is compiled
-        with _types_found_once():
+        with signals_held(), _types_found_once():
             return super()._compile_core()
 
     _compile_core.__code__ = _compile_core.__code__.replace(co_stacksize=_FRAME)

@@ -307,6 +307,18 @@ def _handling(handler: Callable[[int, FrameType | None], object]) -> Iterator[No
 
 
 @contextmanager
+def signals_held() -> Iterator[None]:
+    """Deliver a signal that comes within the context at its end."""
+    late: list[int] = []
+    try:
+        with _handling(lambda number, _: late.append(number)):
+            yield
+    finally:
+        if late:
+            signal.raise_signal(late[0])
+
+
+@contextmanager
 def starting_processes() -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
@@ -322,17 +334,14 @@ def starting_processes() -> Iterator[None]:
         # inherit.
         resource_tracker.ensure_running()
     blocked = mask(signal.SIG_BLOCK, _SIGNALS) if mask else None
-    late: list[int] = []
-    try:
-        with _handling(lambda number, _: late.append(number)):
+    with signals_held():
+        try:
             sys.modules["__main__"] = ModuleType("__main__")
             yield
-    finally:
-        sys.modules["__main__"] = main
-        if mask:
-            mask(signal.SIG_SETMASK, blocked)
-        if late:
-            signal.raise_signal(late[0])
+        finally:
+            sys.modules["__main__"] = main
+            if mask:
+                mask(signal.SIG_SETMASK, blocked)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

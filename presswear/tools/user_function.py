@@ -21,6 +21,7 @@ from typing import Any, cast
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
+from presswear.tools.processes import signals_held
 
 _JUMP_WIDTH = 1e-9  # m/s or rad/s; a change that is as narrow is a jump
 _JUMP_SIZE = 1e-4  # smallest jump, part of the greatest value
@@ -297,7 +298,8 @@ def compile_function(
     if numba.config.DISABLE_JIT:
         return cast(Callable[..., float], kernel)
     try:
-        kernel.compile((numba.float64,) * len(parameters))
+        with signals_held():  # as ``kernel_compiler`` does
+            kernel.compile((numba.float64,) * len(parameters))
     # The text may be any Python. Numba has no common base for its errors: what it does
     # not support shows as TypeError, ValueError, KeyError, NotImplementedError or
     # AssertionError, too.

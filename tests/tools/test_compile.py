@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import pickle
 import shutil
+import signal
 import stat
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import pytest
 from llvmlite.binding import get_host_cpu_features
+from numba.core import event
 from numpy.typing import NDArray
 
 import presswear
@@ -46,6 +48,46 @@ from presswear.tools.packing import PackedArguments, bind, unpack
 @compiled
 def _leaf(x: float) -> float:
     return x * x + 1.0
+
+
+class _InterruptsCallees(event.Listener):
+    """Sends SIGINT when a callee is compiled, and notes which compilations end."""
+
+    def __init__(self) -> None:
+        self.compiling: list[str] = []
+        self.compiled: list[str] = []
+
+    def on_start(self, event: Any) -> None:
+        self.compiling.append(event.data["dispatcher"].py_func.__name__)
+        if len(self.compiling) == 2:
+            signal.raise_signal(signal.SIGINT)
+
+    def on_end(self, event: Any) -> None:
+        name = self.compiling.pop()
+        if event._exc_details is None:
+            self.compiled.append(name)
+
+
+def test_signal_waits_until_the_compiler_has_ended() -> None:
+    @compiled
+    def leaf(x: float) -> float:
+        return x * x + 2.0
+
+    @compiled
+    def caller(x: float) -> float:
+        return leaf(x) + 1.0
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with (
+            event.install_listener("numba:compile", _InterruptsCallees()) as listener,
+            pytest.raises(KeyboardInterrupt),
+        ):
+            caller(1.0)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert listener.compiled == ["leaf"]
+    assert caller(1.0) == 4.0
 
 
 def test_garbage_collection_resumes_after_an_error() -> None:
