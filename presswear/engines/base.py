@@ -81,6 +81,8 @@ class Plan:
     # Nominal times from the start of a cycle between which the bottom of its stroke is
     # searched, s; the first may be negative.  None: start and end of the cycle.
     stroke: tuple[float, float] | None = None
+    # True: cycles end at times of the clock, with a motor, too
+    by_clock: bool = False
 
     def time_of(self, cycles: float) -> float:
         """Return the nominal time at which so many cycles have been made, s."""

@@ -165,7 +165,7 @@ class _Cycles:
 
     def _integrate(self, end: float) -> Finding | None:
         """Integrate up to a nominal time, s; return what went wrong, if anything."""
-        if self.recorder.has_leader:
+        if self.recorder.has_leader and not self.plan.by_clock:
             self.recorder.aim(end)
         return self.running.advance(end)
 

@@ -133,7 +133,7 @@ class Solver:
                     proposed = STEP_SAFETY * iteration.currentStepSize * factor
                     sums["proposed"] = min(proposed, iteration.maxStepSize)
                 return False
-            if not self.recorder.has_leader:
+            if not self.recorder.ends_by_angle:
                 following = min(following, self._end - t)
             self._take(following)
             if sums["steps"] % _PROGRESS_STEPS == 0:
@@ -149,13 +149,13 @@ class Solver:
 
     def _is_at_end(self, t: float) -> bool:
         """Return whether the section has ended at a time, s, or at its angle."""
-        if self.recorder.has_leader:
+        if self.recorder.ends_by_angle:
             return self.recorder.nominal_time >= self._end - SECTION_TOL
         return t >= self._end - END_TOLERANCE
 
     def _first_step(self, t: float) -> float:
         """Return the longest first step of a section, s."""
-        if not self.recorder.has_leader:
+        if not self.recorder.ends_by_angle:
             return self._end - t
         # The last section chose the step that follows without this end.
         rate = float(self.recorder.records.nominal["rate"][0])
@@ -193,7 +193,7 @@ class Solver:
             getattr(data, f"Set{name}")(np.array(values), initial)
         integration = self.settings.timeIntegration
         steps = MOST_STEPS
-        if not self.recorder.has_leader:
+        if not self.recorder.ends_by_angle:
             steps = math.ceil((end - self.time) / self.longest) + 2
         integration.startTime = self.time
         integration.endTime = self.time + steps * self.longest

@@ -171,6 +171,11 @@ class Recorder:
         """Nominal time of the last accepted state, s; without a motor its time."""
         return float(self.records.nominal["now"][0])
 
+    @property
+    def ends_by_angle(self) -> bool:
+        """True if the present section ends at an angle of the leader; see ``aim``."""
+        return math.isfinite(self.records.nominal["end"][0])
+
     def aim(self, end: float) -> None:
         """Let the engine stop at a nominal time, s, instead of at a time of the clock."""
         self.records.nominal["end"] = end

@@ -164,7 +164,9 @@ class _Runner:
     def trajectory(
         self, word: str, engine: Engine, end: float, moved: bool = False
     ) -> Trajectory:
-        run = self.run(word, engine, Plan(end / PARTS, PARTS, PARTS), moved)
+        run = self.run(
+            word, engine, Plan(end / PARTS, PARTS, PARTS, by_clock=True), moved
+        )
         recorder, records = run.recorder, run.recorder.records
         # The series holds displacements, and a disturbed initial state is displaced
         # already.
@@ -301,7 +303,7 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
     if len(first := reference.touchdowns[:FIRST_TOUCHDOWNS]):
         # Far enough to include the last of the touchdowns.
-        plan = Plan(min(1.001 * first[-1, 1], end), 1, 1)
+        plan = Plan(min(1.001 * first[-1, 1], end), 1, 1, by_clock=True)
         second = replace(precise, integrator="dopri5", coordinates="fewest")
         run = runner.run("dae with dopri5 in fewest coordinates", second, plan)
         largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())

@@ -92,3 +92,11 @@ def test_cycles_end_at_whole_turns(engine: Engine, off: float) -> None:
     time, nominal = recorder.series("time"), recorder.nominal_times
     angles = np.array([turned(t, first) for t in time])
     assert nominal == pytest.approx(angles / SPEED, abs=max(off, 1e-8))
+
+
+@pytest.mark.usefixtures("leader")
+def test_a_run_by_the_clock_ends_at_its_time() -> None:
+    first = 0.1 * SPEED
+    run = run_of(ENGINES[0][0], 2, first, by_clock=True)
+    assert run.time == 2.0
+    assert run.end.position[2] - ANGLE == pytest.approx(turned(2.0, first), abs=1e-9)
