@@ -400,6 +400,14 @@ class Drive(_Motion):
         return self.speed == 0.0 and not self.repeats
 
     @property
+    def no_load_speed(self) -> float:
+        """Speed of the body at which its motor gives no torque, rad/s, with its sense."""
+        if self.motor is None or self.motor.no_load_speed is None:
+            return self.speed
+        speed = self.motor.no_load_speed / self.motor.ratio
+        return math.copysign(speed, self.speed)
+
+    @property
     def frequencies(self) -> tuple[float, ...]:
         """Frequencies that a cycle of the linkage must fit, rad/s."""
         mean = [abs(self.mean_speed)] if self.mean_speed != 0.0 else []

@@ -113,12 +113,18 @@ class Linkage(Checked):
         return replace(
             self,
             joints=(*held, *pins, *self.elastic_pins),
-            drives=tuple(replace(drive, motor=None) for drive in self.drives),
+            drives=self.without_motors.drives,
             clearances=(),
             elastic_pins=(),
             elastic_guides=(),
             is_turned_by_motors=False,
         )
+
+    @property
+    def without_motors(self) -> "Linkage":
+        """The linkage whose drives all prescribe the motion of their bodies."""
+        drives = tuple(replace(drive, motor=None) for drive in self.drives)
+        return replace(self, drives=drives, is_turned_by_motors=False)
 
     @property
     def released(self) -> "Linkage":

@@ -37,9 +37,8 @@ class Motor(Checked):
     Attributes
     ----------
     law : callable, str or None
-        User law of the torque on the body in the sense of its drive, N m: a function of
-        time, s, angle, rad, and angular velocity of the body, rad/s, also as
-        ``FILE.py:NAME``.
+        User law of the torque on the body, N m, counterclockwise: a function of time, s,
+        position, the angle of the body, rad, and speed, rad/s, also as ``FILE.py:NAME``.
     """
 
     torque: float | None = quantity(
@@ -102,6 +101,11 @@ class Motor(Checked):
     def is_servo(self) -> bool:
         """True for a servo, which follows the leader."""
         return self.stiffness is not None
+
+    @property
+    def is_free(self) -> bool:
+        """True for a free crank."""
+        return self.torque == 0.0
 
     @property
     def has_slip(self) -> bool:

@@ -39,7 +39,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     counting them is enough.
     """
     rows = [bodies_of(joint) for joint in linkage.joints for _ in range(joint.rows)]
-    rows += [{drive.body} for drive in linkage.drives]
+    rows += [{drive.body} for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
 
     def assign(row: set[str], visited: set[str]) -> bool:
@@ -110,7 +110,7 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     forces of its joints, which the friction of rigid joints needs.
     """
     prescribed = prescribed_of(linkage)
-    for drive in linkage.drives:
+    for drive in linkage.prescribed_drives:
         if drive.body not in prescribed:
             return f"{drive.name} turns a body that is free to move"
     return free_branches(linkage)
@@ -138,7 +138,7 @@ def chain_of(
     inner = [joint for joint in joints if bodies_of(joint) <= bodies]
     branches, closing, waiting = _tree_of(inner, (GROUND,))
     pins = [joint for joint in closing if isinstance(joint, Revolute)]
-    drives = [drive for drive in linkage.drives if drive.body in bodies]
+    drives = [drive for drive in linkage.prescribed_drives if drive.body in bodies]
     rows = 2 * len(branches) + 2 * len(pins) + len(drives)
     if waiting or len(pins) < len(closing) or rows != 3 * len(bodies):
         raise ValueError(f"{', '.join(sorted(bodies))} are no chain without freedom")

@@ -71,7 +71,7 @@ class Rows:
                 along = math.cos(guide.direction), math.sin(guide.direction)
                 rows.append((guide.name, centre, point, along, 0.0, 0.0))
         self.following = []  # rows of drives whose points follow curves
-        for drive in linkage.drives:
+        for drive in linkage.prescribed_drives:
             point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
             if drive.follow is not None:
                 self.following.append(len(rows))
@@ -135,7 +135,8 @@ class Rows:
         ``levels`` are coordinates, and their first and second derivatives.
         """
         held = np.zeros((3, len(time), len(self.names)))
-        for row, drive in enumerate(self.linkage.drives, -len(self.linkage.drives)):
+        drives = self.linkage.prescribed_drives
+        for row, drive in enumerate(drives, -len(drives)):
             for level, value in zip(held, motion_of_row(drive, time), strict=True):
                 level[:, row] = value
         held[0] += self.held
@@ -340,7 +341,7 @@ def _guessed(linkage: Linkage) -> Array:
 
 def _free_coordinates(linkage: Linkage) -> int:
     """Return the coordinates less the constraint rows; below zero where rows are repeated."""
-    held = sum(joint.rows for joint in linkage.joints) + len(linkage.drives)
+    held = sum(joint.rows for joint in linkage.joints) + len(linkage.prescribed_drives)
     return 3 * len(linkage.bodies) - held
 
 

@@ -220,5 +220,6 @@ def constraints_of(linkage: Linkage) -> Constraints:
         records["x" + end], records["y" + end] = x, y
     records["normal_x"], records["normal_y"] = rows.normal.T
     records["turns"], records["held"], records["drive"] = rows.turn, rows.held, -1
-    records["drive"][len(records) - len(motions) :] = range(len(motions))
+    drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
+    records["drive"][len(records) - len(drives) :] = drives
     return Constraints(records, motions, rows.names)

@@ -174,7 +174,9 @@ def motions_of(linkage: Linkage) -> Records:
             )
         motion["speed"], motion["angle"] = drive.mean_speed, drive.angle
         motion["fundamental"] = drive.base
-        motion["count"], motion["run_up"] = len(drive.harmonics), linkage.run_up_time
+        motion["count"] = len(drive.harmonics)
+        # A motor runs up by its torque.
+        motion["run_up"] = linkage.run_up_time if linkage.prescribes(drive) else 0.0
         for k, (cosine, sine) in enumerate(drive.harmonics):
             motion["cosine"][k], motion["sine"][k] = cosine, sine
         motion["pieces"] = count = len(drive.pieces.start)

@@ -158,7 +158,7 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
     bodies whole; other joints are left out, so that the mass is rather too small.
     """
     driven, prescribed = (
-        {drive.body for drive in linkage.drives},
+        {drive.body for drive in linkage.prescribed_drives},
         prescribed_of(linkage),
     )
     bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}

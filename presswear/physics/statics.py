@@ -313,6 +313,7 @@ class _Rest:
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
+        linkage = linkage.without_motors
         self.ideal = ideal_motion(linkage.ideal, linkage.period)
         if self.ideal.rows.repeated:
             raise InputError(

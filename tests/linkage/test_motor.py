@@ -8,8 +8,10 @@ import pytest
 import presswear as pw
 from presswear.linkage.linkage import Linkage, linkage_from
 
+TURN = 2.0 * math.pi
 SERVO = pw.Motor(stiffness=2e3, damping=10.0)
-INDUCTION = pw.Motor("20 N m", ratio=24, inertia="0.25 kg m^2")
+_PLATE: dict[str, Any] = {"torque": "20 N m", "inertia": "0.25 kg m^2"}
+INDUCTION = pw.Motor(ratio=24, **_PLATE)
 
 
 def two_cranks(first: pw.Motor | None, second: pw.Motor | None) -> Linkage:
@@ -20,8 +22,8 @@ def two_cranks(first: pw.Motor | None, second: pw.Motor | None) -> Linkage:
         pw.Pin("P", (1.0, 0.0), "two.tail"),
     ]
     drives = [
-        pw.Drive("one", "60 spm", motor=first),
-        pw.Drive("two", "60 spm", motor=second),
+        pw.Drive("one", TURN, motor=first),
+        pw.Drive("two", TURN, motor=second),
     ]
     return pw.assemble(bodies, joints, drives)
 
@@ -31,7 +33,7 @@ def test_a_motor_has_the_values_of_its_plate() -> None:
     slip = 0.08 * (2.75 + math.sqrt(2.75**2 - 1.0))
     assert INDUCTION.breakdown_slip == pytest.approx(slip, rel=1e-15)
     assert INDUCTION.reflected_inertia == 144.0
-    assert pw.Motor(20.0, breakdown="none").breakdown_slip is None
+    assert pw.Motor(**{"torque": 20.0, "breakdown": "none"}).breakdown_slip is None
     assert not pw.Motor(0).has_slip
 
 

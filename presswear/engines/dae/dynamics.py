@@ -114,7 +114,8 @@ def evaluate_held(
     packed, layout = system.packed, system.layout
     n = layout.coordinates
     energies = out[layout.first_energy : layout.first_dose]
-    energies[FRICTION_LOSS] = 0.0  # stays where no contact rubs
+    # They stay where no contact rubs, and without motors.
+    energies[FRICTION_LOSS] = energies[DRIVE_WORK] = energies[DRIVE_EXCHANGE] = 0.0
     place_held(system, t, y, out, level)
     _, v, a, force, _ = system.state
     for i in range(n):
@@ -126,8 +127,8 @@ def evaluate_held(
     copy_to(out[:n], v)
     copy_to(a, out[n : 2 * n])
     if level >= RATES:
-        energies[DRIVE_WORK] = power
-        energies[DRIVE_EXCHANGE] = abs(power)
+        energies[DRIVE_WORK] += power
+        energies[DRIVE_EXCHANGE] += abs(power)
         energies[FRICTION_LOSS] += heat
     for row in range(held.constraints.shape[0]):
         drive = held.constraints[row].drive

@@ -184,7 +184,7 @@ def add_joints(
     still = add(system, "Node", "PointGround")
     fixed = add(system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0)
     for drive, motion in zip(linkage.drives, motions, strict=True):
-        if drive.body in omitted:
+        if drive.body in omitted or not linkage.prescribes(drive):
             continue
         turned = add(
             system,
@@ -315,7 +315,9 @@ def _drives(
     # Behind the short step to a bend in a load the accelerations would swing about the
     # right ones.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
+    turns = [not linkage.prescribes(drive) for drive in linkage.drives]
     return Drives(
+        has_motor=np.array(turns, np.bool_),
         multiplier=np.array(rows, np.int64),
         multipliers=multipliers,
         force=np.zeros(3 * len(linkage.bodies)),

@@ -33,6 +33,8 @@ from presswear.physics.equations.layout import (
     FRICTION_LOSS,
     LOAD_WORK,
     PRESSURE,
+    TORQUE,
+    TORQUE_INTEGRALS,
     WORK,
     Layout,
 )
@@ -253,6 +255,7 @@ def connector_forces(address: PackedArguments, t: float) -> None:
 class Drives(NamedTuple):
     """Sources of the torques of the drives."""
 
+    has_motor: NDArray[np.bool_]  # whose torque is among the forces on all bodies
     # index of each drive's multiplier; -1 for that of a body that is left out
     multiplier: Indices
     multipliers: Array  # Exudyn's live ones; the torque of a drive is minus its own
@@ -325,7 +328,7 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 def drive_power(
     frame: Frame, drives: Drives, records: RecorderState, t: float
 ) -> float:
-    """Fill the torques of the drives; return their power, W."""
+    """Fill the torques of the drives; return the power of all drives, W."""
     prescribed = frame.prescribed
     if prescribed.parts.shape[0] > 0:
         all_forces(frame, records.packed, drives.force)
@@ -333,6 +336,11 @@ def drive_power(
         drive_torques(prescribed, frame.q, frame.axes, drives.force, records.torque)
     power = 0.0
     for i in range(records.motions.shape[0]):
+        if drives.has_motor[i]:
+            place = frame.layout.first_torque + TORQUE_INTEGRALS * i
+            records.torque[i] = frame.rates[place + TORQUE]
+            power += records.torque[i] * frame.v[records.packed.driven[i]]
+            continue
         if drives.multiplier[i] >= 0:
             records.torque[i] = -drives.multipliers[drives.multiplier[i]]
         power += records.torque[i] * drive_motion(records.motions[i], t)[1]

@@ -207,7 +207,11 @@ def _links(
     before: Sequence[Link] = (),
 ) -> list[Link]:
     """Return the bodies of a tree that hangs from the frame and from other bodies."""
-    drives = {drive.body: number for number, drive in enumerate(linkage.drives)}
+    drives = {
+        drive.body: number
+        for number, drive in enumerate(linkage.drives)
+        if linkage.prescribes(drive)
+    }
     links = {GROUND: frame} | {link.body.name: link for link in before}
     added = []
     for branch in branches:

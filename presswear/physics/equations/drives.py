@@ -2,21 +2,19 @@
 
 from presswear.physics.equations.articulated import Articulated
 from presswear.physics.equations.chain import Chain, Link
-from presswear.physics.equations.layout import TORQUE_INTEGRALS
 from presswear.physics.equations.text import (
     ZERO,
     Text,
     Vector,
     difference,
     product,
-    square,
     total,
 )
-from presswear.physics.interactions.page import Page
+from presswear.physics.interactions.page import Page, write_torque
 
 
 def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
-    """Write the torques of drives, their power, and the rates of the integrals of both."""
+    """Write torques and power of drives that prescribe a motion, and rates of their integrals."""
     text, chain, layout = page.text, page.chain, page.layout
     text.comment("torques and power of the drives")
     _pass_on(text, chain, bodies)
@@ -31,13 +29,13 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
             torques[link.drive] = bodies[link.prefix].torque()
     powers = []
     for k, drive in enumerate(chain.linkage.drives):
+        if not chain.linkage.prescribes(drive):
+            continue
         link = chain.of(drive.body)
         torque = text.let(f"{link.prefix}_torque", torques[k])
         power = text.let(f"{link.prefix}_power", product(torque, link.omega))
         powers.append(power)
-        first = layout.first_torque + TORQUE_INTEGRALS * k
-        for i, rate in enumerate((torque, square(torque), power, square(power))):
-            text.write(f"out[{first + i}] = {rate}")
+        write_torque(text, layout, k, torque, power)
     power = text.let("drive_power", total(*powers))
     page.add_power("drive_work", power)
     page.add_power("drive_exchange", f"abs({power})")

@@ -5,6 +5,7 @@ from presswear.physics.interactions.clearance import ClearanceContact
 from presswear.physics.interactions.elastic_guide import ElasticGuide
 from presswear.physics.interactions.elastic_pin import ElasticPin
 from presswear.physics.interactions.load import LoadWithLaw
+from presswear.physics.interactions.motor import MotorTorque
 from presswear.physics.interactions.page import Interaction
 from presswear.physics.interactions.spring import SpringAndDamper
 from presswear.physics.packed import Packed
@@ -14,6 +15,7 @@ KINDS: tuple[type[Interaction], ...] = (
     ElasticPin,
     ElasticGuide,
     LoadWithLaw,
+    MotorTorque,
     ClearanceContact,
 )
 

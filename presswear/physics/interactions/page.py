@@ -6,8 +6,15 @@ from typing import Any, ClassVar, Protocol, Self
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.equations.chain import Chain
-from presswear.physics.equations.layout import DOSES, ENERGIES, Layout, State, layout_of
-from presswear.physics.equations.text import Text, total
+from presswear.physics.equations.layout import (
+    DOSES,
+    ENERGIES,
+    TORQUE_INTEGRALS,
+    Layout,
+    State,
+    layout_of,
+)
+from presswear.physics.equations.text import Text, square, total
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 
@@ -25,6 +32,8 @@ class Page:
         default_factory=lambda: {name: [] for name in ENERGIES}
     )
     doses: dict[tuple[int, str], str] = field(default_factory=dict)  # by joint and name
+    # of motors, and their power, by the number of the drive
+    torques: dict[int, tuple[str, str]] = field(default_factory=dict)
 
     def add_state(self, state: State) -> int:
         """Declare a state of an interaction; return its place in ``y`` and in ``out``."""
@@ -39,6 +48,12 @@ class Page:
         """Give the rate of one of DOSES of a joint."""
         self.doses[joint, dose] = expression
 
+    def set_torque(self, drive: int, torque: str, power: str) -> None:
+        """Give the torque of a motor, N m, and its power, W, by the number of its drive."""
+        self.torques[drive] = torque, power
+        self.add_power("drive_work", power)
+        self.add_power("drive_exchange", f"abs({power})")
+
     @property
     def layout(self) -> Layout:
         """Layout of the state with all states that are declared."""
@@ -49,10 +64,10 @@ class Page:
     @property
     def has_rates(self) -> bool:
         """True if there is a rate to write."""
-        return bool(self.doses) or any(self.powers.values())
+        return bool(self.doses or self.torques) or any(self.powers.values())
 
     def write_rates(self) -> None:
-        """Write the rates of energies and of doses of wear; those of no interaction stay zero."""
+        """Write the rates of all integrals; those of no interaction stay zero."""
         layout = self.layout
         for i, powers in enumerate(self.powers.values()):
             if powers:
@@ -60,6 +75,17 @@ class Page:
         for (joint, dose), rate in self.doses.items():
             place = layout.first_dose + len(DOSES) * joint + DOSES.index(dose)
             self.text.write(f"out[{place}] = {rate}")
+        for drive, (torque, power) in self.torques.items():
+            write_torque(self.text, layout, drive, torque, power)
+
+
+def write_torque(
+    text: Text, layout: Layout, drive: int, torque: str, power: str
+) -> None:
+    """Write the rates of the integrals of the torque of a drive and of its power."""
+    first = layout.first_torque + TORQUE_INTEGRALS * drive
+    for i, rate in enumerate((torque, square(torque), power, square(power))):
+        text.write(f"out[{first + i}] = {rate}")
 
 
 class Interaction(Protocol):
