@@ -24,6 +24,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.wear_update import STEP_SAFETY
 from presswear.recording.statistics import STARTUP_CYCLES, half_width, quantile
 from presswear.scene.options import Limit, Service
 from presswear.tools.arrays import Array
@@ -42,8 +43,6 @@ MIN_BLOCKS_FOR_REFUSAL = 16
 MIN_CYCLES = 16  # of each history up to the life, in a refinement that determines it
 # ratio of cycles of two refinements that show the error of the step
 MIN_REFINEMENT = 1.5
-# Factor on the error of the steps, because it follows from two or three chaotic lives
-STEP_SAFETY = 2.0
 MAX_STEP_GROWTH = 2.0  # from block to block
 SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
 MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement

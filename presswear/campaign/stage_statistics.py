@@ -15,7 +15,12 @@ import numpy as np
 
 from presswear.campaign.bumps import bumps_of
 from presswear.campaign.ensemble import Ensemble
-from presswear.campaign.wear_update import WearUpdate, cycles_of_update, wear_error
+from presswear.campaign.wear_update import (
+    STEP_SAFETY,
+    WearUpdate,
+    cycles_of_update,
+    wear_error,
+)
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES, bin_centres
@@ -309,7 +314,7 @@ def _joint_statistics(
         wear_volume=Estimate.symmetric(volume, half, len(maps)).positive,
         wear_volume_step_error=None
         if coarser is None
-        else abs(worn_volume(joint, coarser) - volume),
+        else STEP_SAFETY * abs(worn_volume(joint, coarser) - volume),
         wear_map_error=error if math.isfinite(error) else None,
         wear_depth_max_by_replicate=tuple(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
@@ -339,7 +344,8 @@ def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, Wea
         depth, samples = of_sides(wear.added, rows), of_sides(wear.maps, rows)
         place, value, error = int(depth.argmax()), float(depth.max()), None
         if wear.coarser is not None:
-            error = abs(value - float(of_sides(wear.coarser, rows).max()))
+            coarser = float(of_sides(wear.coarser, rows).max())
+            error = STEP_SAFETY * abs(value - coarser)
         deepest, angle = (
             Estimate(value),
             Estimate(float(bin_centres(joint.bins)[place])),

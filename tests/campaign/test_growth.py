@@ -244,8 +244,8 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> N
         seen = campaign(SCENE, engine, cycles=cycles, wear_updates=1, replicates=3)
         peak = seen.stages[0].joints["A"].statistics.wear_peaks["bearing"]
         errors.append(exact - peak.depth.mean / SHAPE[0].max())
-        # Of first order: half the steps are off by twice as much.
-        assert peak.step_error == pytest.approx(errors[-1], rel=0.15)
+        # Of first order: half the steps are off by twice as much. It is stated doubled.
+        assert peak.step_error == pytest.approx(2.0 * errors[-1], rel=0.15)
         # The interval of the logarithm
         part = (peak.step_error or 0.0) / peak.depth.mean
         assert peak.depth.high == pytest.approx(peak.depth.mean * math.exp(part))
@@ -254,15 +254,16 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> N
 
 
 def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> None:
-    settings = {"cycles": None, "wear_updates": 1, "tolerance": 0.02}
+    settings = {"cycles": None, "wear_updates": 1, "tolerance": 0.04}
     seen = campaign(SCENE, FakeEngine(exponential), **settings)
-    # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles.
+    # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles;
+    # twice that is stated.
     assert len(seen.stages[0].wear_steps) == 8 * FIRST_REFINEMENT
     seen = campaign(SCENE, FakeEngine(exponential), **settings, max_cycles=70)
     assert len(seen.stages[0].wear_steps) == 4 * FIRST_REFINEMENT
     assert seen.status == "unconverged"
     assert (
-        "the error of the first wear, 2.3 %, exceeds tolerance = 2 %: about"
+        "the error of the first wear, 4.7 %, exceeds tolerance = 4 %: about"
         in seen.message
     )
     assert "about max_cycles = 128 is needed" in seen.message
