@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import subprocess
 import time as clock
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -32,6 +33,10 @@ from presswear.tools.processes import cores, end_with_parent, starting_processes
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]
 
+LOST_PICTURE = (
+    "a process that draws pictures ended unexpectedly, "
+    "for example because memory ran out"
+)
 GIF_COLOURS = 64  # flat colours need few
 NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
 MAX_START = 30.0  # for a window to open, s
@@ -71,7 +76,10 @@ def _start_worker(
     clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
 ) -> None:
     end_with_parent()
-    picture = Picture(clips, size)
+    try:
+        picture = Picture(clips, size)
+    except MemoryError:
+        os._exit(1)  # the pool would print a traceback
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
     _worker[:] = picture, clips, frames, note
 
@@ -98,10 +106,13 @@ def pictures(
     )
     try:
         with starting_processes():
-            images = pool.map(_draw, range(len(frames)))
-        yield from images
+            images = deque(pool.submit(_draw, k) for k in range(len(frames)))
+        # ``pool.map`` cancels the other pictures at an error, and a pool that has lost a
+        # process then fails in a thread of its own.
+        while images:
+            yield images.popleft().result()
     except BrokenProcessPool:
-        raise RunFailed("a process that draws pictures ended unexpectedly") from None
+        raise RunFailed(LOST_PICTURE) from None
     finally:
         pool.shutdown(cancel_futures=True)
 

@@ -1,5 +1,7 @@
 """Clip without a simulation: the ideal press with rods shifted so that pins are eccentric."""
 
+from typing import Any
+
 import numpy as np
 
 from presswear.linkage.surface import Surface, bin_centres
@@ -42,3 +44,12 @@ def synthetic_clip(
         max_force=dict.fromkeys("AC", max_force),
         film=Film(motion.time, position, joints),
     )
+
+
+class Hungry:
+    """Clip for which there is no memory."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        raise MemoryError

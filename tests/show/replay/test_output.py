@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from synthetic_clip import synthetic_clip
+from synthetic_clip import Hungry, synthetic_clip
 
 import presswear as pw
 from presswear.recording.film import FRAMES_PER_CYCLE
@@ -171,7 +172,18 @@ class Deadly:
         return os._exit, (1,)
 
 
-def test_a_process_that_ends_early_ends_the_film() -> None:
-    deadly: Any = Deadly()
-    with pytest.raises(RunFailed, match="ended unexpectedly"):
-        list(output.pictures([deadly], [[0]], "", SIZE))
+@pytest.mark.parametrize(
+    "clip", [Deadly(), Hungry()], ids=lambda clip: type(clip).__name__
+)
+def test_a_process_that_ends_early_ends_the_film(
+    clip: Any, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Without a traceback, also from the thread of the pool."""
+    failed: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", failed.append)
+    with pytest.raises(
+        RunFailed, match="unexpectedly, for example because memory ran out"
+    ):
+        list(output.pictures([clip], [[0]] * 5000, "", SIZE))
+    assert failed == []
+    assert capfd.readouterr().err == ""
