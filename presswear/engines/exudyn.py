@@ -14,7 +14,7 @@ from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.physics.ledger import made_energy, made_remedy
 from presswear.recording.nominal_time import SECTION_TOL
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Finding, Progress
+from presswear.recording.soundness import Finding, Progress, check_motor
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
@@ -171,7 +171,8 @@ class Solver:
                 return Finding(
                     "energy", made, t, "", made_remedy(records.packed, self.remedy)
                 )
-        return self._progress.judge(int(self.sums["steps"]), t)
+        stalled = check_motor(self.recorder, t)
+        return stalled or self._progress.judge(int(self.sums["steps"]), t)
 
     def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
         """Run from the present state up to the end of a cycle; return what went wrong.

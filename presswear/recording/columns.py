@@ -114,10 +114,13 @@ CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(
 # ``nominal_time``
 LEADER_CYCLE = (
     Column("duration", "s", "of the cycle"),
-    Column("leader_speed_min", "rad/s", "least speed of the first motor, in its sense"),
+    Column("leader_speed_mean", "rad/s", "mean speed of the first motor, in its sense"),
+    Column("leader_speed_min", "rad/s", "its least speed"),
     Column("leader_speed_max", "rad/s", "its greatest speed"),
 )
-DURATION, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(len(LEADER_CYCLE))
+DURATION, LEADER_SPEED_MEAN, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(
+    len(LEADER_CYCLE)
+)
 LEADER_CYCLE_COUNT = len(LEADER_CYCLE)
 SERIES_COUNT, JOINT_SERIES_COUNT = len(SERIES), len(JOINT_SERIES)
 

@@ -19,6 +19,9 @@ from presswear.tools.compile import Records, compiled, floats, inlined
 # A section is reached this far before its end, s: round-off of angles lies below
 SECTION_TOL = 1e-11
 
+# Part of the nominal speed below which a motor that has run stalls
+STALLED = 0.05
+
 # Leader and nominal time of a run
 NOMINAL = np.dtype(
     [
@@ -31,7 +34,11 @@ NOMINAL = np.dtype(
         ("jerk", np.float64),
         # at which the present section ends, s; infinite: at a time of the clock
         ("end", np.float64),
-        ("cycle_start", np.float64),  # time at which the cycle began, s
+        # time and nominal time at which the cycle began, s
+        *floats("cycle_start", "cycle_begin"),
+        ("runs", np.bool_),  # its rate was above STALLED
+        # nominal time at which the rate fell below STALLED, s; infinite: not yet
+        ("stall", np.float64),
     ]
 )
 
@@ -39,7 +46,7 @@ NOMINAL = np.dtype(
 def nominal_of(linkage: Linkage) -> Records:
     """Return the record of the leader of a linkage, as one of NOMINAL."""
     nominal, leader = np.zeros(1, NOMINAL), linkage.leader
-    nominal["column"], nominal["end"] = -1, math.inf
+    nominal["column"], nominal["end"], nominal["stall"] = -1, math.inf, math.inf
     if leader is not None:
         nominal["column"] = 3 * linkage.index(leader.body) + 2
         nominal["start"], nominal["speed"] = leader.angle, leader.speed
@@ -92,6 +99,10 @@ def note_nominal(
         rise = a[state.column] / state.speed
         state.jerk = (rise - state.rise) / h if h > 0.0 else 0.0
         state.rise = rise
+        if now[1] >= STALLED:
+            state.runs = True
+        elif state.runs and math.isinf(state.stall):
+            state.stall = now[0]
 
 
 @inlined

@@ -20,6 +20,7 @@ from presswear.recording.columns import (
     JOINT_SERIES_COUNT,
     LEADER_CYCLE,
     LEADER_SPEED_MAX,
+    LEADER_SPEED_MEAN,
     LEADER_SPEED_MIN,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
@@ -155,6 +156,7 @@ class Recorder:
             leader = records.cycle[self._leader_column :]
             nominal = records.nominal[0]
             nominal["cycle_start"] = self.last_time
+            nominal["cycle_begin"] = nominal["now"]
             speed = nominal["rate"] * abs(nominal["speed"])
             is_first = self.last_time == 0.0  # without a state yet
             leader[LEADER_SPEED_MIN] = math.inf if is_first else speed
@@ -210,13 +212,20 @@ class Recorder:
         """Store the present cycle and start the next; return the depth that it added, m."""
         self._note_pins()
         if self.has_leader:
-            duration = self.last_time - self.records.nominal["cycle_start"][0]
-            self.records.cycle[self._leader_column + DURATION] = duration
+            self._note_duration()
         self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)
         self.start_cycle()
         return depth
+
+    def _note_duration(self) -> None:
+        """Write the duration of the cycle and the mean speed of the leader into its row."""
+        nominal, leader = self.records.nominal[0], self.records.cycle
+        leader = leader[self._leader_column :]
+        leader[DURATION] = self.last_time - nominal["cycle_start"]
+        turned = abs(nominal["speed"]) * (nominal["now"] - nominal["cycle_begin"])
+        leader[LEADER_SPEED_MEAN] = turned / leader[DURATION]
 
     def _note_pins(self) -> None:
         """Write the places of the pins at the end of the cycle into its row."""

@@ -15,10 +15,13 @@ from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ledger import Ledger, made_remedy
 from presswear.physics.packed import mass_of, pack
+from presswear.recording.nominal_time import STALLED
 from presswear.recording.recorder import Recorder
 from presswear.tools.arrays import Array
 
-Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
+Kind = Literal[
+    "state", "energy", "steps", "constraints", "penetration", "wear", "motor"
+]
 
 # residual of the energy balance over the energy that the drives exchanged
 RESIDUAL = 3e-3
@@ -36,6 +39,7 @@ MIN_CONTACTS = 20  # of a joint, before these are judged
 DRIFT = 0.01  # error of a constraint, m or rad, of the smallest clearance
 MIN_DRIFT = 1e-7  # m or rad, which harms no linkage
 DRIFT_IDEAL = 1e-4  # m, without clearance
+START_CYCLES = 1000  # nominal cycles in which a motor must have started
 STALL_STEPS = 1000  # after which the progress of a run is judged
 # Least mean step, s, and as a part of a cycle; in a clearance of 1 nm it is far longer
 STALL = 1e-12
@@ -82,6 +86,27 @@ class Progress:
         return Finding("state", what, time, "", remedy)
 
 
+def check_motor(recorder: Recorder, time: float) -> Finding | None:
+    """Return a finding if the motor that leads a run has stalled, or does not start."""
+    nominal = recorder.records.nominal[0]
+    cycle = float(recorder.records.output["period"][0])
+    remedy = "a motor with more torque, or with a larger inertia, may help"
+    if math.isfinite(nominal["stall"]):
+        angle = math.degrees(nominal["start"] + nominal["speed"] * nominal["stall"])
+        what = (
+            f"the motor stalls at an angle of {angle % 360.0:.1f} degrees of its crank"
+        )
+        what += f": its speed falls below {100.0 * STALLED:g} % of the nominal speed"
+        return Finding("motor", what, time, "", remedy)
+    if recorder.has_leader and not nominal["runs"] and time > START_CYCLES * cycle:
+        what = (
+            f"the motor does not start: after {time:.6g} s its speed has never reached "
+            f"{100.0 * STALLED:g} % of the nominal speed"
+        )
+        return Finding("motor", what, time, "", remedy)
+    return None
+
+
 @dataclass(frozen=True)
 class Condition:
     """Condition of a run after a cycle."""
@@ -101,7 +126,8 @@ def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | N
             "state", "the state is no longer finite", now.time, "", now.remedy
         )
     return (
-        _check_contacts(linkage, recorder, now)
+        check_motor(recorder, now.time)
+        or _check_contacts(linkage, recorder, now)
         or _check_energy(linkage, recorder, now)
         or _check_constraints(linkage, now)
     )

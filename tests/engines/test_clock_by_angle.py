@@ -1,6 +1,7 @@
 """Cycles that end at an angle of the leader: closed forms of a rotor on a motor, in all engines."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ from scipy.optimize import brentq
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
 
 SPEED, TIME, ANGLE = 2.0 * math.pi, 0.7, 0.3  # rad/s, s, rad
@@ -22,24 +22,21 @@ ENGINES: list[tuple[Engine, float]] = [
 ]
 
 
-def line(speed: float) -> float:
-    """Torque of a line motor, N m, on an inertia of 2 kg m^2."""
-    return 2.0 / 0.7 * (6.283185307179586 - speed)
+INERTIA, SLIP = 2.0, 0.08  # kg m^2
 
 
-def rotor() -> Linkage:
-    """A rotor on a pin, turned by a moment that depends on its speed."""
-    body = pw.Body("crank", 5.0, 2.0, points={"tip": (0.1, 0.0)})
-    pin = pw.Pin("A", (0.0, 0.0), "crank.centre")
+def rotor(torque: float = INERTIA * SPEED * SLIP / TIME, brake: float = 0.0) -> Linkage:
+    """A rotor on a pin with a line motor; ``brake`` is a moment against it, N m."""
+    body = pw.Body("crank", 5.0, INERTIA, points={"tip": (0.1, 0.0)})
+    motor = pw.Motor(torque, slip=SLIP, breakdown=None)
     return pw.assemble(
         [body],
-        [pin],
+        [pw.Pin("A", (0.0, 0.0), "crank.centre")],
+        [pw.Drive("crank", SPEED, ANGLE, motor=motor)],
         output="crank.tip",
         direction=0.0,
-        cycle=1.0,
         gravity=0.0,
-        loads=[pw.Moment("crank", line)],
-        guess={"crank": ANGLE},
+        loads=[pw.Load("crank", moment=-brake)] if brake else [],
     )
 
 
@@ -52,27 +49,24 @@ def instant(angle: float, first: float) -> float:
     return float(brentq(lambda t: turned(t, first) - angle, 0.0, 10.0, xtol=1e-15))
 
 
-@pytest.fixture
-def leader(monkeypatch: pytest.MonkeyPatch) -> None:
-    drive = Drive("crank", SPEED, ANGLE)
-    monkeypatch.setattr(Linkage, "leader", property(lambda self: drive))
-
-
-def run_of(engine: Engine, cycles: int, first: float, **plan: object) -> Run:
+def run_of(
+    engine: Engine,
+    cycles: int,
+    first: float,
+    linkage: Linkage | None = None,
+    **plan: Any,
+) -> Run:
     start = Start(np.array([0.0, 0.0, ANGLE]), np.array([0.0, 0.0, first]))
-    run = engine.for_cycle(1.0).simulate(
-        rotor(), start, Plan(1.0, cycles, torques=False, **plan)
-    )
-    assert run.status == "completed", run.message
-    return run
+    plan = Plan(1.0, cycles, torques=False, **plan)
+    return engine.for_cycle(1.0).simulate(linkage or rotor(), start, plan)
 
 
-@pytest.mark.usefixtures("leader")
 @pytest.mark.parametrize(("engine", "off"), ENGINES, ids=lambda one: str(one)[:30])
 def test_cycles_end_at_whole_turns(engine: Engine, off: float) -> None:
     """A rotor that starts at a tenth of its speed: its first turns take longer."""
     first = 0.1 * SPEED
     run = run_of(engine, 3, first, sections=(0.25, 0.999, 1.0))
+    assert run.status == "completed", run.message
     ends = np.array([instant(2.0 * math.pi * k, first) for k in range(4)])
     recorder = run.recorder
     assert recorder.each_cycle("duration") == pytest.approx(np.diff(ends), abs=off)
@@ -89,14 +83,56 @@ def test_cycles_end_at_whole_turns(engine: Engine, off: float) -> None:
     least = [SPEED + (first - SPEED) * math.exp(-t / TIME) for t in ends]
     assert recorder.each_cycle("leader_speed_min") == pytest.approx(least[:3], abs=1e-4)
     assert recorder.each_cycle("leader_speed_max") == pytest.approx(least[1:], abs=1e-4)
+    mean = 2.0 * math.pi / np.diff(ends)
+    assert recorder.each_cycle("leader_speed_mean") == pytest.approx(mean, rel=off)
     time, nominal = recorder.series("time"), recorder.nominal_times
     angles = np.array([turned(t, first) for t in time])
     assert nominal == pytest.approx(angles / SPEED, abs=max(off, 1e-8))
 
 
-@pytest.mark.usefixtures("leader")
 def test_a_run_by_the_clock_ends_at_its_time() -> None:
     first = 0.1 * SPEED
     run = run_of(ENGINES[0][0], 2, first, by_clock=True)
     assert run.time == 2.0
     assert run.end.position[2] - ANGLE == pytest.approx(turned(2.0, first), abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", [ENGINES[0][0], ENGINES[3][0], ENGINES[4][0]])
+def test_a_stalled_motor_ends_the_run(engine: Engine) -> None:
+    """A brake of the torque at a slip of 0.98, w = W_0 (0.02 + 0.98 exp(-t / T))."""
+    torque = INERTIA * SPEED * SLIP / TIME
+    run = run_of(engine, 9, SPEED, rotor(brake=0.98 * torque / SLIP))
+    instant_of_stall = -TIME * math.log(0.03 / 0.98)
+    angle = ANGLE + SPEED * (0.02 * instant_of_stall + TIME * (0.98 - 0.03))
+    assert run.status == "failed"
+    assert run.finding is not None
+    assert run.finding.kind == "motor"
+    stalled = float(run.message.split("an angle of ")[1].split()[0])
+    assert stalled == pytest.approx(math.degrees(angle) % 360.0, abs=3.0)
+
+
+def test_a_flywheel_approaches_the_even_crank_with_one_over_its_inertia() -> None:
+    """Durations of a crank with an unbalanced mass, which starts at its top.
+
+    From the side the first order would cancel over a turn.
+    """
+    even, off = 1.0, []
+    for inertia in (1e3, 1e4):
+        body = pw.Body("crank", 50.0, 2.0, points={"axis": (-0.1, 0.0)})
+        motor = pw.Motor(10.0, slip=SLIP, breakdown=None, inertia=inertia)
+        linkage = pw.assemble(
+            [body],
+            [pw.Pin("A", (0.0, 0.0), "crank.axis")],
+            [pw.Drive("crank", SPEED, 0.5 * math.pi, motor=motor)],
+        )
+        position = np.array([0.0, 0.1, 0.5 * math.pi])
+        velocity = np.array([-0.1 * SPEED, 0.0, SPEED])
+        run = (
+            ENGINES[0][0]
+            .for_cycle(1.0)
+            .simulate(linkage, Start(position, velocity), Plan(1.0, 1))
+        )
+        assert run.status == "completed", run.message
+        off.append(float(run.recorder.each_cycle("duration")[0]) - even)
+    assert abs(off[0]) > 1e-4
+    assert off[0] / off[1] == pytest.approx(10.0, rel=0.1)

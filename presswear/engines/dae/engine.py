@@ -38,7 +38,7 @@ from presswear.physics.ledger import (
 )
 from presswear.physics.prescribed import begin_motion
 from presswear.recording.recorder import Recorder
-from presswear.recording.soundness import Finding, Progress
+from presswear.recording.soundness import Finding, Progress, check_motor
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError
@@ -256,7 +256,8 @@ class _Solver:
         if status in (BROKEN, STUCK):
             rubs = bool(self.linkage.rubbing_pins)
             return _problem(status, self.constraints, rubs, *self.motion())
-        return self.progress.judge(int(self.control["steps"][0]), time)
+        stalled = check_motor(self.recorder, time)
+        return stalled or self.progress.judge(int(self.control["steps"][0]), time)
 
     def motion(self) -> tuple[float, Array, Array]:
         """Return time, s, coordinates and rates of all bodies."""
