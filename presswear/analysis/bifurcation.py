@@ -37,9 +37,8 @@ Branch = np.recarray[
 ]  # rows of ``run_value`` in the order of the runs, with attributes
 InitialState = Callable[[Scene], Start]
 
-ENGINE = InHouse(
-    "dopri5", 1e-6
-)  # periodic pins within 6e-4 of the clearance of those at 1e-9
+# periodic pins within 6e-4 of the clearance of those at 1e-9
+ENGINE = InHouse("dopri5", 1e-6)
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
@@ -119,7 +118,8 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     shape (2, 3 bodies): positions and velocities at the end. If the run fails, all
     numbers are NaN and the end is ``ideal``. So are numbers not computed.
     """
-    linkage, period = scene.linkage(), scene.mechanism.period
+    linkage = scene.linkage()
+    period = scene.mechanism.period
     joints = len(linkage.clearances)
     fields: list[Any] = [
         ("value", float),

@@ -154,8 +154,10 @@ def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
     lasting = (stage.clock > last) & (item.penetration > 0.0)
     if lasting.any():
         more = [[stage.clock[lasting][0], end + scene.mechanism.period]]
-        contacts, closing = np.append(contacts, more, axis=0), np.append(closing, 0.0)
-    sliding, lower_speed = (stage.clock, item.sliding), scene.bearing(joint).lower_speed
+        contacts = np.append(contacts, more, axis=0)
+        closing = np.append(closing, 0.0)
+    sliding = (stage.clock, item.sliding)
+    lower_speed = scene.bearing(joint).lower_speed
     return timeline((start, end), contacts, closing, sliding, lower_speed)
 
 

@@ -25,24 +25,12 @@ from presswear.recording.settling import CHANGE, REPEATED, signatures
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.arrays import Array
 
-DIRECTIONS = (
-    0,
-    45,
-    90,
-    135,
-    180,
-    225,
-    270,
-    315,
-)  # degrees from the x axis of the bearing's body
+# degrees from the x axis of the bearing's body
+DIRECTIONS = (0, 45, 90, 135, 180, 225, 270, 315)
 STATES = 8  # of a settled motion that are kicked
 WATCHED = 2 * REPEATED  # cycles after a kick
-FACTORS = (
-    2.0,
-    2.0**0.5,
-    2.0**0.25,
-    2.0**0.125,
-)  # by which kicks are made weaker, in turn
+# by which kicks are made weaker, in turn
+FACTORS = (2.0, 2.0**0.5, 2.0**0.25, 2.0**0.125)
 WEAKEST = 1e-4  # over the strongest kick
 
 
@@ -95,7 +83,8 @@ def least_kicks(
 
     def rattles(k: int, case: int, speed: float) -> bool:
         report(k / len(linkage.clearances))
-        state, degrees = states[cases[case][0]], cases[case][1]
+        state = states[cases[case][0]]
+        degrees = cases[case][1]
         angle = body_angle(linkage, state, k) + math.radians(degrees)
         change = np.zeros((len(linkage.clearances), 2))
         change[k] = speed * np.array([math.cos(angle), math.sin(angle)])
@@ -130,10 +119,12 @@ def least_speed(
     case = first(most)
     if case is None:
         return most, None, 0
-    limit, last = most, case
+    limit = most
+    last = case
     for factor in FACTORS:
         while limit > WEAKEST * most and (case := first(limit / factor)) is not None:
-            limit, last = limit / factor, case
+            limit = limit / factor
+            last = case
     returns = limit / FACTORS[-1] if limit > WEAKEST * most else 0.0
     return returns, limit, last
 

@@ -30,9 +30,8 @@ Context = TypeVar("Context")
 Arrays = Mapping[str, NDArray[Any]]
 
 DISCARDED = 0.1  # share of the intervals, while the pair turns to the fastest growth
-ENGINE = InHouse(
-    "dop853", 1e-11
-)  # growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
+# growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
+ENGINE = InHouse("dop853", 1e-11)
 DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
 SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
 INTERVALS = 20  # rescalings in a cycle, so many that a pair does not saturate
@@ -138,10 +137,8 @@ class Flow:
         scales = np.array([state.scale for state in equations.states])
         length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
         speed = length * SPEED_RATIO * 2.0 * math.pi / period
-        coordinates, onsets = (
-            np.repeat([length, speed], count),
-            np.full(len(joints), speed),
-        )
+        coordinates = np.repeat([length, speed], count)
+        onsets = np.full(len(joints), speed)
         # Coordinates, rates and states come first in the integrated vector.
         self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array(
@@ -150,7 +147,8 @@ class Flow:
         self.distance = np.concatenate([coordinates, DISTANCE * scales, onsets])
         self.interval = period / per_cycle
         # Arrays of the integrator and the recorder that determine the further motion.
-        records, loads = self.records, self.records.packed.loads
+        records = self.records
+        loads = self.records.packed.loads
         contact = {
             "contacts": records.contacts,
             "onset": records.onset,

@@ -51,7 +51,8 @@ def periodicity(
     tolerance : float
         Largest difference of a periodic motion, relative to the scales.
     """
-    scaled, smallest = states / scales, np.inf
+    scaled = states / scales
+    smallest = np.inf
     for period in range(1, len(scaled) // 2 + 1):
         error = float(np.abs(scaled[period:] - scaled[:-period]).max())
         if error <= tolerance:

@@ -35,7 +35,8 @@ def capped(eccentricity: Array, clearance: Array) -> Array:
 def move_pins(linkage: Linkage, position: Array, eccentricity: Array) -> Array:
     """Return the coordinates, shape (3 bodies,), with pins at these eccentricities, at t = 0."""
     rows, pins = _rows(linkage)
-    moved, rest = position.copy(), np.zeros_like(position)
+    moved = position.copy()
+    rest = np.zeros_like(position)
     for _ in range(NEWTON_STEPS):
         phi, _, _, jacobian = rows.evaluate(0.0, moved, rest)
         phi[pins] += eccentricity.ravel()

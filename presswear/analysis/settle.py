@@ -41,7 +41,8 @@ from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
 FILE = "settling.json"
-RUNS, KICKS = "runs.npz", "kicks.json"
+RUNS = "runs.npz"
+KICKS = "kicks.json"
 SCHEMA = 1
 # times the cycles that a settled motion must repeat for, until a run ends
 WATCHED_TWICE = 2
@@ -152,7 +153,8 @@ class _Folder:
     """Finished runs and kicks of a folder, which are written after each one."""
 
     def __init__(self, folder: Path, starts: int) -> None:
-        self._folder, self._starts = folder, starts
+        self._folder = folder
+        self._starts = starts
         self.rows: dict[tuple[int, int], NDArray[Any]] = {}  # by value and start
         self.kicks: dict[tuple[int, int], tuple[Kick, ...]] = {}  # by value and start
         if (folder / RUNS).exists():

@@ -109,7 +109,8 @@ def motion_rows(settled: FinalMotionsAt) -> tuple[list[str], list[list[str]]]:
             whole(motion.period),
         ]
         for joint in settled.joints:
-            force, count = motion.peak_force[joint], motion.contacts[joint]
+            force = motion.peak_force[joint]
+            count = motion.contacts[joint]
             rows.append([*first, joint, readable(force, 4), readable(count, 2)])
             first = [""] * len(first)
     return heads, rows
@@ -122,7 +123,8 @@ def _percent(share: Estimate) -> str:
 
 def tables(result: FinalMotions) -> dict[str, Table]:
     """Return the tables of a result by the names of their files; SI units."""
-    parameter, joints = result.parameter, result.scene.clearance_joints
+    parameter = result.parameter
+    joints = result.scene.clearance_joints
     first = [] if parameter is None else [_named(parameter.key, parameter.unit)]
     return {
         "starts.csv": ([*first, *_start_heads(joints)], _start_rows(result)),
@@ -196,7 +198,8 @@ def _motion_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
         for number, motion in enumerate(settled.motions, 1):
-            share, least = motion.share, motion.least_kick
+            share = motion.share
+            least = motion.least_kick
             row = [*first, number, motion.starts, share.mean, share.low, share.high]
             row.append("irregular" if motion.period is None else motion.period)
             for joint in settled.joints:

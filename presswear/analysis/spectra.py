@@ -87,9 +87,8 @@ def power_spectrum(
     cycles : int
         Largest number of cycles in a segment.
     """
-    available = int(
-        (time[-1] - time[0]) / period + 0.02
-    )  # rows end slightly before a cycle does
+    # rows end slightly before a cycle does
+    available = int((time[-1] - time[0]) / period + 0.02)
     if available < 1:
         raise InputError(
             "a spectrum needs at least one recorded cycle; increase recorded_cycles"
@@ -121,7 +120,8 @@ def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     rows = (stage.time >= start) & (stage.time <= end)
     series = {"": stage.acceleration}
     series |= {name: joint.force[:, 0] for name, joint in stage.joints.items()}
-    clock, period = stage.clock[rows], scene.mechanism.period
+    clock = stage.clock[rows]
+    period = scene.mechanism.period
     if stage.has_clock:  # the mean duration of a cycle
         period *= float(np.ptp(clock) / np.ptp(stage.time[rows]))
     return {

@@ -26,9 +26,8 @@ class SpreadStarts:
         clearance = np.array([joint.clearance for joint in linkage.clearances])
         target = capped(self.eccentricity[index], clearance)
         position = move_pins(linkage, ideal.position, target)
-        at_rest = with_velocity(
-            linkage.ideal, position, ideal.velocity
-        )  # in the bearings
+        # in the bearings
+        at_rest = with_velocity(linkage.ideal, position, ideal.velocity)
         return kick_pins(linkage, at_rest, self.velocity[index])
 
 

@@ -60,7 +60,8 @@ def median_penetration(recorders: Sequence[Recorder], joint: int) -> float | Non
     """
     times = [np.diff(recorder.series("time")) for recorder in recorders]
     depths = [recorder.series("penetration", joint)[1:] for recorder in recorders]
-    duration, depth = np.concatenate(times), np.concatenate(depths)
+    duration = np.concatenate(times)
+    depth = np.concatenate(depths)
     closed = depth > 0.0
     if not closed.any():
         return None

@@ -120,10 +120,8 @@ def run(
             status, message, finding = run_campaign(
                 scene, (memory, *observers), workers=workers
             )
-        stages, wall = (
-            tuple(memory.stages),
-            sum(stage.wall_s for stage in memory.stages),
-        )
+        stages = tuple(memory.stages)
+        wall = sum(stage.wall_s for stage in memory.stages)
         result = Result(
             scene, stages, status, message, provenance(), wall, life=memory.life
         )
@@ -279,9 +277,8 @@ class Checkpoint:
     """State of a campaign between two cycles, saved as named arrays."""
 
     index: int = 0  # of the stage that runs
-    depth: Array = field(
-        default_factory=lambda: np.zeros(0)
-    )  # of the surfaces of its runs, m
+    # of the surfaces of its runs, m
+    depth: Array = field(default_factory=lambda: np.zeros(0))
     stage: EnsembleState | None = None  # its finished runs, while they wear
     update: WearUpdate | None = None  # last refinement of the wear update after it
     # unfinished runs of the stage or of a refinement
@@ -369,10 +366,8 @@ def run_stage(
 ) -> tuple[StageResult, Ensemble]:
     """Run the first stage without the wear update after it; return its runs as well."""
     depth = initial_depth(scene) if depth is None else depth
-    runner, check = (
-        Runner(scene, workers or Workers(), observers),
-        StepCheck(scene, depth[0]),
-    )
+    runner = Runner(scene, workers or Workers(), observers)
+    check = StepCheck(scene, depth[0])
     ensemble = runner.run(depth, stage_spec(scene, 0), step_check=check)
     return stage_result(scene, 0, ensemble), ensemble
 
@@ -419,8 +414,10 @@ class _Campaign:
         )
 
     def _run_life(self) -> None:
-        runner, scene = self.runner, self.runner.scene
-        state, initial = self.at.life or LifeState(), initial_depth(scene)
+        runner = self.runner
+        scene = self.runner.scene
+        state = self.at.life or LifeState()
+        initial = initial_depth(scene)
 
         def report(life: LifeResult) -> None:
             for observer in runner.observers:
@@ -446,10 +443,13 @@ class _Campaign:
 
     def _run_stage(self, index: int) -> Outcome | None:
         """Run a stage and the wear update after it; return how it failed, or None."""
-        runner, scene, at = self.runner, self.runner.scene, self.at
+        runner = self.runner
+        scene = self.runner.scene
+        at = self.at
         runner.start_stage(index)
         _LOG.info("stage %d begins: %s", index, scene.stage_name(index))
-        spec, is_last = stage_spec(scene, index), index == scene.wear_updates
+        spec = stage_spec(scene, index)
+        is_last = index == scene.wear_updates
         if at.stage is not None:
             ensemble = Ensemble.of(scene, spec, at.depth, at.stage)
             runner.done += ensemble.state.cycles / scene.replicate_count
@@ -478,24 +478,24 @@ class _Campaign:
 
     def _apply_wear(self, index: int, ensemble: Ensemble) -> Finding | None:
         """Apply the wear after a stage, by updates or of the life; return the finding."""
-        runner, scene, joints = (
-            self.runner,
-            self.runner.scene,
-            ensemble.linkage.clearances,
-        )
+        runner = self.runner
+        scene = self.runner.scene
+        joints = ensemble.linkage.clearances
         if self.strokes is not None:
             assert self.at.life is not None
             since, until = (
                 self.strokes * k / scene.wear_updates for k in (index, index + 1)
             )
-            refinements, initial = self.at.life.refinements, initial_depth(scene)
+            refinements = self.at.life.refinements
+            initial = initial_depth(scene)
             update = wear_between(refinements, joints, initial, since, until)
             self.at = replace(self.at, update=update)
             return None
         if self.at.stage is None:
             self.at = replace(self.at, stage=ensemble.state, running=EnsembleState())
         self._keep()
-        each, time = cycles_of_update(scene, ensemble), ensemble.simulated_s
+        each = cycles_of_update(scene, ensemble)
+        time = ensemble.simulated_s
         at_end = (index + 1) * each
         if not scene.wears_in_steps:
             update = jump(ensemble, each)
@@ -517,7 +517,8 @@ class _Campaign:
             worn = self._run(ensemble.depth, spec)
             if worn.finding is not None:
                 return replace(worn.finding, what=f"{spec.label}: {worn.finding.what}")
-            where, time = f"the {spec.label}: ", worn.simulated_s
+            where = f"the {spec.label}: "
+            time = worn.simulated_s
             finding = worn_out(joints, worn.surface_depth, where, time, at_end)
             if finding is None:
                 update = cycle_by_cycle(worn, each, self.at.update, start_up)
@@ -535,7 +536,8 @@ class _Campaign:
             for key, value in stage.diagnostics.items()
             if key.startswith("steps")
         }
-        how, cycles = stage.message or stage.status, stage.statistics.cycles
+        how = stage.message or stage.status
+        cycles = stage.statistics.cycles
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
         for observer in self.runner.observers:
             observer.on_stage(stage)

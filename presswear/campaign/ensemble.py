@@ -64,11 +64,8 @@ WATCHED_SECONDS = 10.0  # computing time of all replicates that these cycles may
 MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
 # key of the step check among the jobs, whose other keys are indices of runs
 STEP_CHECK = -1
-_LARGEST = (
-    "deepest_touch_m",
-    "constraint_error_m",
-    "constraint_velocity_error_m_s",
-)  # not summed
+# not summed
+_LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
 
 
 @dataclass(frozen=True)
@@ -78,9 +75,8 @@ class EnsembleState:
     runs: tuple[RunState | None, ...] = ()  # None: the run has not started
     until: tuple[int, ...] = ()  # cycle at which each run ends its round
     wall: float = 0.0  # wall time, s
-    step_errors: Mapping[str, float] = field(
-        default_factory=dict
-    )  # of a finished step check
+    # of a finished step check
+    step_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def cycles(self) -> int:
@@ -111,7 +107,8 @@ class Ensemble:
             runs.append(run.run(scene, spec, surfaces))
         if runs[-1].status == "failed":
             state = replace(state, step_errors={})
-        state, linkage = replace(state, runs=state.runs[: len(runs)]), scene.linkage()
+        state = replace(state, runs=state.runs[: len(runs)])
+        linkage = scene.linkage()
         is_raw = scene.conventions.wear_maps == "raw"
         bins = () if is_raw else tuple(joint.bins for joint in linkage.clearances)
         return Ensemble(linkage, depth, tuple(runs), scene.replicate_count, state, bins)
@@ -230,7 +227,8 @@ class Runner:
     def start_stage(self, index: int) -> None:
         """Start the progress of another stage."""
         self.life = self.shares if self.index is None else self.life
-        self.index, self.shares = index, (0.0, 0.0)
+        self.index = index
+        self.shares = (0.0, 0.0)
         self.done = self.later = self.reported = 0.0
 
     def run(
@@ -262,15 +260,18 @@ class Runner:
         Each cycle completes an equal part of what is left, so that progress never
         falls.
         """
-        done, left = self.done + part, whole - part + self.later
-        step, self.reported = max(done - self.reported, 0.0), max(done, self.reported)
+        done = self.done + part
+        left = whole - part + self.later
+        step = max(done - self.reported, 0.0)
+        self.reported = max(done, self.reported)
         shown = self.shares[0]
         if step > 0.0:
             shown = min(shown + (1.0 - shown) * step / (step + left), MAX_SHARE)
         self.shares = shown, done / (done + left)
         whole, estimate = self.shares
         if self.index is not None:
-            stages, index = self.scene.wear_updates + 1, self.index
+            stages = self.scene.wear_updates + 1
+            index = self.index
             whole, estimate = (
                 life + (1.0 - life) * (index + share) / stages
                 for life, share in zip(self.life, self.shares, strict=True)
@@ -300,10 +301,8 @@ class _Rounds:
         if self.spec.tolerance is not None:
             first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
         sets = len(self.depth) // size
-        runs, until = (
-            self.state.runs or (None,) * len(self.depth),
-            self.state.until or first * sets,
-        )
+        runs = self.state.runs or (None,) * len(self.depth)
+        until = self.state.until or first * sets
         self.state = replace(self.state, runs=runs, until=until)
         self._linkages = [
             linkage_on(self.runner.scene, surfaces) for surfaces in self.depth
@@ -334,12 +333,14 @@ class _Rounds:
         """Start the step check once the runs are long enough."""
         if self.step_check is None or sum(self.state.until) < STEP_CHECK_CYCLES:
             return {}
-        job, self.step_check = self.step_check, None
+        job = self.step_check
+        self.step_check = None
         return {STEP_CHECK: job}
 
     def units(self, indices: Iterable[int]) -> dict[int, Job]:
         """Return the work units of runs that are not at the end of their round."""
-        runner, last = self.runner, self._last()
+        runner = self.runner
+        last = self._last()
         frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
         units: dict[int, Job] = {}
@@ -382,7 +383,8 @@ class _Rounds:
 
     def _next_round(self, number: int) -> Sequence[int]:
         """Return the runs of a set if another round of it starts."""
-        spec, members = self.spec, range(number * self._size, (number + 1) * self._size)
+        spec = self.spec
+        members = range(number * self._size, (number + 1) * self._size)
         if spec.tolerance is None or self._last() < members[-1]:
             return ()
         if not all(map(self._is_over, members)):
@@ -434,13 +436,15 @@ class _Rounds:
 
     def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Report the progress of the runs."""
-        is_compiling, size = math.isnan(done), self._size
+        is_compiling = math.isnan(done)
+        size = self._size
         if index != STEP_CHECK and not is_compiling:
             self._done[index] = done
         needed = np.repeat(self._needed, size)
         cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
         word = self.spec.label or cycle
-        linkage, film = self._linkages[index], None
+        linkage = self._linkages[index]
+        film = None
         # A window shows one of the runs.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(linkage.clearances))

@@ -18,7 +18,9 @@ from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import large, readable
 
-NEW, WORN = "new", "worn once"  # surfaces
+# Surfaces
+NEW = "new"
+WORN = "worn once"
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,8 @@ def rates_of(stage: StageResult) -> WearRates:
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
     assert scene.life is not None
-    joints, worn = scene.clearance_joints, rates_of(stage)
+    joints = scene.clearance_joints
+    worn = rates_of(stage)
     limits = tuple(
         _limit(scene, limit, new, worn, stage) for limit in scene.life.limits(joints)
     )
@@ -104,7 +107,8 @@ def _limit(
             each for each in scene.linkage().clearances if each.name == limit.joint
         )
         value, rate = (np.array([worn_volume(joint, each)]) for each in (depth, rate))
-    level, strokes = float(value.max()), math.inf
+    level = float(value.max())
+    strokes = math.inf
     if level >= limit.value:
         strokes = new.strokes * limit.value / level
     elif np.any(rate > 0.0):

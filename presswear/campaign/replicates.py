@@ -65,7 +65,8 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     moved = disturbed(linkage, start, fraction * spread)
     if moved is None:
         return start
-    constraints, position = constraints_of(linkage), moved.position
+    constraints = constraints_of(linkage)
+    position = moved.position
     for _ in range(NEWTON_STEPS):
         gap, _, _, jacobian = constraints.evaluate(0.0, position, moved.velocity)
         position = position - np.linalg.pinv(jacobian) @ gap
@@ -112,7 +113,8 @@ def linkage_on(scene: Scene, depth: Array) -> Linkage:
 
 @lru_cache(maxsize=64)  # each run of a stage requests it three times
 def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage:
-    surfaces, depth = {}, np.frombuffer(numbers).reshape(shape)
+    surfaces = {}
+    depth = np.frombuffer(numbers).reshape(shape)
     for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
         surfaces[joint.name] = (
             Surface(bearing[: joint.bins]),
@@ -136,9 +138,9 @@ def worn_out(
     deepest = depth.max(axis=-1, initial=0.0)
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     for *run, k, side in np.argwhere(deepest > clearances)[:1]:
-        lost = quantity_text(deepest[(*run, k, side)], "m")
+        worn = quantity_text(deepest[(*run, k, side)], "m")
         clearance = quantity_text(joints[k].clearance, "m")
-        what = f"{where}the {SIDES[side]} would lose {lost}, more than the clearance of {clearance}"
+        what = f"{where}the {SIDES[side]} would lose {worn}, more than the clearance of {clearance}"
         tenth = 0.1 * strokes * joints[k].clearance / float(deepest[(*run, k, side)])
         advice = f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
         advice += "; or check wear_coefficient"
@@ -271,15 +273,18 @@ class _RunningPart(Observer):
     """Ends a part of a run in time, and keeps the arrays to resume from."""
 
     def __init__(self, unit: WorkUnit) -> None:
-        self._unit, self.linkage = unit, linkage_on(unit.scene, unit.part.depth)
-        self._started, self._is_interrupted = clock.perf_counter(), False
+        self._unit = unit
+        self.linkage = linkage_on(unit.scene, unit.part.depth)
+        self._started = clock.perf_counter()
+        self._is_interrupted = False
         self.arrays = unit.part.arrays
         self._resumed = (
             0 if self.arrays is None else len(self.arrays["recorder/cycles"])
         )
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
-        cycles, unit = len(recorder.cycles), self._unit
+        cycles = len(recorder.cycles)
+        unit = self._unit
         if cycles > self._resumed:
             self.arrays = state()
         is_worn_out = unit.spec.wear and worn_out(
@@ -339,14 +344,18 @@ class StepCheck:
         They are the largest of all joints, by the names of ``StageStatistics``; empty
         where the engine has no tolerance or a run failed.
         """
-        scene, linkage = self.scene, linkage_on(self.scene, self.depth)
-        cycle, joints = scene.mechanism.period, range(len(linkage.clearances))
+        scene = self.scene
+        linkage = linkage_on(self.scene, self.depth)
+        cycle = scene.mechanism.period
+        joints = range(len(linkage.clearances))
         engine = scene.solver.for_cycle(cycle)
         finer: Engine | None = engine.finer(REFINEMENT)
         if finer is None or not joints:
             return {}
-        simulate_finer, start = finer.simulate, start_of(scene, self.replicate)
-        first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
+        simulate_finer = finer.simulate
+        start = start_of(scene, self.replicate)
+        first = PIECES * SETTLING
+        last = PIECES * (SETTLING + 1)
         plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
         plan = replace(plan, report=lambda part, recorder: report(part))
         fine: dict[int, Array] = {}

@@ -45,7 +45,9 @@ MIN_CYCLES = 16  # of each history up to the life, in a refinement that determin
 MIN_REFINEMENT = 1.5
 MAX_STEP_GROWTH = 2.0  # from block to block
 SECOND_GROWTH = 2.6  # of the cycles, in the second refinement
-MIN_GROWTH, MAX_CYCLE_GROWTH = 2.0, 8.0  # of the cycles, from refinement to refinement
+# Growth of the cycles from refinement to refinement
+MIN_GROWTH = 2.0
+MAX_CYCLE_GROWTH = 8.0
 # of the tolerance, expected distance of the first two refinements, or
 FIRST_DISTANCE = 0.3
 # of the half width over the histories: the mean for equal distributions
@@ -149,7 +151,8 @@ class Refinement:
 
     def crossing(self, limits: Sequence[Limit], chosen: Chosen = EVERY) -> float:
         """Return the strokes after which the first of some limits is exceeded, or infinity."""
-        first, strokes = math.inf, self.strokes
+        first = math.inf
+        strokes = self.strokes
         for limit in limits:
             values = self.curve(limit.key, chosen)
             above = np.flatnonzero(values >= limit.value)
@@ -253,7 +256,8 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
         errors.append(float(((fit - rows * weights) ** 2).sum()))
     # With order 0 a drift would be exactly zero.
     order = max(int(np.argmin(errors)), int(key == "bdc_drift"))
-    order, mean = min(order, places.size - 1), rows[:, chosen].mean(axis=1)
+    order = min(order, places.size - 1)
+    mean = rows[:, chosen].mean(axis=1)
     curve = np.polynomial.Polynomial.fit(
         places, mean, order, domain=[0.0, 1.0], w=weights[:, 0]
     )
@@ -315,7 +319,8 @@ def next_block(
         return BlockPlan(
             MIN_BLOCK, min(problem.first_share, problem.at_most / MIN_BLOCK)
         )
-    last, interval = blocks[-1], blocks[-1].interval
+    last = blocks[-1]
+    interval = blocks[-1].interval
     is_used_up = (
         last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
     )
@@ -361,7 +366,8 @@ def next_refinement(
 
     InputError if a limit is exceeded when new.
     """
-    last, has_coarser = refinements[-1], len(refinements) > 1
+    last = refinements[-1]
+    has_coarser = len(refinements) > 1
     life = estimate_life(refinements, problem.limits)
     if life.strokes == 0.0:
         limit = next(limit for limit in problem.limits if last.crossing([limit]) == 0.0)
@@ -439,9 +445,11 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     ends.append(max(completed + left, 1.0))
     left += last.block + (0 if last.blocks else STARTUP_CYCLES + MIN_BLOCK)
     if coarser:
-        sampling, pooled = estimate_life(coarser, limits).sampling, sum(ends[:-1])
+        sampling = estimate_life(coarser, limits).sampling
+        pooled = sum(ends[:-1])
     else:
-        sampling, pooled = _expected_sampling(problem, last, ends[-1]), ends[-1]
+        sampling = _expected_sampling(problem, last, ends[-1])
+        pooled = ends[-1]
     if math.isinf(sampling):
         return left
     distance = max(FIRST_DISTANCE * problem.tolerance, FIRST_SCATTER * sampling)
@@ -494,16 +502,20 @@ def _left_in_last(
     stroke.
     """
     *coarser, last = refinements
-    blocks, limits, lefts = last.blocks, problem.limits, []
+    blocks = last.blocks
+    limits = problem.limits
+    lefts = []
     whole = float(MIN_CYCLES)
     if coarser:
-        before, life = coarser[-1], coarser[-1].crossing(limits)
+        before = coarser[-1]
+        life = coarser[-1].crossing(limits)
         each = _finished_cycles(coarser, limits)
         finished = each[-1]
         whole = _next_cycles(problem, estimate_life(coarser, limits).sampling, each)
     if not blocks:
         return whole
-    strokes, first = blocks[-1].strokes, blocks[0]
+    strokes = blocks[-1].strokes
+    first = blocks[0]
     for limit in limits:
         if limit.key in first.levels:
             values = last.curve(limit.key)

@@ -61,12 +61,8 @@ Recorders = Sequence[Recorder]
 
 _OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
-COLUMNS = (
-    "displacement_off",
-    "velocity_off",
-    "lag",
-    "stroke",
-)  # of ``deviation``: m, m/s, s, m
+# of ``deviation``: m, m/s, s, m
+COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")
 SHARP = 0.01  # of the scatter of bottom dead centre, over which its instant is sharp
 BOOTSTRAP_SAMPLES = 10  # of a raw wear map, from which a bootstrap gives its interval
 STILL = 1e-9  # of the stroke, by which an ideal slider at rest moves
@@ -76,7 +72,7 @@ STILL = 1e-9  # of the stroke, by which an ideal slider at rest moves
 class StageWear:
     """Depth that the wear update after a stage adds, with its samples, m."""
 
-    added: Array  # (joints, 2, bins)
+    added_depth: Array  # (joints, 2, bins)
     # samples of it, by batches of cycles or by replicates; none: no intervals
     maps: Array
     weights: Array  # cycles in each sample, (n,)
@@ -87,8 +83,8 @@ class StageWear:
     # True if a wear update cycle by cycle is extrapolated from surfaces that stood
     # still: the noise of few cycles hides its deepest places.
     is_frozen: bool
-    is_smoothed: bool  # True if ``added`` is smoothed
-    # by which smoothing lowers ``added`` and the samples alike
+    is_smoothed: bool  # True if ``added_depth`` is smoothed
+    # by which smoothing lowers ``added_depth`` and the samples alike
     flattening: Array | None
 
     def series(self, values: Array) -> list[Array]:
@@ -104,10 +100,12 @@ def stage_result(
     finding: Finding | None = None,
 ) -> StageResult:
     """Return a stage with statistics, arrays and the wear of its update, or else of one jump."""
-    together, joints = ensemble.together, ensemble.linkage.clearances
+    together = ensemble.together
+    joints = ensemble.linkage.clearances
     cycles_per_update = cycles_of_update(scene, ensemble)
     wear = _stage_wear(scene, index, cycles_per_update, ensemble, update)
-    diagnostics, film = ensemble.diagnostics(), ensemble.recorders[0].film
+    diagnostics = ensemble.diagnostics()
+    film = ensemble.recorders[0].film
     if update is not None and scene.wears_in_steps:
         error = wear_error(joints, update)
     else:
@@ -136,15 +134,18 @@ def _stage_wear(
     ensemble: Ensemble,
     update: WearUpdate | None,
 ) -> StageWear:
-    count, together = ensemble.replicates, ensemble.together
+    count = ensemble.replicates
+    together = ensemble.together
     batches, weights = map_batches(together.maps)
-    samples, coarser = factor * batches, None
+    samples = factor * batches
+    coarser = None
     successive = [len(run.batches) for run in together.maps]
     if update is None:
-        added = factor * smoothed_mean(together.maps, ensemble.bins)
+        added_depth = factor * smoothed_mean(together.maps, ensemble.bins)
         by_replicate = factor * ensemble.alone.added_by_run()
     else:
-        added, by_replicate = update.added[:count].mean(axis=0), update.added[-count:]
+        added_depth = update.added_depth[:count].mean(axis=0)
+        by_replicate = update.added_depth[-count:]
         coarser = None if update.coarser is None else update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
     volumes = zip(
@@ -155,18 +156,18 @@ def _stage_wear(
     # replicates are.
     are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
     if scene.replicate_count > 1 and not are_alike:
-        samples, weights = by_replicate, np.ones(len(by_replicate))
+        samples = by_replicate
+        weights = np.ones(len(by_replicate))
         successive = [1] * len(by_replicate)
     elif is_in_steps:
-        samples, weights = samples[:0], weights[:0]
+        samples = samples[:0]
+        weights = weights[:0]
         successive = [0]
     is_frozen = update is None and index > 0 and scene.wears_in_steps
-    is_smoothed, flattening = (
-        bool(ensemble.bins),
-        None if update is None else update.flattening,
-    )
+    is_smoothed = bool(ensemble.bins)
+    flattening = None if update is None else update.flattening
     return StageWear(
-        added,
+        added_depth,
         samples,
         weights,
         tuple(successive),
@@ -197,7 +198,8 @@ def _statistics(
     count = sum(len(run.cycles) for run in ensemble.recorders[: ensemble.replicates])
     if not recorders:
         return StageStatistics(cycles=0)
-    joints, settling = ensemble.linkage.clearances, ensemble.settling
+    joints = ensemble.linkage.clearances
+    settling = ensemble.settling
     surfaces = bumps_of(ensemble, recorders)
     are_high = any(surface is not None and surface.are_high for surface in surfaces)
     is_mixture = settling is not None and settling.is_mixture
@@ -209,8 +211,8 @@ def _statistics(
     }
     magnitude = "acceleration_max_per_cycle"
     output[magnitude] = output[magnitude].positive
-    made = float(diagnostics.get("contact_made_J", 0.0))
-    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
+    created_energy = float(diagnostics.get("contact_made_J", 0.0))
+    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + created_energy
     dissipated += float(diagnostics.get("friction_loss_J", 0.0))
     statistics = StageStatistics(
         cycles=count,
@@ -227,7 +229,7 @@ def _statistics(
         wear_error=wear_error if joints and math.isfinite(wear_error) else None,
         energy_residual=float(diagnostics["energy_residual_J"]),
         energy_exchanged=float(diagnostics["drive_exchange_J"]),
-        energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
+        energy_made_fraction=created_energy / dissipated if dissipated > 0.0 else 0.0,
         load_distance_step_error=ensemble.state.step_errors.get(
             "load_distance_step_error"
         ),
@@ -290,9 +292,10 @@ def _joint_statistics(
     mean_peak: Callable[[Recorders, Recorders, str, int], Estimate],
     bumps: Bumps | None,
 ) -> JointStatistics:
-    added, maps = wear.added[k, :, : joint.bins], wear.maps[:, k, :, : joint.bins]
+    added_depth = wear.added_depth[k, :, : joint.bins]
+    maps = wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
-    volume = worn_volume(joint, added)
+    volume = worn_volume(joint, added_depth)
     counters = np.array([recorder.records.counters[k] for recorder in recorders])
     contacts = int(counters["contacts"].sum())
     time = sum(recorder.last_time for recorder in recorders)
@@ -341,15 +344,16 @@ def _wear_peaks(joint: ClearanceJoint, k: int, wear: StageWear) -> dict[str, Wea
         return np.asarray(maps[..., k, rows, : joint.bins].sum(axis=-2))
 
     for name, rows in sides.items():
-        depth, samples = of_sides(wear.added, rows), of_sides(wear.maps, rows)
-        place, value, error = int(depth.argmax()), float(depth.max()), None
+        depth = of_sides(wear.added_depth, rows)
+        samples = of_sides(wear.maps, rows)
+        place = int(depth.argmax())
+        value = float(depth.max())
+        error = None
         if wear.coarser is not None:
             coarser = float(of_sides(wear.coarser, rows).max())
             error = STEP_SAFETY * abs(value - coarser)
-        deepest, angle = (
-            Estimate(value),
-            Estimate(float(bin_centres(joint.bins)[place])),
-        )
+        deepest = Estimate(value)
+        angle = Estimate(float(bin_centres(joint.bins)[place]))
         if len(samples):
             centre = np.average(samples, axis=0, weights=wear.weights)
             share = inefficiency(wear.series(samples[:, place]))
@@ -392,7 +396,8 @@ def bottom_statistics(
         return None
     heights = [run.each_cycle("bottom_height") for run in finished]
     samples = [after_startup(rows) for rows in heights]
-    height, scatter = _mean(finished, alone, "bottom_height"), spread(heights)
+    height = _mean(finished, alone, "bottom_height")
+    scatter = spread(heights)
     span, count = mean_range(heights)
     near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
     dwell = dwell_of(scene.ideal, near)
@@ -407,7 +412,8 @@ def bottom_statistics(
     resolution = max(0.0 if scatter is None else scatter.mean, STILL * ideal.stroke)
     equal = equal_bottoms(ideal, every_delay, resolution)
     if dwell < DWELL * ideal.period and not equal:
-        delay, delay_scatter = pooled(delays, alone_delays)[0], spread(delays)
+        delay = pooled(delays, alone_delays)[0]
+        delay_scatter = spread(delays)
         angle = delay.scaled(2.0 * math.pi / ideal.period)
     return BottomStatistics(
         strokes=sum(run.size for run in samples),
@@ -453,8 +459,10 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     Series, contacts and torques are those of the first run; rows of cycles of the
     second set follow those of the first.
     """
-    joints, recording = ensemble.linkage.clearances, scene.recording
-    recorder, recorders = ensemble.recorders[0], ensemble.recorders
+    joints = ensemble.linkage.clearances
+    recording = scene.recording
+    recorder = ensemble.recorders[0]
+    recorders = ensemble.recorders
     depth = ensemble.together.depth.mean(axis=0)
 
     def stacked(*names: str, joint: int | None = None) -> Array:
@@ -479,7 +487,8 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
     deviations = [deviation(scene, run) for run in recorders]
-    each, cycles = np.concatenate(deviations), [run.cycles for run in recorders]
+    each = np.concatenate(deviations)
+    cycles = [run.cycles for run in recorders]
     numbers = np.arange(float(len(recorders)))
     arrays["cycle_start"] = np.repeat(numbers, list(map(len, cycles)))
     arrays["deviation_start"] = np.repeat(numbers, list(map(len, deviations)))
@@ -494,7 +503,7 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
         arrays[f"{name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
-            arrays[f"{name}_wear_{side}"] = wear.added[k, i, : joint.bins]
+            arrays[f"{name}_wear_{side}"] = wear.added_depth[k, i, : joint.bins]
     are_alike = len({joint.bins for joint in joints}) == 1
     angles = {
         "angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints
@@ -523,7 +532,8 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         (recorder.series("penetration", k)[recorded] <= 0.0).astype(np.float64)
         for k in joints
     ]
-    since, period = time - scene.run_up, scene.mechanism.period
+    since = time - scene.run_up
+    period = scene.mechanism.period
     # The last row of a series may lie a rounding before the end of its cycle.
     count = math.floor(float(since[-1]) / period + 1e-3) if since.size else -1
     ends = np.searchsorted(since, period * np.arange(count + 1) - 1e-9 * period)
@@ -535,14 +545,13 @@ def deviation(scene: Scene, recorder: Recorder) -> Array:
         rows = slice(first, end)
         at = clock[rows]
         ideal = scene.ideal_slider(time[rows], closed=False)
-        off, faster, wanted = (
-            moved[rows] - ideal[:, 0],
-            speed[rows] - ideal[:, 1],
-            ideal[:, 1],
-        )
-        centred, square = off - _time_mean(at, off), _time_mean(at, wanted**2)
+        off = moved[rows] - ideal[:, 0]
+        velocity_difference = speed[rows] - ideal[:, 1]
+        wanted = ideal[:, 1]
+        centred = off - _time_mean(at, off)
+        square = _time_mean(at, wanted**2)
         lag = -_time_mean(at, centred * wanted) / square if square > 0.0 else 0.0
-        means = (off**2, faster**2, *(flight[rows] for flight in flights))
+        means = (off**2, velocity_difference**2, *(flight[rows] for flight in flights))
         off_mean, faster_mean, *open_parts = (
             _time_mean(at, values) for values in means
         )

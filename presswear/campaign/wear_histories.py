@@ -64,10 +64,8 @@ class LifeState:
     """State of a service life."""
 
     refinements: tuple[Refinement, ...] = ()  # the last one may be unfinished
-    place: tuple[int, int] = (
-        0,
-        0,
-    )  # refinement and service interval of the present runs
+    # refinement and service interval of the present runs
+    place: tuple[int, int] = (0, 0)
     # these runs, from the start of the interval
     running: EnsembleState = EnsembleState()
     # runs that do not wear, which show whether they settle
@@ -121,9 +119,8 @@ class WearHistories:
     initial: Array
     problem: LifeProblem
     state: LifeState = field(default_factory=LifeState)
-    keep: Callable[[LifeState], None] = lambda state: (
-        None
-    )  # called whenever it has changed
+    # called whenever it has changed
+    keep: Callable[[LifeState], None] = lambda state: None
 
     def store(self, **changes: Any) -> None:
         """Change the state and keep it."""
@@ -177,10 +174,12 @@ class WearHistories:
 
     def advance(self, refinements: Refinements, plan: BlockPlan | Service) -> LoadBlock:
         """Run the next block, or replace or turn a bushing; see ``Advance``."""
-        number, before = len(refinements), refinements[-1].blocks
+        number = len(refinements)
+        before = refinements[-1].blocks
         if isinstance(plan, Service):
             return self._maintain(before[-1], plan)
-        runner, scene = self.runner, self.runner.scene
+        runner = self.runner
+        scene = self.runner.scene
         count = scene.replicate_count
         interval, strokes = (
             (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
@@ -215,7 +214,8 @@ class WearHistories:
             if not before:
                 raise RunFailed(ensemble.failure, ensemble.finding)
             return replace(before[-1], cycles=0, ended_by=ensemble.failure)
-        joints, recorders = ensemble.linkage.clearances, ensemble.recorders
+        joints = ensemble.linkage.clearances
+        recorders = ensemble.recorders
         depth = ensemble.surface_depth
         worn = worn_out(joints, depth)
         # A history whose surfaces are worn out ends early: all are taken back to that
@@ -247,7 +247,8 @@ class WearHistories:
         )
 
     def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
-        depth, joints = last.depth.copy(), self.runner.scene.linkage().clearances
+        depth = last.depth.copy()
+        joints = self.runner.scene.linkage().clearances
         k = [joint.name for joint in joints].index(service.joint)
         bushing = depth[:, k, 0, : joints[k].bins]
         half_turn = joints[k].bins // 2
@@ -270,11 +271,9 @@ class WearHistories:
     def _check_reach(self, depth: Array, strokes: float) -> None:
         """Raise InputError if, at the rate when new, a joint wears through long before a limit."""
         scene = self.runner.scene
-        joints, life, levels = (
-            scene.linkage().clearances,
-            scene.life,
-            self._levels(depth),
-        )
+        joints = scene.linkage().clearances
+        life = scene.life
+        levels = self._levels(depth)
         assert life is not None
         limits = self.problem.limits
         is_of_depth = all(limit.name in ("depth", "wear_volume") for limit in limits)
@@ -304,14 +303,16 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     """
     joints = scene.clearance_joints
     coefficient = max(scene.bearing(name).materials.wear_coefficient for name in joints)
-    limits, services = life.limits(joints), life.services(joints)
+    limits = life.limits(joints)
+    services = life.services(joints)
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
 
 
 def fewest_cycles_of(scene: Scene) -> float:
     """Return the cycles of all replicates that a life takes at least, before anything has run."""
-    life, joints = scene.life, scene.clearance_joints
+    life = scene.life
+    joints = scene.clearance_joints
     assert life is not None
     clearances = {name: scene.bearing(name).clearance for name in joints}
     return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)
@@ -332,7 +333,8 @@ def run_life(
     the time, s, that the life and the stages through it will still take. InputError if
     a limit is exceeded when new; RunFailed if a run fails before anything is known.
     """
-    scene, life = runner.scene, runner.scene.life
+    scene = runner.scene
+    life = runner.scene.life
     assert life is not None
     problem = problem_of(scene, life)
     histories = WearHistories(runner, initial, problem, state, keep)
@@ -412,17 +414,21 @@ def life_result(
     scene: Scene, problem: LifeProblem, refinements: Refinements
 ) -> LifeResult:
     """Return the life as results store it."""
-    last, end = refinements[-1], refinements[-1].blocks[-1]
+    last = refinements[-1]
+    end = refinements[-1].blocks[-1]
     life = estimate_life(refinements, problem.limits)
     ended: Ended = "limit"
     message = ""
     if math.isinf(life.strokes):
-        ended, message = "cycles", f"within {last.cycles} cycles of all replicates"
+        ended = "cycles"
+        message = f"within {last.cycles} cycles of all replicates"
         if end.strokes >= problem.at_most:
-            ended, message = "at_most", f"within {problem.at_most:.4g} strokes"
+            ended = "at_most"
+            message = f"within {problem.at_most:.4g} strokes"
         message = f"no limit is exceeded {message}"
         if end.ended_by:
-            ended, message = "worn", end.ended_by
+            ended = "worn"
+            message = end.ended_by
     limits = []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
@@ -435,10 +441,8 @@ def life_result(
         )
     stored = []
     for each in refinements:
-        strokes, error = (
-            each.crossing(problem.limits),
-            each.sampling_error(problem.limits),
-        )
+        strokes = each.crossing(problem.limits)
+        error = each.sampling_error(problem.limits)
         stored.append(
             RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error))
         )
@@ -448,7 +452,8 @@ def life_result(
         curves[key] = np.column_stack([value, value - half, value + half])
     # A life is inversely proportional to the wear coefficients, all of them high or low
     # together.
-    joints, services = scene.clearance_joints, problem.services[: end.interval]
+    joints = scene.clearance_joints
+    services = problem.services[: end.interval]
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
     errors = _finite(life.sampling), _finite(life.step), scatter
@@ -480,19 +485,21 @@ def wear_between(
     until: float,
 ) -> wear_update.WearUpdate:
     """Return the wear between two numbers of strokes, interpolated between ends of blocks."""
-    last, coarser = refinements[-1], None
+    last = refinements[-1]
+    coarser = None
     surfaces_at = _interpolated(last, initial)
-    added = surfaces_at(until)[1] - surfaces_at(since)[1]
+    added_depth = surfaces_at(until)[1] - surfaces_at(since)[1]
     if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
         coarser_at = _interpolated(refinements[-2], initial)
         coarser = coarser_at(until)[1] - coarser_at(since)[1]
-    steps, at = [], since
+    steps = []
+    at = since
     for block in last.blocks:
         end = min(block.strokes, until)
         if end <= at:
             continue
-        depth, lost = surfaces_at(end)
-        change = (lost - surfaces_at(at)[1]).mean(axis=0) / block.cycles
+        depth, material_loss = surfaces_at(end)
+        change = (material_loss - surfaces_at(at)[1]).mean(axis=0) / block.cycles
         forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
         steps.append(
             WearStep(
@@ -506,7 +513,9 @@ def wear_between(
             )
         )
         at = end
-    return wear_update.WearUpdate(surfaces_at(until)[0], added, tuple(steps), coarser)
+    return wear_update.WearUpdate(
+        surfaces_at(until)[0], added_depth, tuple(steps), coarser
+    )
 
 
 def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
@@ -515,9 +524,9 @@ def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], A
     A bushing that was replaced has lost its material all the same.
     """
     depth = np.array([initial, *(block.depth for block in refinement.blocks)])
-    added = np.diff(depth, axis=0, prepend=depth[:1])
-    added[1:][[not block.cycles for block in refinement.blocks]] = 0.0
-    values = np.stack([depth, np.cumsum(added, axis=0)], axis=1)
+    added_depth = np.diff(depth, axis=0, prepend=depth[:1])
+    added_depth[1:][[not block.cycles for block in refinement.blocks]] = 0.0
+    values = np.stack([depth, np.cumsum(added_depth, axis=0)], axis=1)
     ends = np.append(0.0, refinement.strokes)
 
     def at(strokes: float) -> Array:

@@ -52,10 +52,10 @@ class WearUpdate:
 
     # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
     depth: Array
-    added: Array  # depth that it added, m
+    added_depth: Array  # depth that it added, m
     steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
     coarser: Array | None = None  # depth added in half as many steps, m
-    # by which smoothing lowers the mean of ``added``, m
+    # by which smoothing lowers the mean of ``added_depth``, m
     flattening: Array | None = None
 
 
@@ -80,28 +80,29 @@ def wear_per_cycle(
     more material back than a cycle takes, nothing is taken, and elsewhere so much less
     that the volume stays.
     """
-    return partial(_lost, share, extra, start_up)
+    return partial(_material_loss, share, extra, start_up)
 
 
-def _lost(
-    share: float, extra: Array | float, start_up: int, cycle: int, added: Array
+def _material_loss(
+    share: float, extra: Array | float, start_up: int, cycle: int, added_depth: Array
 ) -> Array:
     if cycle <= start_up:
-        return np.zeros_like(added)
-    wanted = added * share + extra
+        return np.zeros_like(added_depth)
+    wanted = added_depth * share + extra
     if np.ndim(extra) == 0:
         return wanted
-    lost = np.maximum(wanted, 0.0)
-    whole = lost.sum(axis=-1, keepdims=True)
+    material_loss = np.maximum(wanted, 0.0)
+    whole = material_loss.sum(axis=-1, keepdims=True)
     remaining = np.maximum(wanted.sum(axis=-1, keepdims=True), 0.0)
-    return lost * np.divide(
+    return material_loss * np.divide(
         remaining, whole, out=np.ones_like(whole), where=whole > 0.0
     )
 
 
 def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     """Return a wear update in one jump, of all replicates together and of each alone."""
-    together, alone = ensemble.together, ensemble.alone
+    together = ensemble.together
+    alone = ensemble.alone
     mean = np.broadcast_to(
         smoothed_mean(together.maps, ensemble.bins), together.depth.shape
     )
@@ -109,10 +110,12 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     if ensemble.replicates == 1:
         sets = sets[:1]
     before, per_cycle = (np.concatenate(arrays) for arrays in zip(*sets, strict=True))
-    added = cycles_per_update * per_cycle
-    depth = before + added
-    recorders, joints = together.recorders, ensemble.linkage.clearances
-    cycles, indices = sum(maps.samples for maps in together.maps), range(len(joints))
+    added_depth = cycles_per_update * per_cycle
+    depth = before + added_depth
+    recorders = together.recorders
+    joints = ensemble.linkage.clearances
+    cycles = sum(maps.samples for maps in together.maps)
+    indices = range(len(joints))
     peaks = [
         [after_startup(run.each_cycle("force_max", k)).max() for k in indices]
         for run in recorders
@@ -121,12 +124,12 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
         cycles_per_update=cycles_per_update,
         cycles=cycles,
         factor=cycles_per_update * len(recorders) / cycles,
-        clearance_change=largest_change(joints, added[0]),
+        clearance_change=largest_change(joints, added_depth[0]),
         max_depth=by_side(joints, depth[0].max(axis=2)),
         peak_force=by_joint(joints, np.max(peaks, axis=0)),
         wall_s=ensemble.state.wall,
     )
-    return WearUpdate(depth, added, (step,))
+    return WearUpdate(depth, added_depth, (step,))
 
 
 def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
@@ -138,24 +141,25 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     """
     if scene.cycles_per_update is not None and not scene.is_quick:
         return scene.cycles_per_update
-    added = smoothed_mean(ensemble.together.maps, ensemble.bins)
+    added_depth = smoothed_mean(ensemble.together.maps, ensemble.bins)
     joints = ensemble.linkage.clearances
     if scene.is_quick:
-        reached = _largest_reached(scene, joints, added)
+        reached = _largest_reached(scene, joints, added_depth)
         return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
-    change = largest_change(joints, added)
+    change = largest_change(joints, added_depth)
     return max(float(f"{0.1 / change:.1g}"), 1.0) if change > 0.0 else 1.0
 
 
 def _largest_reached(
-    scene: Scene, joints: Sequence[ClearanceJoint], added: Array
+    scene: Scene, joints: Sequence[ClearanceJoint], added_depth: Array
 ) -> float:
     """Return the largest part of a limit of a quick life that some wear reaches."""
     assert scene.life is not None
-    names, reached = [joint.name for joint in joints], []
+    names = [joint.name for joint in joints]
+    reached = []
     for limit in scene.life.limits(scene.clearance_joints):
         k = names.index(limit.joint)
-        depth = added[k, :, : joints[k].bins]
+        depth = added_depth[k, :, : joints[k].bins]
         wear = (
             worn_volume(joints[k], depth)
             if limit.name == "wear_volume"
@@ -179,7 +183,8 @@ def cycle_by_cycle(
     start_up: int,
 ) -> WearUpdate:
     """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
-    joints, recorders = ensemble.linkage.clearances, ensemble.recorders
+    joints = ensemble.linkage.clearances
+    recorders = ensemble.recorders
     growth = np.array([recorder.growth for recorder in recorders])[:, start_up:]
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
@@ -205,16 +210,24 @@ def cycle_by_cycle(
         )
         for n in range(cycles)
     )
-    added = ensemble.surface_depth - ensemble.depth
-    runs, bins = len(added), ensemble.bins
-    widths = smoothing_widths(added.mean(axis=0), runs, added, np.ones(runs), bins)
-    added = smoothed(added, widths, bins)
-    depth, mean = ensemble.depth + added, added.mean(axis=0)
+    added_depth = ensemble.surface_depth - ensemble.depth
+    runs = len(added_depth)
+    bins = ensemble.bins
+    widths = smoothing_widths(
+        added_depth.mean(axis=0), runs, added_depth, np.ones(runs), bins
+    )
+    added_depth = smoothed(added_depth, widths, bins)
+    depth = ensemble.depth + added_depth
+    mean = added_depth.mean(axis=0)
     # Smoothed once more, a map loses about as much again, without the noise of the raw
     # map.
     flattening = mean - smoothed(mean, widths, bins)
     return WearUpdate(
-        depth, added, steps, None if coarser is None else coarser.added, flattening
+        depth,
+        added_depth,
+        steps,
+        None if coarser is None else coarser.added_depth,
+        flattening,
     )
 
 
@@ -233,9 +246,9 @@ def by_side(
     return dict(zip((joint.name for joint in joints), rows, strict=True))
 
 
-def largest_change(joints: Sequence[ClearanceJoint], added: Array) -> float:
+def largest_change(joints: Sequence[ClearanceJoint], added_depth: Array) -> float:
     """Return the largest added depth, shape (joints, 2, bins), relative to the clearance."""
-    pairs = zip(joints, added, strict=True)
+    pairs = zip(joints, added_depth, strict=True)
     return max(
         (float(sides.max()) / joint.clearance for joint, sides in pairs), default=0.0
     )
@@ -257,7 +270,7 @@ def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
 
     errors = [0.0]
     for k, joint in enumerate(joints):
-        fine = np.array([measures(joint, depth[k]) for depth in update.added])
+        fine = np.array([measures(joint, depth[k]) for depth in update.added_depth])
         coarse = np.array([measures(joint, depth[k]) for depth in update.coarser])
         for values, coarser in zip(fine.T, coarse.T, strict=True):
             mean = float(values.mean())
@@ -322,7 +335,8 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     # The error of sampling falls with the square root of the cycles, and refinements
     # double.
     more = (error / scene.tolerance) ** 2
-    steps, needed = len(stage.wear_steps), more * stage.statistics.cycles
+    steps = len(stage.wear_steps)
+    needed = more * stage.statistics.cycles
     if steps > 1:
         needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.replicate_count
     return [

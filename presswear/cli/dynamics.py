@@ -72,7 +72,8 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
     cycles = Cycles(count, stored, arguments.exponent)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     shares = dict.fromkeys(DIRECTIONS, 0.0)
-    name, stored_text = "bifurcation diagram", "finished values are stored"
+    name = "bifurcation diagram"
+    stored_text = "finished values are stored"
     with terminal.resumable_steps(console, name, folder, stored_text) as report:
 
         def show(direction: str, share: float) -> None:

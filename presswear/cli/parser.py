@@ -11,7 +11,9 @@ from typing import Any, NoReturn
 from presswear.cli import COMMANDS, SHARED, TEXTS
 from presswear.tools.errors import InputError, nearest, unknown
 
-MIN_SIZE, MAX_SIZE = 160, 4096  # width and height of a picture, pixels
+# Width and height of a picture, pixels
+MIN_SIZE = 160
+MAX_SIZE = 4096
 
 
 class Parser(argparse.ArgumentParser):
@@ -163,7 +165,8 @@ def number(
     """Return a converter to an ``integer`` or a finite ``number`` within a range."""
     low, high = float(least), float(most or "1e9")
     what = "a whole number" if kind == "integer" else "a number"
-    of_unit, to_most = f" of {unit}" if unit else "", f" to {most}" if most else ""
+    of_unit = f" of {unit}" if unit else ""
+    to_most = f" to {most}" if most else ""
 
     def convert(text: str) -> float:
         try:

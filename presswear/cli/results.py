@@ -64,7 +64,8 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
 def replay(arguments: argparse.Namespace, console: Console) -> int:
     """Play a stored run in Exudyn's renderer, or write it as a film or a picture."""
     check_folder(arguments.folder)
-    still, movie = arguments.still, arguments.movie
+    still = arguments.still
+    movie = arguments.movie
     if still is not None and movie is not None:
         raise InputError("--still and --movie cannot be combined")
     if arguments.at is not None and still is None:
@@ -88,11 +89,13 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     else:
         clips = [_clip(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
-        folder, stage = Path(arguments.compare), arguments.stage
+        folder = Path(arguments.compare)
+        stage = arguments.stage
         if match := re.fullmatch(
             r"(?:(.+):)?([0-9]+)", arguments.compare
         ):  # K or DIR:K
-            folder, stage = Path(match[1] or arguments.folder), int(match[2])
+            folder = Path(match[1] or arguments.folder)
+            stage = int(match[2])
         clips = equal_limits([*clips, _clip(folder, stage, console)])
     if still is not None:
         return _still(arguments, console, clips)
@@ -145,7 +148,8 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
     from presswear.show.replay.clip import frames_between, speed_text
     from presswear.show.replay.output import pictures, write_movie
 
-    clip, rate = clips[0], arguments.rate
+    clip = clips[0]
+    rate = arguments.rate
     start = _time("--from", arguments.start, clip, clip.default_start)
     whole = clip.period * len(clip.chapters)
     end = _time("--to", arguments.end, clip, min(start + whole, clip.span[1]))
@@ -153,7 +157,8 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
         raise InputError(f"--to {end:g} s: must be after --from, {start:g} s")
     slow = arguments.slow or clip.default_slow
     frames = frames_between(clips, start, end, slow, rate)
-    count, note = len(frames), speed_text(slow)
+    count = len(frames)
+    note = speed_text(slow)
     with terminal.progress_bar(console) as bar:
         images = pictures(clips, frames, note, arguments.size)
         tracked = bar.track(images, total=count, description=f"{count} pictures")

@@ -206,7 +206,9 @@ class RunObserver(Observer):
     def __init__(
         self, bar: ProgressBar, scene: Scene, is_confirmed: bool = True
     ) -> None:
-        self._bar, self._scene, self._is_confirmed = bar, scene, is_confirmed
+        self._bar = bar
+        self._scene = scene
+        self._is_confirmed = is_confirmed
         self._compile_time = 0.0  # within this stage, s
         self._compiled = 0.0  # of all stages, s, with the time before the first report
         self._compile_start: float | None = None
@@ -233,7 +235,8 @@ class RunObserver(Observer):
             if not text.startswith("applying"):
                 self._compile_time += took
             self._compile_start = None
-        done, share = progress.whole, progress.estimate or progress.whole
+        done = progress.whole
+        share = progress.estimate or progress.whole
         if self._start is None:
             self._start, self._compiled = share, clock.perf_counter() - self._printed
         fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
@@ -248,10 +251,10 @@ class RunObserver(Observer):
     def on_life_start(self, cycles: float, seconds: float) -> None:
         """Print what a life will take; ask a user at a terminal before a long one."""
         terminal.print_lines(self._bar.console, f"the life {_need(cycles, seconds)}")
-        asked = clock.perf_counter()
+        started = clock.perf_counter()
         if not self._is_confirmed:
             _confirm(self._bar, seconds)
-        self._compiled += clock.perf_counter() - asked
+        self._compiled += clock.perf_counter() - started
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""
@@ -260,7 +263,8 @@ class RunObserver(Observer):
 
     def on_stage(self, stage: "StageResult") -> None:
         """Print the cost of a stage, and peak forces and wear of the joints most loaded."""
-        model, solver = stage.diagnostics["model"], stage.diagnostics["solver"]
+        model = stage.diagnostics["model"]
+        solver = stage.diagnostics["solver"]
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
         wall = stage.wall_s - self._compile_time
         speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
@@ -309,7 +313,8 @@ def late_bar(scene: Scene) -> Iterator[Observer]:
     """Yield an observer that shows a progress bar while a run lasts, after a few seconds."""
     bar = terminal.progress_bar(Console(stderr=True))
     bar.live.transient = True
-    inner, start = RunObserver(bar, scene), clock.perf_counter()
+    inner = RunObserver(bar, scene)
+    start = clock.perf_counter()
 
     class Late(Observer):
         def on_progress(self, progress: Progress) -> None:
@@ -439,15 +444,15 @@ def _announcing(
     All of them take about ``turns`` times as long as one. A user at a terminal is asked
     once.
     """
-    asked = is_confirmed
+    has_answer = is_confirmed
 
     def announce(name: str, cycles: float, seconds: float) -> None:
-        nonlocal asked
+        nonlocal has_answer
         whole = turns * seconds
         words = f"{name}: the life {_need(cycles, seconds)}; all lives take about {lasting(whole)}"
         terminal.print_lines(bar.console, words)
-        if not asked and whole > LONG_LIFE:
-            asked = True
+        if not has_answer and whole > LONG_LIFE:
+            has_answer = True
             _confirm(bar, whole)
 
     return announce

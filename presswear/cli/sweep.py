@@ -136,7 +136,8 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     if arguments.scene.endswith(SUFFIX):
         scene, file = read_sweep(Path(arguments.scene))
     else:
-        scene, file = terminal.load_scene(arguments.scene), SweepFile()
+        scene = terminal.load_scene(arguments.scene)
+        file = SweepFile()
     if is_bare and file == SweepFile():
         return load_sweep(arguments.out)  # its error names the missing file
     options = {name: getattr(arguments, name) for name in SETTINGS}

@@ -191,8 +191,8 @@ def print_lines(console: Console, *lines: str) -> None:
     """Print lines without colours or markup; a terminal that is too narrow gets them in parts."""
     for line in lines:
         indent = line[: len(line) - len(line.lstrip())] + "  "
-        look: Any = {"break_long_words": False, "break_on_hyphens": False}
-        parts = textwrap.wrap(line, console.width, subsequent_indent=indent, **look)
+        wrapping: Any = {"break_long_words": False, "break_on_hyphens": False}
+        parts = textwrap.wrap(line, console.width, subsequent_indent=indent, **wrapping)
         for part in parts if console.is_terminal else [line]:
             console.print(part, highlight=False, markup=False, soft_wrap=True)
 
@@ -234,10 +234,8 @@ class _TimeLeft(ProgressColumn):
 
 def time_left(task: Task) -> str:
     """Return the time left in words; nothing while little is done."""
-    share, start = (
-        task.fields.get("share", task.percentage / 100.0),
-        task.fields.get("start", 0.0),
-    )
+    share = task.fields.get("share", task.percentage / 100.0)
+    start = task.fields.get("start", 0.0)
     if not share - start >= MIN_SHARE or share >= 1.0 or task.elapsed is None:
         return ""
     seconds = (
@@ -301,7 +299,8 @@ class _StandardError(logging.Handler):
 @contextmanager
 def logging_to_stderr(is_verbose: bool) -> Iterator[None]:
     """Log to standard error; if not ``is_verbose``, warnings alone."""
-    logger, handler = logging.getLogger("presswear"), _StandardError()
+    logger = logging.getLogger("presswear")
+    handler = _StandardError()
     words = (
         "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
     )

@@ -16,10 +16,9 @@ from presswear.tools.files import check_folder, only_writer
 if TYPE_CHECKING:
     from presswear.validation.cases import Outcome
 
-MIN_CYCLES, MAX_CYCLES = (
-    1e-3,
-    100.0,
-)  # time over which trajectories are compared, cycles
+# Time over which trajectories are compared, cycles
+MIN_CYCLES = 1e-3
+MAX_CYCLES = 100.0
 Check = tuple[str, str, tuple[float, ...], bool]  # quantity, unit, numbers, passed
 
 
@@ -133,7 +132,8 @@ def verify(arguments: argparse.Namespace, console: Console) -> int:
 def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
     rows = []
     for outcome in outcomes:
-        check, cells = outcome.check, ["", "", "", ""]
+        check = outcome.check
+        cells = ["", "", "", ""]
         if check is not None and check.reference is not None:
             cells = [f"{check.reference:.9g}", f"{check.reference + check.value:.9g}"]
             cells += [f"{abs(check.value):.1e}", f"{check.bound:.0e}"]
@@ -145,7 +145,9 @@ def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
 def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
     rows = []
     for outcome in outcomes:
-        case, check, cells = outcome.case, outcome.check, ["", ""]
+        case = outcome.case
+        check = outcome.check
+        cells = ["", ""]
         if check is not None:
             cells = [f"{check.value:.1e}", f"{check.bound:.0e}"]
         mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)

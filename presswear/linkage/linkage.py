@@ -218,7 +218,7 @@ class Linkage(Checked):
     @property
     def bushings(self) -> tuple[Bushing, ...]:
         """Pin joints with friction, with and without clearance."""
-        others = (*self.clearances, *self.elastic_pins)
+        others: tuple[Bushing, ...] = (*self.clearances, *self.elastic_pins)
         rubbing = (joint for joint in others if joint.friction.coefficient > 0.0)
         return (*rubbing, *self.rubbing_pins)
 

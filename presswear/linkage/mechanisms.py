@@ -68,16 +68,31 @@ _c_length, _c_mass, _c_inertia = (
 )
 _c_speed = partial(_number, "rad/s", MIN_SPEED, 5000.0, "chosen")
 _frame_mass = partial(
-    *(quantity, None, "kg", 1.0, 1e6, "assumed"),
-    "reduced mass of crown and bed, which move on a frame with a frame_stiffness",
+    quantity,
+    default=None,
+    unit="kg",
+    low=1.0,
+    high=1e6,
+    origin="assumed",
+    text="reduced mass of crown and bed, which move on a frame with a frame_stiffness",
 )
 _frame_stiffness = partial(
-    *(quantity, None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
-    "stiffness of the frame along the output direction; default: rigid",
+    quantity,
+    default=None,
+    unit="N/m",
+    low=MIN_STIFFNESS,
+    high=MAX_STIFFNESS,
+    origin="chosen",
+    text="stiffness of the frame along the output direction; default: rigid",
 )
 _frame_damping = partial(
-    *(quantity, DAMPING, "", 0.0, 1.0, "assumed"),
-    "damping of the frame, part of the critical one",
+    quantity,
+    default=DAMPING,
+    unit="",
+    low=0.0,
+    high=1.0,
+    origin="assumed",
+    text="damping of the frame, part of the critical one",
 )
 
 

@@ -33,7 +33,8 @@ def run_paper(
         Answer in a few sentences, and path of the report.
     """
     scenes = make_scenes(engine, quick)
-    started, ended = time.perf_counter(), set[str]()
+    started = time.perf_counter()
+    ended = set[str]()
 
     def show(name: str, fraction: float, words: str) -> None:
         if fraction == 1.0 and name not in ended:

@@ -19,22 +19,15 @@ Ends = tuple[float, float]
 # depth from which a place counts as worn, relative to the deepest of its surface
 MIN_DEPTH = 0.05
 MIN_SAMPLES = 3  # cycles for a range of single cycles
-DEVIATIONS = (
-    "displacement_off",
-    "velocity_off",
-    "lag",
-    "stroke",
-)  # columns of `deviation`
+# columns of `deviation`
+DEVIATIONS = ("displacement_off", "velocity_off", "lag", "stroke")
 
 QUANTITIES = {
     name: Row(label, path, unit, digits=digits)
     for name, (label, path, unit, digits) in TABLES["quantities"].items()
 }
-OF_ONE_WEAR = (
-    "added_depth",
-    "added_mean",
-    "contact_range",
-)  # the others add up all wears so far
+# the others add up all wears so far
+OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")
 
 
 # functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both,
@@ -79,7 +72,8 @@ class WearMap(NamedTuple):
 
 def cycles_by_replicate(result: pw.Result, place: Place, quantity: str) -> list[Array]:
     """Return the values of every cycle for each replicate; the runs on common surfaces first."""
-    stage, name = result.stages[place.wear_updates], QUANTITIES[quantity].path
+    stage = result.stages[place.wear_updates]
+    name = QUANTITIES[quantity].path
     owner: pw.StageResult | pw.JointResult = (
         stage.joints[place.joint] if place.joint else stage
     )
@@ -126,21 +120,18 @@ class Evidence:
         result = self.run_at(case, place.setting, place.wear_updates, place.joint)
         if result is None:
             return None
-        every, count = (
-            cycles_by_replicate(result, place, quantity),
-            result.scene.replicate_count,
-        )
+        every = cycles_by_replicate(result, place, quantity)
+        count = result.scene.replicate_count
         # After a wear each replicate also runs alone on its surfaces, which gives the
         # interval.
-        together, alone = (
-            every[:count],
-            every[-count:] if place.wear_updates > 0 else (),
-        )
+        together = every[:count]
+        alone = every[-count:] if place.wear_updates > 0 else ()
         estimate, differ = pw.statistics.pooled(together, alone)
         samples = np.concatenate(
             [pw.statistics.after_startup(rows) for rows in together]
         )
-        scatter, first = None, [float(rows[0]) for rows in together]
+        scatter = None
+        first = [float(rows[0]) for rows in together]
         if samples.size >= MIN_SAMPLES:
             low, high = np.quantile(samples, (0.025, 0.975)).tolist()
             scatter = low, high
@@ -226,18 +217,22 @@ def _wear_draws(
     more. The count is the smallest number of maps of a stage.
     """
     turns = result.scene.conventions.map_frame == "body"
-    means, centres, draws, counts = [], [], [], []
+    means = []
+    centres = []
+    draws = []
+    counts = []
     for seed, stage in enumerate(stages):
         arrays = result.stages[stage].arrays
-        maps, weights = arrays[f"{joint}_wear_batches"], arrays["wear_batch_cycles"]
+        maps = arrays[f"{joint}_wear_batches"]
+        weights = arrays["wear_batch_cycles"]
         wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in ("bearing", "pin")])
         if not len(maps):
-            maps, weights = wear[np.newaxis], np.ones(1)  # too few cycles for batches
+            # There are too few cycles for batches.
+            maps = wear[np.newaxis]
+            weights = np.ones(1)
         if not turns:
-            wear, maps = (
-                wear.sum(axis=0, keepdims=True),
-                maps.sum(axis=1, keepdims=True),
-            )
+            wear = wear.sum(axis=0, keepdims=True)
+            maps = maps.sum(axis=1, keepdims=True)
         flat = pw.statistics.resampled(maps.reshape(len(maps), -1), weights, seed)
         means.append(wear)
         centres.append(np.tensordot(weights / weights.sum(), maps, 1))

@@ -51,7 +51,9 @@ def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
         f"{SETTINGS[one].short}, {STAGES[k]}" if several else STAGES[k]
         for one, k in stages
     ]
-    pens = [Pen(name, *look) for name, look in zip(names, LINES, strict=False)]
+    pens = [
+        Pen(name, *line_style) for name, line_style in zip(names, LINES, strict=False)
+    ]
     return tuple(Line(*stage, pen) for stage, pen in zip(stages, pens, strict=True))
 
 
@@ -60,11 +62,8 @@ _FRICTIONS = _lines(
     *((s, k) for k in (0, 1) for s in (settings.FRICTION, settings.HIGH_FRICTION))
 )
 _SPEEDS = _lines(*((s, k) for s in (settings.SLOW, settings.FAST) for k in (0, 1)))
-GROUPS = (
-    (8, 17, _WEARS),
-    (11, 20, _FRICTIONS),
-    (14, 23, _SPEEDS),
-)  # numbers of wear and motion
+# numbers of wear and motion
+GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))
 
 
 def drawings(evidence: Evidence) -> Iterator[Drawing]:
@@ -119,7 +118,8 @@ def surfaces(
     for line in lines:
         if (worn := evidence.worn_run(BASE, line.at(joint))) is None:
             continue
-        result, stage = worn, worn.stages[line.wear_updates - 1]
+        result = worn
+        stage = worn.stages[line.wear_updates - 1]
         arrays = dict(stage.arrays)
         for name in (f"{joint}_depth_bearing", f"{joint}_depth_pin"):
             # The surfaces on which the next stage ran are exact also where wear went in
@@ -188,12 +188,14 @@ def _draw_depths(
     for line, worn in maps.items():
         if worn is None:
             continue
-        degrees, colour = np.degrees(worn.angle), line.pen.colour
+        degrees = np.degrees(worn.angle)
+        colour = line.pen.colour
         curves = (worn.mean, worn.low, worn.high)
         mean, low, high = (np.maximum(1e6 * depth, 0.5 * floor) for depth in curves)
         axes.fill_between(degrees, low, high, color=colour, alpha=0.2, linewidth=0.0)
         line.pen.draw(axes, degrees, mean, linewidth=1.2)
-        depth, angle = printed[line], printed_at(line.at(joint), "angle")
+        depth = printed[line]
+        angle = printed_at(line.at(joint), "angle")
         if depth and angle:
             place = (np.degrees(angle.value), 1e6 * depth.value)
             axes.plot(*place, color=colour, gid="printed", **_DIAMOND)
@@ -225,7 +227,8 @@ def peaks(
     for axes, (quantity, joint) in zip(grid[0], shown, strict=True):
         row = QUANTITIES[quantity]
         for height, line, measured in _measured(evidence, lines, quantity, joint):
-            colour, one = line.pen.colour, measured.estimate
+            colour = line.pen.colour
+            one = measured.estimate
             if measured.single_cycles is not None:
                 low, high = measured.single_cycles
                 axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)

@@ -50,9 +50,11 @@ RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first r
 
 def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a folder; return the answer and the path."""
-    evidence, path = Evidence(results), folder / "report.html"
+    evidence = Evidence(results)
+    path = folder / "report.html"
     claims = verdicts.judge(evidence)
-    answer, sections = headline(evidence, claims), page_sections(evidence, claims)
+    answer = headline(evidence, claims)
+    sections = page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
     write_bytes(
@@ -131,10 +133,9 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Return the most important results, each with its numbers, as far as they were computed."""
     ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
     second = ours["second wear"]
-    new, worn = (
-        Counter[str](),
-        Counter[str](),
-    )  # positions of peaks where the stage is known
+    # positions of peaks where the stage is known
+    new = Counter[str]()
+    worn = Counter[str]()
     for number, one in verdicts.positions(evidence):
         if len(number.places) == 1 and one in ("inside", "above", "below"):
             (worn if number.place.wear_updates else new)[one] += 1
@@ -223,7 +224,8 @@ def comparison_text(part: Comparison) -> str:
 
 def detail(evidence: Evidence, part: Comparison) -> str:
     """Return our value of a comparison on the standard geometry, the printed one, the verdict."""
-    ours, row = compared(evidence, BASE, part), QUANTITIES[part.quantity]
+    ours = compared(evidence, BASE, part)
+    row = QUANTITIES[part.quantity]
     unit, sign, after = (
         (row.unit, "", f" {row.unit}") if part.is_difference else ("", "×", "")
     )
@@ -236,7 +238,8 @@ def detail(evidence: Evidence, part: Comparison) -> str:
 
 def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
     """Return every claim with its verdicts, and the details of its comparisons."""
-    lines, meanings = [], {}
+    lines = []
+    meanings = {}
     for judged in claims:
         label = f"§ {judged.claim.where}: “{judged.claim.quote}”"
         lines.append((label, *(judged.text(case) for case in JUDGED), judged.geometry))
@@ -260,14 +263,18 @@ def count_table(claims: Sequence[Judged]) -> Table:
 
 def number_table(evidence: Evidence) -> Table:
     """Return every printed number beside ours."""
-    groups, meanings = dict[str, list[Line]](), dict[str, str]()
+    groups = dict[str, list[Line]]()
+    meanings = dict[str, str]()
     for number in PRINTED:
-        setting, row = SETTINGS[number.place.setting], QUANTITIES[number.quantity]
+        setting = SETTINGS[number.place.setting]
+        row = QUANTITIES[number.quantity]
         heading = f"Section {number.section}: {setting.label}"
         for place in number.places:
             ours = evidence.measured(BASE, place, number.quantity)
             label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
-            over, ranges, remarks = None, list[str](), [number.misprint]
+            over = None
+            ranges = list[str]()
+            remarks = [number.misprint]
             if (
                 ours is not None
                 and ours.estimate.mean > 0.0
@@ -310,7 +317,8 @@ def ratio_table(evidence: Evidence) -> Table:
     """Return ratios of printed depths beside ours, which do not depend on K_d / b."""
     lines = []
     for part in DEPTH_RATIOS:
-        ours, printed = compared(evidence, BASE, part), part.printed
+        ours = compared(evidence, BASE, part)
+        printed = part.printed
         assert printed is not None, "only printed depths are compared"
         texts = (
             readable(printed),
@@ -336,7 +344,8 @@ def range_table(evidence: Evidence) -> Table:
         degrees = np.degrees(arcs)
         for setting in (settings.FRICTION, settings.HIGH_FRICTION):
             place = Place(setting, 1, joint)
-            ours, text = evidence.wear_map(BASE, place), NOTHING
+            ours = evidence.wear_map(BASE, place)
+            text = NOTHING
             if ours is not None:
                 inside_arcs = [
                     (low <= ours.angle) & (ours.angle <= high) for low, high in arcs
@@ -514,10 +523,8 @@ def run_table(evidence: Evidence) -> Table:
         residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
         cycles = ", ".join(whole(one.cycles) for one in statistics)
         status = f"{result.status}: {result.message}".removesuffix(": ")
-        residual, wall = (
-            text_of(max(residuals, default=None), digits=1),
-            text_of(result.wall_s),
-        )
+        residual = text_of(max(residuals, default=None), digits=1)
+        wall = text_of(result.wall_s)
         lines.append((settings.run_label(name), cycles, status, residual, wall))
     heads = (
         "run",

@@ -47,12 +47,10 @@ class Case:
     label: str
     settings: tuple[str, ...] = tuple(SETTINGS)
     set: Mapping[str, Any] = field(default_factory=dict)  # settings of the scene
-    scale: Mapping[str, float] = field(
-        default_factory=dict
-    )  # factors on properties of materials
-    move: Mapping[str, float] = field(
-        default_factory=dict
-    )  # of the second frame joint, m
+    # factors on properties of materials
+    scale: Mapping[str, float] = field(default_factory=dict)
+    # of the second frame joint, m
+    move: Mapping[str, float] = field(default_factory=dict)
     finer: float = 1.0  # factor by which the steps are more accurate
     other_engine: bool = False
     wear_updates: int = 1  # at most

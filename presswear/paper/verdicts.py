@@ -95,7 +95,8 @@ def widening(freedom: float, count: int) -> float:
     Each has an error probability of 5 % over the number of intervals (Bonferroni);
     ``freedom`` are the degrees of freedom of Student's interval.
     """
-    one, many = stdtrit(freedom, 0.975), stdtrit(freedom, 1.0 - 0.025 / count)
+    one = stdtrit(freedom, 0.975)
+    many = stdtrit(freedom, 1.0 - 0.025 / count)
     return float(many / one)
 
 
@@ -111,7 +112,8 @@ def compared(
     measured = [one for one in every if one is not None]
     if len(measured) < len(places):
         return None
-    ours, factors = [one.estimate for one in measured], factors_of(measured, count)
+    ours = [one.estimate for one in measured]
+    factors = factors_of(measured, count)
     if comparison.is_difference:
         return difference(ours[0], ours[1], comparison.quantity == "angle", factors)
     if any(one.mean <= 0.0 for one in ours):

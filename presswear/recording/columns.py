@@ -122,7 +122,8 @@ DURATION, LEADER_SPEED_MEAN, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(
     len(LEADER_CYCLE)
 )
 LEADER_CYCLE_COUNT = len(LEADER_CYCLE)
-SERIES_COUNT, JOINT_SERIES_COUNT = len(SERIES), len(JOINT_SERIES)
+SERIES_COUNT = len(SERIES)
+JOINT_SERIES_COUNT = len(JOINT_SERIES)
 
 # Columns of a Poincare section: of the output point, then of each joint; see
 # ``observe.OUTPUT`` and ``contact.CONTACT``

@@ -24,7 +24,8 @@ FILM_JOINT = (
     "penetration",
     "peak",
 )
-FILM_JOINT_COUNT, _PEAK = len(FILM_JOINT), FILM_JOINT.index("peak")
+FILM_JOINT_COUNT = len(FILM_JOINT)
+_PEAK = FILM_JOINT.index("peak")
 
 # Frames kept, their interval, and the time from which the next is due, s
 FRAME_SAMPLER = np.dtype(
@@ -69,7 +70,8 @@ def complete_frame(
     frame[0] = t
     copy_to(frame[1 : 1 + q.size], q)
     for k in range(contacts.shape[0]):
-        contact, joint = contacts[k], frame[1 + q.size + FILM_JOINT_COUNT * k :]
+        contact = contacts[k]
+        joint = frame[1 + q.size + FILM_JOINT_COUNT * k :]
         joint[0] = contact.normal
         joint[1] = contact.tangential
         joint[2] = contact.normal_x
@@ -113,7 +115,8 @@ class Film:
         stored: Mapping[str, Array], bodies: int, names: Sequence[str]
     ) -> "Film":
         """Return the film of stored arrays; KeyError or ValueError if they are no film."""
-        time, position = stored["time"], stored["position"]
+        time = stored["time"]
+        position = stored["position"]
         if time.ndim != 1 or len(time) < 1 or position.shape != (len(time), 3 * bodies):
             raise ValueError(f"frames of shape {time.shape} and {position.shape}")
         joints = np.zeros((len(time), len(names), FILM_JOINT_COUNT))

@@ -45,8 +45,11 @@ NOMINAL = np.dtype(
 
 def nominal_of(linkage: Linkage) -> Records:
     """Return the record of the leader of a linkage, as one of NOMINAL."""
-    nominal, leader = np.zeros(1, NOMINAL), linkage.leader
-    nominal["column"], nominal["end"], nominal["stall"] = -1, math.inf, math.inf
+    nominal = np.zeros(1, NOMINAL)
+    leader = linkage.leader
+    nominal["column"] = -1
+    nominal["end"] = math.inf
+    nominal["stall"] = math.inf
     if leader is not None:
         nominal["column"] = 3 * linkage.index(leader.body) + 2
         nominal["start"], nominal["speed"] = leader.angle, leader.speed

@@ -153,7 +153,9 @@ def output_motion(
     state: Records, q: Array, v: Array, a: Array
 ) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
-    i, along, across = state.index, state.cos, state.sin
+    i = state.index
+    along = state.cos
+    across = state.sin
     place: float = along * q[i] + across * q[i + 1]
     velocity: float = along * v[i] + across * v[i + 1]
     acceleration: float = along * a[i] + across * a[i + 1]
@@ -194,8 +196,8 @@ def lowest_between(
             low = x
         else:
             high = x
-        bend = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
-        new = x - slope / bend if bend > 0.0 else low
+        curvature = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+        new = x - slope / curvature if curvature > 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - x) < BOTTOM_NOISE:
@@ -217,10 +219,13 @@ def note_bottom(
 
     ``nominal`` are nominal time and rate at the end of the step.
     """
-    state, cycle, time = records.output[0], records.cycle, nominal[0]
+    state = records.output[0]
+    cycle = records.cycle
+    time = nominal[0]
     if time > state.stroke_begin:
         if now[0] < state.bottom:
-            state.bottom, state.bottom_time = now[0], time
+            state.bottom = now[0]
+            state.bottom_time = time
         if state.velocity <= 0.0 and now[1] > 0.0:
             before = (state.place, state.velocity, state.acceleration)
             place, since = lowest_between(h, before, now)
@@ -256,7 +261,8 @@ def sum_drives(records: RecorderState, h: float, v: Array) -> None:
     """Integrate torque and power of the drives over a step by the trapezoidal rule."""
     half = 0.5 * h
     for k in range(records.drives.shape[0]):
-        drive, torque = records.drives[k], records.torque[k]
+        drive = records.drives[k]
+        torque = records.torque[k]
         power = torque * v[records.packed.driven[k]]
         drive.torque_integral = half * (drive.torque + torque)
         drive.torque_square_integral = half * (drive.torque**2 + torque**2)
@@ -291,7 +297,8 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
             cycle[TORQUE_PEAK] = torque
         if abs(power) > abs(cycle[POWER_PEAK]):
             cycle[POWER_PEAK] = power
-        drive.torque, drive.power = torque, power
+        drive.torque = torque
+        drive.power = power
 
 
 @inlined
@@ -299,7 +306,8 @@ def note_output(
     records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
 ) -> None:
     """Add the motion of output point and leader in a step of length ``h``, s, to the cycle."""
-    cycle, state = records.cycle, records.output[0]
+    cycle = records.cycle
+    state = records.output[0]
     motion = output_motion(state, q, v, a)
     _, velocity, acceleration = motion
     cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
@@ -322,7 +330,8 @@ def note_leader(records: RecorderState, rate: float) -> None:
     """
     leader = records.nominal[0]
     if leader.column >= 0:
-        joints, speed = records.contacts.shape[0], rate * abs(leader.speed)
+        joints = records.contacts.shape[0]
+        speed = rate * abs(leader.speed)
         row = records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * joints :]
         row[LEADER_SPEED_MIN] = min(row[LEADER_SPEED_MIN], speed)
         row[LEADER_SPEED_MAX] = max(row[LEADER_SPEED_MAX], speed)
@@ -331,7 +340,9 @@ def note_leader(records: RecorderState, rate: float) -> None:
 @inlined
 def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
     """Add the force, the load distance and the contacts of a joint in a step to the cycle."""
-    contact, counts, last = records.contacts[k], records.counters[k], records.memory[k]
+    contact = records.contacts[k]
+    counts = records.counters[k]
+    last = records.memory[k]
     row = records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * k :]
     peak = max(contact.normal, last.step_peak)
     if peak > 0.0:
@@ -348,15 +359,14 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
 @inlined
 def note_wear(records: RecorderState, k: int, h: float) -> None:
     """Add the wear of a joint in a step to the maps of the cycle."""
-    integrals, joint = records.wear_integrals[k], records.packed.joints[k]
+    integrals = records.wear_integrals[k]
+    joint = records.packed.joints[k]
     if not integrals.work > 0.0:
         return
     depth = records.depth[k, :, : joint.map_bins]
     if joint.over_arc:
-        surfaces, shares = (
-            records.packed.surfaces[k],
-            records.shares[:, : joint.map_bins],
-        )
+        surfaces = records.packed.surfaces[k]
+        shares = records.shares[:, : joint.map_bins]
         deposit_over_arc(
             depth, joint, surfaces, records.contacts[k], integrals.work, shares
         )
@@ -371,7 +381,9 @@ def is_row_due(records: RecorderState, t: float) -> bool:
     It is one after the longest time between two rows, where a force has changed since
     the last row, and where a load changes its law.
     """
-    state, series, row = records.output[0], records.series, records.output[0].rows
+    state = records.output[0]
+    series = records.series
+    row = records.output[0].rows
     if row >= min(state.room, series.shape[0]):
         return False
     if row == 0 or t - state.last_time >= state.interval:
@@ -387,21 +399,25 @@ def is_row_due(records: RecorderState, t: float) -> bool:
 @compiled
 def write_row(records: RecorderState) -> None:
     """Write the present state as a row of the series."""
-    state, series, contacts = records.output[0], records.series, records.contacts
+    state = records.output[0]
+    series = records.series
+    contacts = records.contacts
     row = series[state.rows]
     row[TIME] = state.now
     row[DISPLACEMENT] = state.place - state.start
     row[VELOCITY] = state.velocity
     row[ACCELERATION] = state.acceleration
     for k in range(contacts.shape[0]):
-        contact, joint = contacts[k], row[SERIES_COUNT + JOINT_SERIES_COUNT * k :]
+        contact = contacts[k]
+        joint = row[SERIES_COUNT + JOINT_SERIES_COUNT * k :]
         joint[ECCENTRICITY_X] = contact.eccentricity_x
         joint[ECCENTRICITY_Y] = contact.eccentricity_y
         joint[PENETRATION] = contact.penetration
         joint[NORMAL] = contact.normal
         joint[TANGENTIAL] = contact.tangential
         joint[SLIDING] = contact.sliding
-    first, last = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0], row.shape[0]
+    first = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0]
+    last = row.shape[0]
     if records.nominal[0].column >= 0:
         last -= 1
         row[last] = records.nominal[0].now

@@ -38,9 +38,8 @@ from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
 _KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
-_SMALL = tuple(
-    name for name in RecorderState._fields if name not in _KEPT
-)  # saved whole
+# saved whole
+_SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)
 
 
 @dataclass
@@ -113,7 +112,8 @@ class Recorder:
 
     def last_frames(self, count: int) -> Array:
         """Return the rows of the last frames for ``Film.of``; of a full film the present frame."""
-        film, frames = self.records.film, int(self.records.sampler["frames"][0])
+        film = self.records.film
+        frames = int(self.records.sampler["frames"][0])
         first = frames if frames == len(film) - 1 else max(frames - count, 0)
         return film[first : max(frames, first + 1)]
 
@@ -193,14 +193,15 @@ class Recorder:
             bearing, pin = sides[:, : packed.joints[k]["surface_bins"]]
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
-    def wear(self, lost: Array, place: Callable[[], None]) -> None:
+    def wear(self, new_depth: Array, place: Callable[[], None]) -> None:
         """Wear surfaces by a depth, m, (joints, 2, bins); pins that rested on it are open.
 
         ``place`` fills the contacts of the present state.
         """
-        records, depth = self.records, self.surface_depth + lost
+        records = self.records
+        depth = self.surface_depth + new_depth
         self._rebuild(depth)
-        growth = [lost.max(axis=2), self.surface_depth.max(axis=2)]
+        growth = [new_depth.max(axis=2), self.surface_depth.max(axis=2)]
         self.growth = np.append(self.growth, [growth], axis=0)
         place()
         step = records.memory["step"].copy()
@@ -240,7 +241,8 @@ class Recorder:
         Rows of series, contacts, film and cycles are views: once written they do not
         change.
         """
-        records, frames = self.records, int(self.records.sampler["frames"][0])
+        records = self.records
+        frames = int(self.records.sampler["frames"][0])
         arrays = {
             **{name: getattr(records, name).copy() for name in _SMALL},
             **named("maps", self.maps.save()),
@@ -260,13 +262,15 @@ class Recorder:
 
     def load(self, saved: State) -> None:
         """Resume from what a recorder of the same linkage, start and plan has saved."""
-        records, frames = self.records, len(saved["film"])
+        records = self.records
+        frames = len(saved["film"])
         for name in _SMALL:
             getattr(records, name)[...] = saved[name]
         self.maps = MapBatches.load(part(saved, "maps"))
         records.series[: len(saved["series"])] = saved["series"]
         records.film[:frames], records.film[frames] = saved["film"], saved["frame"]
-        self.cycles, self.growth = np.array(saved["cycles"]), np.array(saved["growth"])
+        self.cycles = np.array(saved["cycles"])
+        self.growth = np.array(saved["growth"])
         self._sections = [row for sections in saved["sections"] for row in sections]
         self._rebuild(saved["surface_depth"])
         for k in range(records.memory.size):

@@ -75,13 +75,17 @@ class Progress:
 
     def judge(self, steps: int, time: float) -> Finding | None:
         """Return a finding if the last thousand steps or more did not advance the time, s."""
-        added, advanced = steps - self.steps, time - self.time
-        if added < STALL_STEPS:
+        new_steps = steps - self.steps
+        advanced = time - self.time
+        if new_steps < STALL_STEPS:
             return None
-        self.steps, self.time = steps, time
-        if advanced > added * STALL * max(self.cycle, 1.0):
+        self.steps = steps
+        self.time = time
+        if advanced > new_steps * STALL * max(self.cycle, 1.0):
             return None
-        what = f"the time stands still: {added} steps advanced it by {advanced:.3g} s"
+        what = (
+            f"the time stands still: {new_steps} steps advanced it by {advanced:.3g} s"
+        )
         remedy = "a law of force without a jump, or a larger tolerance, may help"
         return Finding("state", what, time, "", remedy)
 
@@ -139,7 +143,8 @@ def _check_contacts(
     """Check penetration and steps of the contacts of each joint."""
     pairs = list(zip(linkage.clearances, recorder.records.counters, strict=True))
     for joint, counters in pairs:
-        deepest, limit = float(counters["deepest"]), joint.pin_radius
+        deepest = float(counters["deepest"])
+        limit = joint.pin_radius
         if deepest > limit:
             what = (
                 f"the penetration of {deepest:.3g} m exceeds the radius of the pin, "
@@ -148,7 +153,8 @@ def _check_contacts(
             remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
             return Finding("penetration", what, now.time, joint.name, remedy)
     for joint, counters in pairs:
-        contacts, coarse = int(counters["contacts"]), int(counters["unresolved"])
+        contacts = int(counters["contacts"])
+        coarse = int(counters["unresolved"])
         if contacts >= MIN_CONTACTS and coarse > UNRESOLVED * contacts:
             what = (
                 f"the steps are too long for the contacts: {coarse} of {contacts} had too few, "
@@ -273,7 +279,8 @@ def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
             _Element(f"spring {spring.name}", BodyForces(alone, pack(alone)))
         )
     for k, load in enumerate(linkage.live_loads):
-        alone, loads = replace(bare, loads=(load,)), records.packed.loads
+        alone = replace(bare, loads=(load,))
+        loads = records.packed.loads
         assert loads is not None
         part = loads._replace(
             records=loads.records[k : k + 1], modes=loads.modes[k : k + 1]

@@ -160,13 +160,15 @@ def inefficiency(series: Sequence[Array]) -> float:
     Statistical Science 7, 4, 1992).  Negative correlation does not narrow an interval.
     """
     samples = np.concatenate(series)
-    count, mean = samples.size, float(samples.mean())
+    count = samples.size
+    mean = float(samples.mean())
     deviations = [run - mean for run in series]
     variance = sum(float(run @ run) for run in deviations) / max(count - 1, 1)
     longest = max(map(len, series))
     if variance == 0.0:
         return 1.0
-    total, last = -1.0, math.inf
+    total = -1.0
+    last = math.inf
     for lag in range(0, longest - 1, 2):
         first, second = (
             _autocovariance(deviations, each, variance / count)
@@ -195,9 +197,8 @@ def _autocovariance(deviations: Sequence[Array], lag: int, noise: float) -> floa
 
 def quantile(freedom: float) -> float:
     """Return Student's quantile at the upper end of an interval; the normal one for infinity."""
-    from scipy.special import (
-        stdtrit,
-    )  # slow to import, and scipy.stats three times as slow
+    # slow to import, and scipy.stats three times as slow
+    from scipy.special import stdtrit
 
     return float(stdtrit(freedom, 0.5 + 0.5 * LEVEL))
 
@@ -350,7 +351,8 @@ def smoothing_widths(
     if len(maps) < 2 or cycles == 0:  # a run may fail in its first cycle
         return result
     share = weights / weights.sum()
-    mean, volume = np.tensordot(share, maps, 1), maps.sum(axis=-1, keepdims=True)
+    mean = np.tensordot(share, maps, 1)
+    volume = maps.sum(axis=-1, keepdims=True)
     whole = mean.sum(axis=-1, keepdims=True)
     # Only noise of the shape counts: the volume of a map is kept as it is.
     off = maps - mean * np.divide(
@@ -383,7 +385,8 @@ def smoothed_mean(
     batches: tuple[Array, Array] | None = None,
 ) -> Array:
     """Return the mean depth of a cycle in all runs, smoothed, m; ``batches`` give the noise."""
-    depth, cycles = mean_map(runs), sum(run.samples for run in runs)
+    depth = mean_map(runs)
+    cycles = sum(run.samples for run in runs)
     widths = smoothing_widths(depth, cycles, *(batches or map_batches(runs)), bins)
     return smoothed(depth, widths, bins)
 
@@ -569,10 +572,8 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     pseudo = [
         2.0 * count * math.log(value) - (count - 1) * np.log(left) for left in without
     ]
-    centre, half = (
-        float(np.concatenate(pseudo).mean()),
-        half_width_of_runs(pseudo) or 0.0,
-    )
+    centre = float(np.concatenate(pseudo).mean())
+    half = half_width_of_runs(pseudo) or 0.0
     low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
     return Estimate(value, low, high, count)
 
@@ -592,7 +593,8 @@ def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
         np.ptp(run[run.size % count :].reshape(-1, count), axis=1) for run in samples
     ]
     everything = np.concatenate(ranges)
-    mean, half = float(everything.mean()), _half_width_of(ranges)
+    mean = float(everything.mean())
+    half = _half_width_of(ranges)
     return Estimate.symmetric(mean, half, everything.size).positive, count
 
 
@@ -609,7 +611,8 @@ def differ(samples: Sequence[Array]) -> bool:
     everything = np.concatenate(groups)
     centred = [group - group.mean() for group in groups]
     per_sample = inefficiency(centred)
-    between, within = len(groups) - 1, everything.size - len(groups)
+    between = len(groups) - 1
+    within = everything.size - len(groups)
     scatter = per_sample * sum(float(group @ group) for group in centred) / within
     distances = [
         group.size * float(group.mean() - everything.mean()) ** 2 for group in groups

@@ -231,10 +231,8 @@ def compare_tables(
     ``until`` is the last time compared, s, None for the whole overlap. ``tolerance``
     bounds the rms difference relative to the rms of the column.
     """
-    from scipy.interpolate import (
-        CubicHermiteSpline,
-        PchipInterpolator,
-    )  # slow to import
+    # slow to import
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
     # Other programs know the real time alone.
     time = ours.get("clock", ours["time"])
@@ -259,7 +257,8 @@ def compare_tables(
             expected = curve(theirs["time"][common])
             off = values[common] - expected
             rms, size = (float(np.sqrt(np.mean(part**2))) for part in (off, expected))
-            greatest, bound = float(np.abs(off).max()), tolerance * size
+            greatest = float(np.abs(off).max())
+            bound = tolerance * size
             differences.append(
                 ColumnDifference(name, unit_of(name), greatest, rms, bound)
             )

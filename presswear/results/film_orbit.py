@@ -108,10 +108,14 @@ def stretched_rate(
     length = math.hypot(x, y)
     eccentricity = -math.expm1(-length)
     if eccentricity > 0.0:
-        nx, ny, stretch = x / length, y / length, length / eccentricity
+        nx = x / length
+        ny = y / length
+        stretch = length / eccentricity
     else:
         size = math.hypot(*force) or 1.0
-        nx, ny, stretch = -force[0] / size, -force[1] / size, 1.0
+        nx = -force[0] / size
+        ny = -force[1] / size
+        stretch = 1.0
     gap = max(math.exp(-length), _THINNEST)
     along = force[0] * nx + force[1] * ny
     across = force[1] * nx - force[0] * ny

@@ -157,7 +157,8 @@ def files_of(index: int) -> tuple[str, str]:
 
 def read_stored(path: Path) -> StoredResult:
     """Return the document of a folder; InputError names the first part that is wrong."""
-    file, missing = path / FILE, f"{path} is not a result folder: it has no {FILE}"
+    file = path / FILE
+    missing = f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
         missing += "; a sweep holds whole results where it ran with keep = results"
     elif inner := sorted(
@@ -212,7 +213,8 @@ class ResultFolder(Observer):
             raise InputError(
                 f"folder {path}: it contains no run to resume: it has no {FILE}"
             )
-        self.path, self.interval = path, interval
+        self.path = path
+        self.interval = interval
         self.remarks: list[str] = []  # lines for the user
         self._latest: Any = None
         self._lock = FolderLock(path)
@@ -244,12 +246,14 @@ class ResultFolder(Observer):
 
         InputError unless the run is of the same scene and program.
         """
-        stored, here = self._stored, provenance()
+        stored = self._stored
+        here = provenance()
         start = f"folder {self.path}: it holds a run of another scene: "
         changes = differences(stored.scene, plain(scene.as_dict()))
         looser = [change for change in changes if _is_looser(scene, *change)]
         self._refuse(start, [change for change in changes if change not in looser])
-        before, now = _versions(stored.provenance), _versions(here)
+        before = _versions(stored.provenance)
+        now = _versions(here)
         start = f"folder {self.path}: another program started this run, and numbers would differ: "
         self._refuse(
             start, [(name, before.get(name, "missing"), now[name]) for name in now]
@@ -258,7 +262,8 @@ class ResultFolder(Observer):
             self._loosen(old, new)
         if self.is_finished:
             return
-        checkpoint, first = stored.checkpoint, 0
+        checkpoint = stored.checkpoint
+        first = 0
         used = "" if checkpoint is None else checkpoint.file
         for item in self.path.iterdir():
             is_part = item.name.startswith((FILE, "stage-", "film-", "report.html"))
@@ -284,7 +289,8 @@ class ResultFolder(Observer):
             self.remarks.append(f"{machines}: last digits may differ from here on")
         again = {"started": here["started"], "machine": here["machine"]}
         origin["resumed"] = [*origin.get("resumed", []), again]
-        stored.status, stored.message = "running", ""
+        stored.status = "running"
+        stored.message = ""
 
     def _loosen(self, old: float, new: float) -> None:
         """Continue a service life with a looser tolerance; a known life may meet it already."""
@@ -296,7 +302,8 @@ class ResultFolder(Observer):
         stored.scene["tolerance"] = new
         self.remarks.append(f"the tolerance is {new:g} from here on; it was {old:g}")
         if is_met:
-            stored.status, stored.message = "completed", ""
+            stored.status = "completed"
+            stored.message = ""
             stored.write(self.path)
 
     @staticmethod
@@ -356,14 +363,16 @@ class ResultFolder(Observer):
         self._saved = time.perf_counter()
 
     def _replace_checkpoint(self, checkpoint: StoredCheckpoint | None) -> None:
-        before, self._stored.checkpoint = self._stored.checkpoint, checkpoint
+        before = self._stored.checkpoint
+        self._stored.checkpoint = checkpoint
         self._write()
         if before is not None:
             (self.path / before.file).unlink(missing_ok=True)
 
     def close(self, status: Any, message: str) -> None:
         """Store how the run ended, and release the folder."""
-        self._stored.status, self._stored.message = status, message
+        self._stored.status = status
+        self._stored.message = message
         self._replace_checkpoint(None)
         self._lock.release()
 

@@ -176,10 +176,8 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     ended = {life.ended, reference.ended}
     if ended != {"limit"} or life.error is None or reference.error is None:
         return "", ""
-    ratio, half = (
-        life.strokes / reference.strokes,
-        math.hypot(life.error, reference.error),
-    )
+    ratio = life.strokes / reference.strokes
+    half = math.hypot(life.error, reference.error)
     low, high = ratio / math.exp(half), ratio * math.exp(half)
     text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
     if half == 0.0:

@@ -31,10 +31,8 @@ def peak_force(motion: Motion) -> str:
 
 
 def _mixed(settling: Settling) -> str:
-    runs, peaks = (
-        counted(settling.runs, "run"),
-        " or ".join(map(peak_force, _regular(settling))),
-    )
+    runs = counted(settling.runs, "run")
+    peaks = " or ".join(map(peak_force, _regular(settling)))
     text = f"{settling.settled} of {runs} came to rest on a regular motion (peak force {peaks}) "
     text += f"after {_strokes_before(settling)}; {_irregular(settling)}"
     return f"{text}: after a disturbance expect both"
@@ -51,7 +49,8 @@ def _coexisting(settling: Settling) -> str:
 
 
 def _settled(settling: Settling) -> str:
-    count, before = counted(settling.runs, "run"), _strokes_before(settling)
+    count = counted(settling.runs, "run")
+    before = _strokes_before(settling)
     if not needs_warning(settling):
         return f"The motion is regular: {count} repeat after {before}"
     text = f"All {count} came to rest on the same regular motion (peak force "
@@ -92,7 +91,8 @@ def _irregular(settling: Settling) -> str:
     """Return how long the irregular motion lasts, and its peak force."""
     irregular = [motion for motion in settling.motions if motion.period is None]
     peak = f" (peak force {peak_force(irregular[0])})" if irregular else ""
-    text, life = f"irregular motion{peak} lasts", settling.half_life
+    text = f"irregular motion{peak} lasts"
+    life = settling.half_life
     if life is None or life.low is None or life.high is None:
         return f"{text} an unknown time"
     low, high = readable(life.low, 2), readable(life.high, 2)

@@ -55,10 +55,8 @@ LAW_WORDS = {
     "foundation": "an elastic foundation",
 }
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
-_PIECES, _PIECES_BEFORE = (
-    720,
-    90,
-)  # of the cycle of ideal torques, and of the one before it
+_PIECES = 720  # of the cycle of ideal torques
+_PIECES_BEFORE = 90  # of the cycle before it
 
 
 # Strokes on the work
@@ -103,7 +101,8 @@ class SampledStroke(NamedTuple):
             }
         worked = after = self.done
         if not math.isnan(self.fracture):
-            worked, after = self.fracture, min(self.fracture + SNAP_THROUGH_S, self.end)
+            worked = self.fracture
+            after = min(self.fracture + SNAP_THROUGH_S, self.end)
         times = (self.start, self.contact, worked, after, self.end)
         return dict(zip(PHASES, pairwise(times), strict=True))
 
@@ -137,7 +136,9 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     process = scene.process
     if process is None:
         return None
-    height, missing, rows = height_of(scene, stage), np.full((1, 2), math.nan), []
+    height = height_of(scene, stage)
+    missing = np.full((1, 2), math.nan)
+    rows = []
     top = process.height
     broken = math.nan if process.fracture is None else top - process.fracture
     contacts, fractures = (
@@ -164,12 +165,10 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
 
 def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Array:
     """Return times at which the height rises (1.0) or falls (-1.0) to a level, and heights then."""
-    off, rate, time, instants = (
-        sign * (height - level),
-        sign * stage.velocity,
-        stage.clock,
-        [],
-    )
+    off = sign * (height - level)
+    rate = sign * stage.velocity
+    time = stage.clock
+    instants = []
     for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
         step = time[k + 1] - time[k]
         ends = off[k], rate[k], off[k + 1], rate[k + 1], step
@@ -182,23 +181,28 @@ def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Arr
 
 def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
     """Return the complete recorded strokes after the start-up, or the last complete one."""
-    ideal, time = bottom_of(scene.ideal), stage.time
+    ideal = bottom_of(scene.ideal)
+    time = stage.time
     if ideal is None or time.size < 2:
         return []
-    period, last, noise = ideal.period, float(time[-1]), 1e-9 * ideal.period
+    period = ideal.period
+    last = float(time[-1])
+    noise = 1e-9 * ideal.period
     number = np.arange(int((last - scene.run_up) / period) + 2)
     starts = scene.run_up + ideal.top + period * number
     is_whole = (starts >= scene.run_up - noise) & (starts + period <= last + noise)
     is_sampled = is_whole & (number >= STARTUP_CYCLES)
     starts = starts[is_sampled] if is_sampled.any() else starts[is_whole][-1:]
-    strokes, force = strokes_of(scene, stage), process_force(scene, stage)
+    strokes = strokes_of(scene, stage)
+    force = process_force(scene, stage)
     result = []
     for start in map(float, starts):
         stroke = SampledStroke(start, start + ideal.time - ideal.top, start + period)
         if strokes is not None and force is not None:
             when = strokes.contact[:, 0]
             for k in np.flatnonzero((when >= start) & (when < stroke.end))[:1]:
-                contact, fracture = float(when[k]), float(strokes.fracture[k, 0])
+                contact = float(when[k])
+                fracture = float(strokes.fracture[k, 0])
                 pressed = time[(time > contact) & (time < stroke.end) & (force > 0.0)]
                 done = float(pressed[-1]) if pressed.size else contact
                 stroke = stroke._replace(contact=contact, fracture=fracture, done=done)
@@ -255,7 +259,8 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         name: joint_tonnage(stage.clock, joint, strokes)
         for name, joint in series.items()
     }
-    force, time = process_force(scene, stage), stage.clock
+    force = process_force(scene, stage)
+    time = stage.clock
     peak = work = before = after = None
     if force is not None:
         height = height_of(scene, stage)
@@ -420,7 +425,8 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     """
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
-    start, ideal = stage.arrays["cycle_start"], ideal_drives(scene)
+    start = stage.arrays["cycle_start"]
+    ideal = ideal_drives(scene)
     rubbing = rubbing_drives(scene)
     # The cycles of the second set of replicates are not used.
     settling = stage.statistics.settling
@@ -432,7 +438,8 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     last = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(
         len(cycles), len(ideal), -1
     )
-    numbers, peaks = {}, {}
+    numbers = {}
+    peaks = {}
     for k, body in enumerate(ideal):
         columns = dict(zip(names_of(DRIVE_CYCLE), last[:, k].T, strict=True))
         peaks[body] = [
@@ -511,7 +518,9 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     The forces are x + 1j y, shape (n,), on the first body; the first cycle after the
     run-up lets the laws of loads follow the motion and is left out.
     """
-    linkage, ideal, period = scene.loaded, scene.ideal, scene.mechanism.period
+    linkage = scene.loaded
+    ideal = scene.ideal
+    period = scene.mechanism.period
     equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
     # A load can be shorter than a piece. Corners next to an equal instant add nothing.
     corners = load_corners(
@@ -520,10 +529,11 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
     time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
     is_last = time >= equal[_PIECES]
-    held = constraint_forces(linkage, ideal, time)[is_last]
+    holding_forces = constraint_forces(linkage, ideal, time)[is_last]
     pins = enumerate(linkage.revolutes)  # each has two rows
     return time[is_last], {
-        one.name: held[:, 2 * k] + 1j * held[:, 2 * k + 1] for k, one in pins
+        one.name: holding_forces[:, 2 * k] + 1j * holding_forces[:, 2 * k + 1]
+        for k, one in pins
     }
 
 
@@ -537,7 +547,8 @@ def _duties(
     """Return duties of drives from the numbers of a cycle, which are named in ``DRIVE_CYCLE``."""
     duties = {}
     for body, item in numbers.items():
-        supplied, returned = item["work_given"], item["work_returned"]
+        supplied = item["work_given"]
+        returned = item["work_returned"]
         means = item["torque_integral"] / period, (supplied - returned) / period
         torque, power = (
             Duty(
@@ -553,7 +564,8 @@ def _duties(
 
 def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
     """Return the drives of a stage by their bodies; without torques if none were stored."""
-    motion, torque = scene.ideal.at(stage.time), stage.arrays.get("drive_torque")
+    motion = scene.ideal.at(stage.time)
+    torque = stage.arrays.get("drive_torque")
     if stage.has_clock:
         rate = stage.nominal_rate[:, np.newaxis]
         motion = replace(motion, velocity=motion.velocity * rate)
@@ -585,7 +597,8 @@ def ideal_curves(
     ``rubs`` the joints have the friction of their bearings.
     """
     bushings = rubbing_joints(scene) if rubs else ()
-    start, period = scene.run_up, scene.mechanism.period
+    start = scene.run_up
+    period = scene.mechanism.period
     # The laws of loads are followed through a cycle before.
     before, cycle = (
         np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES)
@@ -615,13 +628,16 @@ def _integrated(
 
     Corners of loads, s, where a peak can be, are instants of the weight 0.
     """
-    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    half = 0.5 * np.diff(edges)
     inner = (middle[:, np.newaxis] + half[:, np.newaxis] * _NODES).ravel()
     time = np.concatenate([inner, corners])
     weights = np.append(np.outer(half, _WEIGHTS).ravel(), np.zeros(corners.size))
     order = np.argsort(time, kind="stable")
-    time, weights = time[order], weights[order]
-    linkage, motion = scene.loaded, scene.ideal.at(time)
+    time = time[order]
+    weights = weights[order]
+    linkage = scene.loaded
+    motion = scene.ideal.at(time)
     forces = forces_in_motion(linkage, scene.ideal, motion, bushings)
     curves = _curves(linkage, motion, forces[:, -len(linkage.drives) :])
     last = time > edges[-1] - scene.mechanism.period
@@ -644,10 +660,8 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
     ideal = bottom_of(scene.ideal)
     if ideal is None:
         return []
-    error, start = (
-        stage.each_cycle("bottom_height") - ideal.height,
-        stage.arrays["cycle_start"],
-    )
+    error = stage.each_cycle("bottom_height") - ideal.height
+    start = stage.arrays["cycle_start"]
     rows = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
     return [(ideal.first + 1.0 + np.arange(item.size), item) for item in rows]
 
@@ -659,7 +673,8 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     at another speed. Both are taken as independent. None if either has no sampled
     stroke.
     """
-    later, earlier = stage.statistics.bdc, since.statistics.bdc
+    later = stage.statistics.bdc
+    earlier = since.statistics.bdc
     if later is None or earlier is None:
         return None
     halves = later.error.half_width, earlier.error.half_width
@@ -698,7 +713,8 @@ def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
     a user law, and for an exponent other than 1.5, which the laws of conforming pins do
     not have.
     """
-    bearing, conventions = scene.bearing(joint), scene.conventions
+    bearing = scene.bearing(joint)
+    conventions = scene.conventions
     if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
         return {}
     records = {}
@@ -808,7 +824,8 @@ def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
 
     They are values of ``StageResult.time``.
     """
-    period, run_up = scene.mechanism.period, scene.run_up
+    period = scene.mechanism.period
+    run_up = scene.run_up
     whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
     first = max(min(STARTUP_CYCLES, whole - 1), 0)
     end = run_up + max(whole, first + 1) * period

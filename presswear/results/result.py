@@ -202,7 +202,8 @@ def load(path: str | Path, trust: bool = False) -> Result:
     if trust:
         scene.trust()
     linkage = scene.linkage()
-    stages, joints = [], tuple(joint.name for joint in linkage.clearances)
+    stages = []
+    joints = tuple(joint.name for joint in linkage.clearances)
     for stage in stored.stages:
         name, film = files_of(stage.index)
         most = most_stage_bytes(scene, linkage, stage)
@@ -270,7 +271,8 @@ def read_surfaces(source: str | Path) -> Surfaces:
         return read_profiles(Path(text))
     folder, colon, stage = text.rpartition(":")
     if not colon or Path(text).is_dir():
-        folder, stage = text, ""
+        folder = text
+        stage = ""
     elif not (stage.isascii() and stage.isdigit() and len(stage) < 10):
         raise InputError(f"{text}: a stage, 0, 1, 2 ..., must follow the colon")
     check_folder(Path(folder))

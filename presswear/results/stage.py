@@ -287,9 +287,8 @@ class StageResult:
     arrays: Mapping[str, Array] = field(
         default_factory=dict, metadata=NOT_STORED, repr=False
     )
-    joint_names: tuple[str, ...] = field(
-        default=(), metadata=NOT_STORED
-    )  # with clearance
+    # with clearance
+    joint_names: tuple[str, ...] = field(default=(), metadata=NOT_STORED)
     read_film: Callable[[], Film] | None = field(
         default=None, metadata=NOT_STORED, repr=False
     )
@@ -419,7 +418,8 @@ class StageResult:
         """Joints with clearance by name."""
         joints = Joints[JointResult]()
         for k, name in enumerate(self.joint_names):
-            prefix, first = f"{name}_", CYCLE_COUNT + JOINT_CYCLE_COUNT * k
+            prefix = f"{name}_"
+            first = CYCLE_COUNT + JOINT_CYCLE_COUNT * k
             parts = {
                 key.removeprefix(prefix): array
                 for key, array in self.arrays.items()

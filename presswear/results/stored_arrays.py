@@ -36,7 +36,8 @@ def most_film_bytes(linkage: Linkage) -> int:
 
 def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     """Return the most bytes of the arrays of a stage."""
-    joints, drives = len(linkage.clearances), len(linkage.drives)
+    joints = len(linkage.clearances)
+    drives = len(linkage.drives)
     recorded = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
     recorded = scene.recording.recorded_cycles or recorded
     rows = recorded + math.ceil(scene.run_up / scene.mechanism.period)
@@ -54,7 +55,8 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
 
 def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     """Raise InputError for an array of a stage that is missing or has another shape."""
-    joints, drives = linkage.clearances, len(linkage.drives)
+    joints = linkage.clearances
+    drives = len(linkage.drives)
     section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
     columns = cycle_columns(len(joints), drives, linkage.leader is not None)
     if linkage.leader is not None:

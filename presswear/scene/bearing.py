@@ -232,7 +232,8 @@ class Bearing(Checked):
                 f"clearance = {clearance}: with stiffness = {written(self.stiffness, 'N/m')} "
                 "allowed is 0; a joint stretches or has clearance"
             )
-        law, friction_law = self.normal_law, self.friction_law
+        law = self.normal_law
+        friction_law = self.friction_law
         if self.clearance == 0.0 and friction_law == laws.LUGRE:
             names = ", ".join(name for name in laws.FRICTIONS if name != laws.LUGRE)
             raise InputError(
@@ -240,7 +241,8 @@ class Bearing(Checked):
             )
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"
-            least, damping = laws.DAMPINGS[law].least, self.viscous_damping
+            least = laws.DAMPINGS[law].least
+            damping = self.viscous_damping
             if self.restitution < least:
                 raise InputError(
                     f"restitution = {self.restitution:g}: {allowed} {least:g} to 1"
@@ -280,7 +282,8 @@ class Bearing(Checked):
 
     def _check_bristles(self) -> None:
         """Raise InputError where bristles are too stiff for the steps, or drive the sliding."""
-        stiffness, damping = self.bristle_stiffness, self.bristle_damping
+        stiffness = self.bristle_stiffness
+        damping = self.bristle_damping
         highest = self.friction / LEAST_SLIP
         if stiffness > 1.001 * highest:
             raise InputError(
@@ -400,7 +403,8 @@ class Bearing(Checked):
     def check_user_laws(self, joint: str, conventions: Conventions) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         if isinstance(law := self.normal_law, UserFunction):
-            key, normal = f"{joint}.normal_law", self.normal(conventions)
+            key = f"{joint}.normal_law"
+            normal = self.normal(conventions)
             state = {
                 name: getattr(normal, name)
                 for name in ("stiffness", "exponent", "damping")
@@ -449,16 +453,16 @@ class Bearing(Checked):
         worn: tuple[Surface, Surface],
     ) -> elements.ClearanceJoint:
         """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
-        coefficient, share = (
-            self.materials.wear_coefficient,
-            self.materials.bearing_share,
-        )
-        slip, distribution = conventions.slip, conventions.wear_distribution
+        coefficient = self.materials.wear_coefficient
+        share = self.materials.bearing_share
+        slip = conventions.slip
+        distribution = conventions.wear_distribution
         wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.total_width
         forces = self.normal(conventions), self.friction_parameters
-        law, frame = wear if coefficient > 0.0 else None, conventions.map_frame
+        law = wear if coefficient > 0.0 else None
+        frame = conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn
         )

@@ -71,7 +71,8 @@ def example_file(kind: str) -> str:
     text = _OPEN.sub(lambda match: f"{match[0]} {_toml_value(by_key[match[1]])}", text)
     scene = _scene_of(tomllib.loads(_OFF.sub("", text)), Path(kind))
     meanings = {setting.key: setting.meaning for setting in settings_of(scene)}
-    lines, table = [], ""
+    lines = []
+    table = ""
     for line in text.splitlines():
         if heading := re.match(r"#?\[+(\w+)", line):
             table = heading[1]
@@ -88,7 +89,8 @@ def example_file(kind: str) -> str:
 
 
 def _toml_value(setting: Setting) -> str:
-    meaning, value = setting.meaning, setting.value
+    meaning = setting.meaning
+    value = setting.value
     if isinstance(meaning, Choice):
         return f'"{value}"'
     return f'"{meaning.written(value)}"' if meaning.unit else f"{value:.6g}"

@@ -95,7 +95,8 @@ class Recording(Checked):
     @property
     def phases(self) -> tuple[float, ...]:
         """Fractions of a cycle at which the Poincaré sections lie, increasing, in (0, 1]."""
-        first, count = self.section_angle / (2.0 * math.pi), self.sections
+        first = self.section_angle / (2.0 * math.pi)
+        count = self.sections
         return tuple(
             sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count))
         )

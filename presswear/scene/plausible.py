@@ -45,13 +45,15 @@ def unusual(key: str, value: float, words: str) -> list[str]:
 
 def doubts(scene: Scene) -> list[str]:
     """Return a sentence on each number of a scene that is not plausible, or not unique."""
-    linkage, lines = scene.base_linkage, []
+    linkage = scene.base_linkage
+    lines = []
     if repeated := scene.ideal.rows.repeated:
         lines.append(
             f"without clearance {repeated} of the constraints of joints and drives repeats others: "
             "the forces without clearance are those of smallest norm"
         )
-    heavy, light = max(linkage.bodies, key=_MASS), min(linkage.bodies, key=_MASS)
+    heavy = max(linkage.bodies, key=_MASS)
+    light = min(linkage.bodies, key=_MASS)
     words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
     lines += unusual("mass ratio", heavy.mass / light.mass, words)
     for body in linkage.bodies:

@@ -57,11 +57,8 @@ MECHANISMS: dict[str, type[Parametric]] = {
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))
-EXTRAPOLATIONS = (
-    "conventions",
-    "single",
-    "steps",
-)  # conventions: steps for wear over an arc
+# conventions: steps for wear over an arc
+EXTRAPOLATIONS = ("conventions", "single", "steps")
 REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
 # beyond it accelerations of the light body are round-off of the forces
@@ -230,7 +227,8 @@ class Scene(Checked):
         """Move the stiffness of the common bearing to the joints that have this bearing."""
         if self.bearings.stiffness is None:
             return
-        each = dict.fromkeys(self.bearing_joints, self.bearings) | self.joint_bearings
+        common = dict.fromkeys(self.bearing_joints, self.bearings)
+        each = {**common, **self.joint_bearings}
         self._set(joint_bearings=each, bearings=replace(self.bearings, stiffness=None))
 
     def _set(self, **values: Any) -> None:
@@ -512,7 +510,8 @@ class Scene(Checked):
         ideal = followed(self.base_linkage)
         if self.process is None:
             return ideal
-        point, direction = ideal.output.attachment, ideal.output.direction
+        point = ideal.output.attachment
+        direction = ideal.output.direction
         laws = self.process_laws.items()
         forces = (loads.Force(point, direction, law, name) for name, law in laws)
         return replace(ideal, loads=(*ideal.loads, *forces))

@@ -103,7 +103,8 @@ def used_settings_of(scene: Scene) -> list[Setting]:
 
 def setting_of(scene: Scene, key: str) -> Setting:
     """Return the setting with a key, also one of a single joint; raise InputError for none."""
-    settings, name = _by_key(scene), name_of_key(key)
+    settings = _by_key(scene)
+    name = name_of_key(key)
     if name not in settings:
         raise _unknown_key(scene, key, settings)
     return settings[name]
@@ -129,7 +130,8 @@ def _by_key(scene: Scene) -> dict[str, Setting]:
 
 def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
     for setting in settings_in(scene.bearing(joint)):
-        key, meaning = f"{joint}.{setting.key}", setting.meaning
+        key = f"{joint}.{setting.key}"
+        meaning = setting.meaning
         if isinstance(meaning, Quantity):
             meaning = replace(meaning, origin=scene.origins.get(key, SET))
         yield Setting(key, setting.value, meaning)
@@ -164,7 +166,8 @@ def _has_settings(value: Any) -> bool:
 def _fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, str]]:
     """Yield name, key, value and meaning of each field, and the prefix of the keys in it."""
     for item in fields(owner):
-        key, meaning = f"{prefix}{item.name}", meaning_of(item, owner)
+        key = f"{prefix}{item.name}"
+        meaning = meaning_of(item, owner)
         is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
         inner = f"{key}." if is_optional else prefix
         yield item.name, key, getattr(owner, item.name), meaning, inner
@@ -415,17 +418,16 @@ class Change:
 
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
     """Return the changes of a scene against another one that do not follow from others."""
-    was, settings = (
-        {one.key: one.value for one in settings_of(base)},
-        settings_of(scene),
-    )
+    was = {one.key: one.value for one in settings_of(base)}
+    settings = settings_of(scene)
     for one in settings:
         if not isinstance(one.meaning, Choice) or not one.meaning.is_part:
             continue
         if one.value not in one.meaning.words:
             was[one.key] = one.value  # a set without a name is described by its values
         elif one.value != was.get(one.key, one.value) and one.value != NONE:
-            part, prefix = one.meaning.convert(one.key, one.value), f"{one.key}."
+            part = one.meaning.convert(one.key, one.value)
+            prefix = f"{one.key}."
             inner = settings_in(part, prefix=prefix if one.meaning.kinds else "")
             was |= {item.key: item.value for item in inner}
     for joint in scene.joint_bearings:
@@ -448,7 +450,8 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
     """Yield the changes of the mechanism and of the surfaces, which are not settings."""
-    was, data = base.as_dict(), scene.as_dict()
+    was = base.as_dict()
+    data = scene.as_dict()
     names = [key for key, *_ in differences(was["mechanism"], data["mechanism"])]
     names = [key for key in dict.fromkeys(names) if key not in keys]
     if names:

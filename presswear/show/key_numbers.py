@@ -33,7 +33,8 @@ UNKNOWN = "interval unknown"
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
 _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 # Linkages to which a run is compared
-RUBBING, IDEAL = "rigid joints with friction", "rigid joints without friction"
+RUBBING = "rigid joints with friction"
+IDEAL = "rigid joints without friction"
 # title, unit and words of the loads of bearings, by the settings that limit them
 _LOADS = {
     "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
@@ -57,7 +58,9 @@ def measured(
     note = f"{strokes} of {ENOUGH} strokes" if strokes < ENOUGH else ""
     if estimate is None:
         return KeyNumber(name, NOTHING, "", meaning, note=note)
-    low, mean, high = estimate.low, estimate.mean, estimate.high
+    low = estimate.low
+    mean = estimate.mean
+    high = estimate.high
     factor, shown = numbers.unit_scale(unit, abs(mean))
     if low is None or high is None:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
@@ -78,7 +81,8 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     life = [] if result.life is None else [_life(result.scene, result.life)]
     if not stages:
         return life
-    scene, last = result.scene, stages[-1]
+    scene = result.scene
+    last = stages[-1]
     reason = _reason_without_interval(last)
 
     def explained(peaks: list[KeyNumber]) -> list[KeyNumber]:
@@ -108,7 +112,8 @@ def _reason_without_interval(stage: StageResult) -> str:
 
 def _life(scene: Scene, life: LifeResult) -> KeyNumber:
     hours = numbers.readable(life.strokes * scene.mechanism.period / 3600.0, 2)
-    first, name = life.first, "Service life"
+    first = life.first
+    name = "Service life"
     name += f", {life.ended}" if life.ended in WITHOUT_CURVES else ""
     if first is None:
         value = f"more than {numbers.large(life.strokes)} strokes"
@@ -148,7 +153,8 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
 
 def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return peak force, pin pressure and p v at the joints where they are greatest."""
-    first, last = stages[0], stages[-1]
+    first = stages[0]
+    last = stages[-1]
     joints = last.statistics.joints
     if not joints:
         return []
@@ -210,7 +216,8 @@ def _largest_force(stage: StageResult, joint: str) -> Estimate:
 
 def _forces_of_motions(stage: StageResult, joint: str) -> str:
     """Return the mean peak force at a joint, or that of each motion of different replicates."""
-    settling, joints = stage.statistics.settling, stage.statistics.joints
+    settling = stage.statistics.settling
+    joints = stage.statistics.joints
     forces = [joints[joint].peak_force_per_cycle.mean]
     if settling and settling.is_mixture:
         forces = [motion.peak_force[joint].mean for motion in settling.motions]
@@ -285,7 +292,9 @@ def _mm(length: float) -> str:
 
 def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the force of the work, and accuracy and repeatability of bottom dead centre."""
-    tonnage, bdc, result = press.tonnage_of(scene, stage), stage.statistics.bdc, []
+    tonnage = press.tonnage_of(scene, stage)
+    bdc = stage.statistics.bdc
+    result = []
     if tonnage is not None and tonnage.peak_force is not None:
         text = f"Greatest force of the work on {scene.output} in a stroke."
         result.append(measured("Working force", tonnage.peak_force, "N", text))
@@ -322,7 +331,8 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
-    drives, ideal = press.drives_of(scene, stages[-1]), press.ideal_drives(scene)
+    drives = press.drives_of(scene, stages[-1])
+    ideal = press.ideal_drives(scene)
     rubbing = press.rubbing_drives(scene)
     new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
     rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
@@ -344,7 +354,8 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             typical = _mean_power(
                 scene, [duty.power.mean for duty in duties.values()], peaks[body]
             )
-        text, title = f"Largest in a stroke at {body}; {typical}", f"Peak drive {name}"
+        text = f"Largest in a stroke at {body}; {typical}"
+        title = f"Peak drive {name}"
         compared = tuple(
             (words, _peak_text(one, name, unit)) for words, one in rigid.items()
         )
@@ -394,7 +405,8 @@ def _improvement(
     if len(joints) < 2:
         return []
     if life is not None and life.first is not None and "." in life.first.key:
-        joint, reason = life.first.key.partition(".")[0], "It ends the service life."
+        joint = life.first.key.partition(".")[0]
+        reason = "It ends the service life."
     else:
         volumes = {name: one.wear_volume for name, one in joints.items()}
         total = sum(one.mean for one in volumes.values())
@@ -409,7 +421,8 @@ def _improvement(
                 reason += " This is for dry contact; see the oil films."
         else:
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
-            joint, reason = " or ".join(_rivals(forces)), "The largest force is there."
+            joint = " or ".join(_rivals(forces))
+            reason = "The largest force is there."
         reason += " The command presswear improve compares changes of each joint."
     return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
 
@@ -425,7 +438,8 @@ def _rivals(values: Mapping[str, Estimate]) -> list[str]:
 
 def warnings(result: Result) -> list[str]:
     """Return sentences on what makes the numbers of a result doubtful."""
-    scene, lines = result.scene, doubts(result.scene)
+    scene = result.scene
+    lines = doubts(result.scene)
     lines += press.contact_warnings(scene, result.stages)
     stages = [stage for stage in result.stages if not stage.failed]
     for stage in stages:
@@ -440,9 +454,9 @@ def warnings(result: Result) -> list[str]:
                     " Figures over time show the first run before it came to rest."
                 )
     for stage in stages:
-        made = stage.statistics.energy_made_fraction
-        if made > _MADE:
-            part = numbers.readable(100.0 * made, 2)
+        created_fraction = stage.statistics.energy_made_fraction
+        if created_fraction > _MADE:
+            part = numbers.readable(100.0 * created_fraction, 2)
             laws = [scene.bearing(name).normal_law for name in scene.clearance_joints]
             is_radial = scene.conventions.contact == "radial"
             can_change = is_radial and not any(

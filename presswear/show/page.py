@@ -23,9 +23,8 @@ from presswear.show.figures.style import TEMPLATES
 from presswear.tools.numbers import readable, unit_factor, unit_scale, whole
 
 NOTHING = "–"
-_INTERVAL = re.compile(
-    r" \(\S+ to \S+?( %)?\)"
-)  # a space is never part of a figure's data
+# a space is never part of a figure's data
+_INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")
 
 Line = tuple[str, ...]
 
@@ -91,9 +90,8 @@ class Table:
     # headings with the rows below them
     groups: tuple[tuple[str, tuple[Line, ...]], ...]
     numeric: bool = True  # all columns but the first are numbers
-    meanings: Mapping[str, str] = field(
-        default_factory=dict
-    )  # shown below labels, by label
+    # shown below labels, by label
+    meanings: Mapping[str, str] = field(default_factory=dict)
 
 
 def column_table(
@@ -108,7 +106,8 @@ def column_table(
     ``corner`` is the title of the column of labels; ``groups`` are rows by heading.
     Rows without a value in any record are left out.
     """
-    filled, meanings = dict[str, list[Line]](), dict[str, str]()
+    filled = dict[str, list[Line]]()
+    meanings = dict[str, str]()
     for heading, rows in groups.items():
         for row in rows:
             values = [value_at(record, row.path) for record in records]

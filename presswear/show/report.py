@@ -124,7 +124,8 @@ def render_report(
 
     The page states the command that draws all figures, unless it is empty.
     """
-    scene, changes = result.scene, changes_of(result.scene)
+    scene = result.scene
+    changes = changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
     missing: list[str] = []  # what an earlier version did not store
@@ -176,7 +177,8 @@ def render_report(
 
 def _status(result: Result) -> str:
     """Return a sentence on the end of the run."""
-    count, message = len(result.stages), result.message
+    count = len(result.stages)
+    message = result.message
     total = result.scene.wear_updates + 1
     return {
         "completed": f"Completed: {f'all {count} stages' if count > 1 else 'the stage'} ran.",
@@ -196,8 +198,10 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
     groups: dict[Any, tuple[list[str], Bearing, str, float | None]] = {}
     for joint in scene.clearance_joints:
         bearing = scene.bearing(joint)
-        law, restitution = bearing.normal_law, bearing.restitution
-        title, delivered = str(law), None
+        law = bearing.normal_law
+        restitution = bearing.restitution
+        title = str(law)
+        delivered = None
         if isinstance(law, str) and law != KELVIN_VOIGT:
             title = DAMPINGS[law].title
             delivered = delivered_restitution(DAMPINGS[law].factor(restitution))
@@ -272,7 +276,8 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     Numbers of failed stages are left out. Stored laws of the result are not executed
     unless they are trusted.
     """
-    scene, records = result.scene, list[Record]()
+    scene = result.scene
+    records = list[Record]()
     endings = _tables(result)["endings"]
     for name, stage in zip(
         stage_names(result, result.stages), result.stages, strict=True
@@ -350,7 +355,8 @@ def _heights_at_rest(
 
 def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | None]]:
     """Return depth, m, and angle, rad, of the deepest wear by side; no angle without wear."""
-    maps, deepest = stage.joints[joint], {}
+    maps = stage.joints[joint]
+    deepest = {}
     depths = {side: maps.depth(side) for side in SIDES}
     for side, depth in {**depths, "both": np.sum([*depths.values()], axis=0)}.items():
         angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
@@ -496,7 +502,8 @@ def setting_tables(result: Result) -> dict[str, Table]:
     is_named = named_scene(scene) is not None
     records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
     for setting in used_settings_of(scene):
-        meaning, value = setting.meaning, setting.value
+        meaning = setting.meaning
+        value = setting.value
         record: Record = {
             "setting": setting,
             "value": "none" if value is None else str(value),
@@ -537,7 +544,8 @@ def _engineers(meaning: Quantity, value: float) -> str:
 def mechanism_tables(result: Result) -> dict[str, Table]:
     """Return the tables ``bodies``, with the drives, and ``pins``, of all joints and contacts."""
     scene = result.scene
-    linkage, speed = scene.base_linkage, Quantity("rad/s")
+    linkage = scene.base_linkage
+    speed = Quantity("rad/s")
     drives = {
         drive.body: _engineers(speed, drive.mean_speed)
         + ", not constant" * drive.repeats
@@ -652,7 +660,8 @@ def _repeating(life: LifeResult) -> str:
 
 def _pin_that_ends(result: Result, life: LifeResult) -> str:
     """Return a sentence if a pin ends a life in which only its bushing was serviced, or nothing."""
-    first, stages = life.first, result.stages
+    first = life.first
+    stages = result.stages
     joint, _, name = first.key.partition(".") if first else ("", "", "")
     serviced = {service.joint for service in services_done(result)}
     is_whole = len(stages) == result.scene.wear_updates + 1 and not stages[-1].failed
@@ -689,7 +698,8 @@ def _limit_line(scene: Scene, limit: LimitResult) -> Line:
     if limit.strokes is None:
         return name, "not exceeded", NOTHING, NOTHING, last
     error = limit.error
-    digits, hours = digits_of(error), limit.strokes * scene.mechanism.period / 3600.0
+    digits = digits_of(error)
+    hours = limit.strokes * scene.mechanism.period / 3600.0
     interval = span_of(limit.strokes, error) or "unknown"
     strokes = numbers.large(limit.strokes, digits=digits)
     return name, strokes, interval, numbers.readable(hours, digits), last

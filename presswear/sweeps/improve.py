@@ -26,11 +26,12 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import large, quantity_text
 
-CLEARANCE, SIZE = (
-    0.5,
-    1.25,
-)  # factors on the clearance, and on radius and width of a bearing
-LIFE, FORCE, BOTTOM = "life", "peak force", "error of bottom dead centre"
+# factors on the clearance, and on radius and width of a bearing
+CLEARANCE = 0.5
+SIZE = 1.25
+LIFE = "life"
+FORCE = "peak force"
+BOTTOM = "error of bottom dead centre"
 PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
 BAR = 0.28  # height of a bar with its gap, inches
@@ -201,7 +202,8 @@ def _quantities(result: Result) -> dict[str, Estimate]:
     And for the life, which is inversely proportional to it, the depth that a stroke
     wears.
     """
-    first, last = result.stages[0], result.stages[-1].statistics
+    first = result.stages[0]
+    last = result.stages[-1].statistics
     peaks = [joint.wear_peaks.items() for joint in first.statistics.joints.values()]
     per_stroke = 1.0 / first.cycles_per_update
     depths = [
@@ -227,7 +229,8 @@ def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
     """Return the ratio of two independent numbers, with the interval of its logarithm."""
     if key == LIFE:
         value, plain = plain, value
-    ratio, halves = abs(value.mean / plain.mean), []
+    ratio = abs(value.mean / plain.mean)
+    halves = []
     for one in (value, plain):
         if one.low is None or one.high is None or one.low * one.high <= 0.0:
             return Effect(change, Estimate(ratio), False)

@@ -48,7 +48,9 @@ class Display:
     """Column in the display unit in which its values read well, and the factor to this unit."""
 
     def __init__(self, column: Column, values: Array) -> None:
-        self.column, self.factor, self.unit = column, 1.0, column.unit
+        self.column = column
+        self.factor = 1.0
+        self.unit = column.unit
         largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
         if largest > 0.0:
             self.factor, self.unit = unit_scale(column.unit, largest)
@@ -87,7 +89,8 @@ def column_of(setting: Setting, choices: tuple[str, ...] = ()) -> Column:
 
 def parse_group(scene: Scene, text: str) -> Group:
     """Read one ``--vary`` option; `InputError` if a value is missing, repeated or out of range."""
-    columns, rows = [], []
+    columns = []
+    rows = []
     for part in text.split(TOGETHER):
         key, _, listed = (word.strip() for word in part.partition("="))
         if not listed:
@@ -127,10 +130,8 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
             texts.append(f"{key}={values}")
             continue
         keys = [word.strip() for word in key.split(TOGETHER)]
-        rows, width = (
-            np.array(values, dtype=object),
-            (len(keys),) if len(keys) > 1 else (),
-        )
+        rows = np.array(values, dtype=object)
+        width = (len(keys),) if len(keys) > 1 else ()
         if rows.ndim == 0 or rows.size == 0 or rows.shape[1:] != width:
             listed = (
                 f"a list of rows of {len(keys)} values" if width else "a list of values"
@@ -193,7 +194,9 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     """
     kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
     if not bracket and ":" in text:
-        kind, bracket, rest = "uniform", "(", f"{text.strip().replace(':', ',')})"
+        kind = "uniform"
+        bracket = "("
+        rest = f"{text.strip().replace(':', ',')})"
     if kind not in ARGUMENTS and bracket:
         raise unknown(f"distribution of {key}", kind, ARGUMENTS)
     if not bracket or not rest.endswith(")"):
@@ -333,6 +336,7 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
     if kind == "sobol":
         return points
     first, second = points[:, :dimension], points[:, dimension:]
-    blocks, k = np.repeat(first[:, None], dimension + 2, axis=1), np.arange(dimension)
+    blocks = np.repeat(first[:, None], dimension + 2, axis=1)
+    k = np.arange(dimension)
     blocks[:, k + 1, k] = blocks[:, -1] = second
     return blocks.reshape(-1, dimension)

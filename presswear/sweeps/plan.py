@@ -113,7 +113,8 @@ class Plan:
 
     @cached_property
     def _sampled(self) -> list[tuple[Column, Distribution]]:
-        scene, sampled = _with_words(self.scene, self._varied), []
+        scene = _with_words(self.scene, self._varied)
+        sampled = []
         for text in self.ranges:
             key, _, words = (part.strip() for part in text.partition("="))
             if not words:
@@ -161,9 +162,8 @@ class Plan:
         """Return the scene of a row; `InputError` if its settings do not fit together."""
         scene = _with_requested_wear(changed(self.scene, self.settings(row)))
         if scene.purpose == "auto" and scene.wear_updates == 0:
-            scene = replace(
-                scene, purpose="forces"
-            )  # rows are compared by peaks and means
+            # rows are compared by peaks and means
+            scene = replace(scene, purpose="forces")
         if (
             scene.wear_updates > 0
             and scene.life is None
@@ -303,7 +303,8 @@ class Table:
         count = len(values)
         rows = (self.points[:, -count:] == values).all(axis=1)
         arrays = self.values[rows], self.half_widths[rows], self.censored[rows]
-        errors, points = tuple(compress(self.errors, rows)), self.points[rows, :-count]
+        errors = tuple(compress(self.errors, rows))
+        points = self.points[rows, :-count]
         columns = self.parameters[:-count], self.responses
         return Table(*columns, points, *arrays, errors, self.replicates, self.freedom)
 
@@ -334,7 +335,8 @@ class Table:
                 [shown.label, *(shown.number(value, 4) for value in values[:count])]
             )
         for k, column in enumerate(self.responses):
-            shown, texts = Display(column, self.values[:, k]), []
+            shown = Display(column, self.values[:, k])
+            texts = []
             for row in range(min(count, len(self.errors))):
                 sign = ">" if self.censored[row, k] else ""
                 pair = self.values[row, k], self.half_widths[row, k]
@@ -344,7 +346,8 @@ class Table:
 
     def csv(self) -> str:
         """Return the table as CSV; a comment in the second line holds the units."""
-        columns, text = self.columns(), io.StringIO()
+        columns = self.columns()
+        text = io.StringIO()
         units = {
             column.key: column.unit for column in (*self.parameters, *self.responses)
         }
@@ -357,9 +360,8 @@ class Table:
         text.write(f"# units: {','.join(map(str.rstrip, names))}\n")
         for row in zip(*columns.values(), strict=True):
             cells = (int(cell) if isinstance(cell, bool) else cell for cell in row)
-            writer.writerow(
-                ["" if cell != cell else cell for cell in cells]
-            )  # NaN differs
+            # NaN differs
+            writer.writerow(["" if cell != cell else cell for cell in cells])
         return text.getvalue()
 
     def to_pandas(self) -> "pandas.DataFrame":

@@ -38,7 +38,8 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
-REPORT, ROWS_FILE = "report.html", "table.csv"
+REPORT = "report.html"
+ROWS_FILE = "table.csv"
 FIRST_ROWS = 20
 OPEN_SECTIONS = 2  # responses whose sections are open at first
 MAX_NUMBERS = 10  # responses on the first screen
@@ -76,7 +77,9 @@ def failed_text(table: Table) -> str:
 
 def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
     """Analyse a response of the rows of a plan, or of those with equal varied values."""
-    points, kind, notes = points_of(table, key), plan.sample.partition(":")[0], []
+    points = points_of(table, key)
+    kind = plan.sample.partition(":")[0]
+    notes = []
     result = surrogate = spread = None
     try:
         result = sensitivity(points, kind)
@@ -115,7 +118,8 @@ def write_report(
 ) -> Path:
     """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
     sections: list[Section] = []
-    answers, numbers = [], []
+    answers = []
+    numbers = []
     for number, (name, part) in enumerate(_parts(table, plan).items()):
         into = inside(folder, "figures", *([f"{number}"] if name else []))
         for column in table.responses:
@@ -136,7 +140,8 @@ def write_report(
             )
     figures = [figure for section in sections for figure in section.figures]
     write_bytes(folder / ROWS_FILE, table.csv().encode())
-    count, failed = whole(len(table.errors)), sum(map(bool, table.errors))
+    count = whole(len(table.errors))
+    failed = sum(map(bool, table.errors))
     status = f"{count} runs at {whole(len(plan.points))} points"
     status += f", {plan.remark}" if plan.remark else ""
     html = page.render_page(
@@ -176,7 +181,8 @@ def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
 
 def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     """Return the range of a response over the points, and what it depends on most."""
-    points, result = analysis.points, analysis.sensitivity
+    points = analysis.points
+    result = analysis.sensitivity
     shown = Display(points.response, points.means)
     low, high = (shown.number(pick(points.means)) for pick in (np.nanmin, np.nanmax))
     meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
@@ -208,7 +214,9 @@ def _point(columns: tuple[Column, ...], values: np.ndarray) -> str:
 
 def drawings(analysis: Analysis) -> list[Drawing]:
     """Return the figures of a response."""
-    points, result, spread = analysis.points, analysis.sensitivity, analysis.spread
+    points = analysis.points
+    result = analysis.sensitivity
+    spread = analysis.spread
     if points.is_constant:
         return []
     drawn = [] if result is None else bars(points, result)
@@ -230,8 +238,12 @@ def _percent(share: tuple[float, float, float]) -> str:
 
 def findings(analysis: Analysis) -> list[str]:
     """Return sentences on the most important parameter and on the limit."""
-    points, limit, spread, lines = analysis.points, analysis.limit, analysis.spread, []
-    key, end = points.response.key, f" ({analysis.failed})." if analysis.failed else "."
+    points = analysis.points
+    limit = analysis.limit
+    spread = analysis.spread
+    lines = []
+    key = points.response.key
+    end = f" ({analysis.failed})." if analysis.failed else "."
     if analysis.sensitivity is not None:
         strongest = points.parameters[analysis.sensitivity.order[0]].key
         lines.append(f"{key} depends most on {strongest}{end}")
@@ -254,7 +266,8 @@ def findings(analysis: Analysis) -> list[str]:
 
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
-    points, tables = analysis.points, list[tuple[str, page.Table]]()
+    points = analysis.points
+    tables = list[tuple[str, page.Table]]()
     end = f"; {analysis.failed}" if analysis.failed else ""
     shown = Display(points.response, points.means)
     if 1 < len(points.means) <= FIRST_ROWS:
@@ -319,7 +332,8 @@ def _ranges(
     lines = []
     for k, column in enumerate(columns):
         finite = values[np.isfinite(values[:, k]), k]
-        shown, scatter = Display(column, finite), plan.distributions.get(column.key)
+        shown = Display(column, finite)
+        scatter = plan.distributions.get(column.key)
         remark = scatter.text if scatter else ", ".join(column.choices) or NOTHING
         if table is not None and table.censored[:, k].any():
             remark = f"{int(table.censored[:, k].sum())} lower bounds"
@@ -338,7 +352,8 @@ def _axis(
     axes: style.Axes, side: str, column: Column, values: Array, width: float
 ) -> Display:
     """Set label, ticks and scale of the x or y axis of a parameter."""
-    shown, axis = Display(column, values), axes.xaxis if side == "x" else axes.yaxis
+    shown = Display(column, values)
+    axis = axes.xaxis if side == "x" else axes.yaxis
     axis.set_label_text(style.wrapped(shown.label.replace("_", " "), width))
     if column.choices:
         axis.set_ticks(range(len(column.choices)), column.choices)
@@ -353,7 +368,8 @@ def _axis(
 
 def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     """Draw the sensitivity to each parameter as bars, the most important at the top."""
-    order, rows = result.order, np.arange(len(result.order))
+    order = result.order
+    rows = np.arange(len(result.order))
     shown = Display(points.response, result.values)
     factor = 1.0 if result.is_share else shown.factor
     sheet, ((axes,),) = style.panels(1, 1, 1.1 + 0.42 * len(rows))
@@ -403,19 +419,19 @@ def curves(points: Points) -> list[Drawing]:
     x_axis = _axis(
         axes, "x", points.parameters[along], points.points[:, along], style.WIDTH
     )
-    y_axis, pens = Display(points.response, points.means), []
+    y_axis = Display(points.response, points.means)
+    pens = []
     half_widths = points.half_widths
     for value, line in zip(groups, LINES, strict=False):
-        label, rows = points.response.key, points.has_value
+        label = points.response.key
+        rows = points.has_value
         if rest:
             group = Display(points.parameters[rest[0]], levels[rest[0]])
             label = f"{group.column.key} = {group.text(value)}"
             rows = rows & (points.points[:, rest[0]] == value)
         order = np.flatnonzero(rows)[np.argsort(points.points[rows, along])]
-        x, y = (
-            x_axis.factor * points.points[order, along],
-            y_axis.factor * points.means[order],
-        )
+        x = x_axis.factor * points.points[order, along]
+        y = y_axis.factor * points.means[order]
         half = y_axis.factor * half_widths[order]
         pens.append(Pen(label, *line))
         axes.fill_between(
@@ -423,7 +439,8 @@ def curves(points: Points) -> list[Drawing]:
         )
         pens[-1].draw(axes, x, y, marker="o", markersize=3.5)
     axes.set_ylabel(style.wrapped(f"{y_axis.label}, {points.response.text}", 3.2))
-    key, name = points.response.key, points.parameters[along].key
+    key = points.response.key
+    name = points.parameters[along].key
     return finished(
         "lines", sheet, pens if rest else (), key=key, points=points, along=name
     )
@@ -456,8 +473,8 @@ def heat_map(
     x, y = x_axis.factor * across, y_axis.factor * up
     for marker, rows in (("o", ~points.censored), ("^", points.censored)):
         rows = rows & points.has_value
-        look = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
-        axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **look)
+        line_style = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
+        axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **line_style)
     axes.scatter(
         x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x"
     )
@@ -472,7 +489,8 @@ def heat_map(
 def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Drawing]:
     """Draw the cumulative distribution of a response with its 95 % band and its limit."""
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
-    shown, percent = Display(points.response, spread.values), 100.0 * PROBABILITIES
+    shown = Display(points.response, spread.values)
+    percent = 100.0 * PROBABILITIES
     pens = [Pen("cumulative probability, 95 % band", *LINES[0])]
     pens[0].draw(axes, shown.factor * spread.values, percent)
     ends = zip((spread.low, spread.high), axes.get_xlim(), strict=True)
@@ -486,7 +504,7 @@ def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Dr
         pens.append(
             Pen(f"limit {shown.text(limit.value)}", style.REFERENCE, LINES[3][1])
         )
-        axes.axvline(shown.factor * limit.value, **pens[-1].look)
+        axes.axvline(shown.factor * limit.value, **pens[-1].line_style)
     axes.set(
         ylim=(0.0, 100.0),
         xlabel=shown.label,

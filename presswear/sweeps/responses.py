@@ -199,7 +199,9 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     if a name, a joint or a stage is unknown, or a response is repeated.
     """
     usual = available(scene)
-    columns, optional, functions = [], [], []
+    columns = []
+    optional = []
+    functions = []
     for item in responses or [name for name in usual if not usual[name].optional]:
         if not isinstance(item, str):
             summary = (inspect.getdoc(item) or "").partition("\n")[0]
@@ -239,7 +241,8 @@ def freedom_of(scene: Scene, key: str) -> float:
     name, at, stage = key.partition("@")
     quantity = name.rpartition(".")[2]
     number = int(stage) if at else scene.wear_updates
-    is_sum, is_wear = quantity in ("depth", "wear_volume"), quantity == "wear_rate"
+    is_sum = quantity in ("depth", "wear_volume")
+    is_wear = quantity == "wear_rate"
     is_worn = number - is_sum > 0 and quantity != "repeatability"
     if quantity == "life" or is_worn or ((is_sum or is_wear) and scene.wears_in_steps):
         return scene.replicate_count - 1.0 if scene.replicate_count > 1 else math.inf

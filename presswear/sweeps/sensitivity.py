@@ -83,7 +83,8 @@ def points_of(table: Table, key: str) -> Points:
     Replicates share one pooled variance. Without replicates the intervals of the runs
     are used.
     """
-    k, shape = table.index(key), (-1, table.replicates)
+    k = table.index(key)
+    shape = (-1, table.replicates)
     values, halves, censored = (
         array[:, k].reshape(shape)
         for array in (table.values, table.half_widths, table.censored)
@@ -91,16 +92,15 @@ def points_of(table: Table, key: str) -> Points:
     counts = np.isfinite(values).sum(axis=1).astype(float)
     with np.errstate(invalid="ignore"):
         means = np.nansum(values, axis=1) / np.where(counts > 0.0, counts, np.nan)
-    freedom, interval_freedom = float(np.maximum(counts - 1.0, 0.0).sum()), math.inf
+    freedom = float(np.maximum(counts - 1.0, 0.0).sum())
+    interval_freedom = math.inf
     halves = np.where(np.isfinite(values), halves, 0.0)
     variances = np.zeros(len(counts))
     if freedom > 0.0:
         variances += np.nansum((values - means[:, None]) ** 2) / freedom
     elif counts.any() and np.isfinite(halves).all():
-        freedom, interval_freedom = (
-            math.inf,
-            table.freedom[k] if table.freedom else math.inf,
-        )
+        freedom = math.inf
+        interval_freedom = table.freedom[k] if table.freedom else math.inf
         squared = (halves / quantile(interval_freedom)) ** 2
         variances = squared.sum(axis=1) / np.maximum(counts, 1.0)
     points = table.points[:: table.replicates]
@@ -166,7 +166,8 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
         "bounds": [[0.0, 1.0]] * dimension,
     }
     options: dict[str, Any] = {"num_resamples": RESAMPLES, "seed": 1}
-    values, noise = points.means[rows], float(points.noise[rows].mean())
+    values = points.means[rows]
+    noise = float(points.noise[rows].mean())
     if kind == "morris":
         options["num_levels"] = MORRIS_LEVELS
         effects = morris.analyze(problem, points.points[rows], values, **options)
@@ -184,16 +185,15 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
         )
     if kind == "saltelli":
         indices = sobol.analyze(problem, values, calc_second_order=False, **options)
-        method, keys = (
-            "Saltelli et al. 2010; total indices after Jansen 1999",
-            ["S1", "ST"],
-        )
+        method = "Saltelli et al. 2010; total indices after Jansen 1999"
+        keys = ["S1", "ST"]
         values = points.means[blocks[:, [0, -1]]]
     else:
         indices = rbd_fast.analyze(
             problem, points.points[rows], values, M=RBD_HARMONICS, **options
         )
-        method, keys = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012", ["S1"]
+        method = "RBD-FAST: Tarantola et al. 2006; Tissot and Prieur 2012"
+        keys = ["S1"]
     variance = float(values.var())
     if variance - noise < MIN_SHARE * variance:
         return None
@@ -237,10 +237,12 @@ def chaotic_share(points: Points) -> tuple[float, float, float] | None:
     from scipy import stats  # slow to import
 
     rows = points.has_value
-    count, within = int(rows.sum()), float(points.variances.mean())
+    count = int(rows.sum())
+    within = float(points.variances.mean())
     if not 0.0 < points.freedom < math.inf or count < 3 or within == 0.0:
         return None
-    counts, means = points.counts[rows], points.means[rows]
+    counts = points.counts[rows]
+    means = points.means[rows]
     total = counts.sum()
     size = (total - (counts**2).sum() / total) / (count - 1.0)
     between = (counts * (means - (counts * means).sum() / total) ** 2).sum() / (
@@ -282,7 +284,8 @@ def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread
     count = len(values)
     if count == 0:
         return None
-    least, most = np.sort(values), np.sort(np.where(censored, np.inf, values))
+    least = np.sort(values)
+    most = np.sort(np.where(censored, np.inf, values))
     first, last = (
         stats.binom.ppf(end, count, PROBABILITIES).astype(int) for end in ENDS
     )
@@ -397,14 +400,16 @@ def _scaled(points: Points, values: Array) -> Array:
     """Return parameters as coordinates from 0 to 1, and a coordinate for each word."""
     columns = []
     for k, column in enumerate(points.parameters):
-        present, wanted = points.points[:, k], values[:, k]
+        present = points.points[:, k]
+        wanted = values[:, k]
         if column.choices:
             columns += [
                 (wanted == index).astype(float) for index in range(len(column.choices))
             ]
             continue
         if is_logarithmic(present):
-            present, wanted = np.log(present), np.log(wanted)
+            present = np.log(present)
+            wanted = np.log(wanted)
         columns.append((wanted - present.min()) / (np.ptp(present) or 1.0))
     return np.column_stack(columns)
 
@@ -415,8 +420,10 @@ def fit(points: Points) -> Surrogate:
     `InputError` if scikit-learn is not installed, values are censored, points are too
     few or too many, or cross-validation explains too little of the variance.
     """
-    name, rows = points.response.key, points.has_value
-    dimension, count = len(points.parameters), int(rows.sum())
+    name = points.response.key
+    rows = points.has_value
+    dimension = len(points.parameters)
+    count = int(rows.sum())
     if points.censored.any():
         raise InputError(f"no surrogate of {name}: some of its values are lower bounds")
     if not MIN_POINTS_EACH * dimension <= count <= MAX_POINTS:
@@ -438,7 +445,8 @@ def fit(points: Points) -> Surrogate:
         raise not_installed("a surrogate", "scikit-learn", "sweep") from None
     names = ("points", "means", "variances", "counts", "censored")
     points = replace(points, **{name: getattr(points, name)[rows] for name in names})
-    inputs, logarithmic = _scaled(points, points.points), is_logarithmic(points.means)
+    inputs = _scaled(points, points.points)
+    logarithmic = is_logarithmic(points.means)
     values = np.log(points.means) if logarithmic else points.means
     shape = Matern(np.ones(inputs.shape[1]), (1e-2, 1e2), nu=2.5)
     kernel = ConstantKernel(1.0, (1e-3, 1e3)) * shape + WhiteKernel(0.1, (1e-8, 1e1))

@@ -47,14 +47,13 @@ from presswear.tools.serialize import (
     write_json,
 )
 
-FILE, PARTS = "sweep.json", "parts"
+FILE = "sweep.json"
+PARTS = "parts"
 SCHEMA = 2
 Keep = Literal["responses", "results"]
 SHOWN_ROWS = 20
-EXUDYN_KEYS = (
-    "computationIndex",
-    "functionData",
-)  # added to the parameters by Exudyn's studies
+# added to the parameters by Exudyn's studies
+EXUDYN_KEYS = ("computationIndex", "functionData")
 
 
 @dataclass(frozen=True)
@@ -66,9 +65,8 @@ class Sweep:
     path: Path
     keep: Keep = "responses"
     limits: tuple[str, ...] = ()
-    program: str = field(
-        default_factory=program_digest
-    )  # digest of what computed the rows
+    # digest of what computed the rows
+    program: str = field(default_factory=program_digest)
 
     def __post_init__(self) -> None:
         """Check the options; `InputError` names the one that does not fit."""
@@ -94,7 +92,9 @@ class Sweep:
     @cached_property
     def table(self) -> Table:
         """Table of the rows that are stored now."""
-        plan, requested, errors = self.plan, self.requested, []
+        plan = self.plan
+        requested = self.requested
+        errors = []
         numbers = np.full((3, plan.rows, len(requested.columns)), np.nan)
         for row in range(plan.rows):
             outcome = runner.read_row(self.path, self.name(row))
@@ -150,10 +150,8 @@ def load_sweep(folder: Path) -> Sweep:
     try:
         plan = Plan.from_plain(data["plan"])
         requested = typed(data["requested"], Requested, f"{file}")
-        limits, program = (
-            typed(data["limits"], tuple[str, ...], f"{file}"),
-            str(data["program"]),
-        )
+        limits = typed(data["limits"], tuple[str, ...], f"{file}")
+        program = str(data["program"])
         return Sweep(plan, requested, folder, data["keep"], limits, program)
     except (KeyError, TypeError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
@@ -217,7 +215,8 @@ def run_sweep(
     Rows that another program computed do not count.
     """
     sweep.plan.scene.check_trusted()
-    requested, keeps = sweep.requested, sweep.keep == "results"
+    requested = sweep.requested
+    keeps = sweep.keep == "results"
     if requested.extra != digest_of(requested.optional, requested.functions):
         raise InputError(
             f"{sweep.path} has user functions as responses: resume it in their script"
@@ -307,9 +306,9 @@ def sweep(  # noqa: PLR0913 - the options of the command
     listed = tuple(f"{key}={text}" for key, text in (ranges or {}).items())
     plan = Plan(scene, texts_of(scene, vary or {}), sample, listed, replicates, seed)
     requested = request(plan.example, list(responses))
-    made = Sweep(plan, requested, Path(folder), keep, tuple(limits))
-    check_folder_of(made, resume=True)
-    return run_sweep(made, on, jobs, parse_shard(shard), notify=notify)
+    new_sweep = Sweep(plan, requested, Path(folder), keep, tuple(limits))
+    check_folder_of(new_sweep, resume=True)
+    return run_sweep(new_sweep, on, jobs, parse_shard(shard), notify=notify)
 
 
 @checked_arguments
@@ -346,7 +345,8 @@ def _evaluate(
     """Return responses of the scene with changed settings."""
     settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
     settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
-    varied, program = changed(scene, settings), program_digest()
+    varied = changed(scene, settings)
+    program = program_digest()
     outcome, result = runner.run_scene(varied, requested, None, program)
     if result is not None:
         outcome = runner.with_functions(outcome, requested.functions, lambda: result)

@@ -126,9 +126,8 @@ class Kernel:
     def _numba_type_(self) -> Any:
         options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         compiler = numba.njit(**options, pipeline_class=CalleeCompiler)
-        self._from_kernels = callee = compiler(
-            self.py_func
-        )  # its type does not keep it
+        # its type does not keep it
+        self._from_kernels = callee = compiler(self.py_func)
         template = callee.get_call_template
 
         def template_for_numbers(arguments: Any, named: Any) -> Any:
@@ -222,17 +221,17 @@ class _LazyKernel(Kernel):
             [1, 99]
         )
         builder.position_at_end(missing)
-        made = builder.call(compile_first, ())
+        kernel = builder.call(compile_first, ())
         failed = builder.inttoptr(ir.IntType(64)(_FAILED), pointer)
-        with builder.if_then(builder.icmp_unsigned("==", made, failed), likely=False):
+        with builder.if_then(builder.icmp_unsigned("==", kernel, failed), likely=False):
             message = f"{self._name} cannot be compiled; the reason is in the log"
             convention.return_user_exc(builder, RuntimeError, (message,))
         compiled_now = builder.block
-        builder.cbranch(cgutils.is_null(builder, made), missing, ready)
+        builder.cbranch(cgutils.is_null(builder, kernel), missing, ready)
         builder.position_at_end(ready)
         address = builder.phi(pointer)
         address.add_incoming(stored, before)
-        address.add_incoming(made, compiled_now)
+        address.add_incoming(kernel, compiled_now)
         status, value = convention.call_function(
             builder, address, result, signature.args, arguments
         )
@@ -259,8 +258,8 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
         return numba.typeof(example)
 
     kinds = tuple(map(numba_type, parameters))
-    made = partial(_LazyKernel, result=numba_type(result), parameters=kinds)
-    return cast(Callable[[F], F], made)
+    decorator = partial(_LazyKernel, result=numba_type(result), parameters=kinds)
+    return cast(Callable[[F], F], decorator)
 
 
 def specialised(kernel: F, *arguments: Any) -> F:

@@ -116,9 +116,11 @@ def reason(text: str) -> str:
     """Return the reason in a message of numba as one line."""
     if _ALLOCATES in text:
         return "kernels cannot allocate memory"
-    kept = [line.strip() for line in text.splitlines()]
-    kept = [line for line in kept if line and not line.startswith("Failed in ")]
-    first = kept[0] if kept else "numba gives no reason"
+    shown_lines = [line.strip() for line in text.splitlines()]
+    shown_lines = [
+        line for line in shown_lines if line and not line.startswith("Failed in ")
+    ]
+    first = shown_lines[0] if shown_lines else "numba gives no reason"
     if first.startswith("No implementation of function") and (
         call := re.search(">>> (.+)", text)
     ):

@@ -81,9 +81,9 @@ def shown(value: Any) -> str:
 
 def one_line(text: str) -> str:
     """Return a message as one line of printable characters, the rest as escapes."""
-    kept = (
+    characters = (
         c if c.isprintable() or c == NARROW else ascii(c)[1:-1]
         for c in text[: MAX_MESSAGE + 1]
     )
-    shown = "".join(kept)
+    shown = "".join(characters)
     return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."

@@ -30,11 +30,8 @@ _LEFT = {
     LOCK,
     "result.json.part",
 }  # files that a run leaves that is killed at its start
-BUSY = (
-    errno.EACCES,
-    errno.EAGAIN,
-    errno.EDEADLK,
-)  # errors of ``lock``: another process has it
+# errors of ``lock``: another process has it
+BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 _TRIES = 5
 # between two tries, s: a process that asks for the holder has the lock for a moment
 _PAUSE = 0.02

@@ -19,9 +19,9 @@ def intrinsic_with(
     """Define code for kernels, beside a function that does the same in plain Python."""
 
     def define(code: Callable[..., Any]) -> Any:
-        made = _Intrinsic(code.__name__, code)
-        made._register()
-        made.in_python = in_python
-        return made
+        intrinsic = _Intrinsic(code.__name__, code)
+        intrinsic._register()
+        intrinsic.in_python = in_python
+        return intrinsic
 
     return define

@@ -32,10 +32,8 @@ PATIENCE = 20.0
 _PAUSE = 0.05  # s between two looks at it
 _MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
 _PACKAGE = Path(__file__).parents[1]
-_WHEEL_PROCESSOR = (
-    "x86-64-v3",
-    "",
-)  # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
+# NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
+_WHEEL_PROCESSOR = ("x86-64-v3", "")
 _WHEEL_FEATURES = "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"
 # Settings of numba, NUMBA_NAME in the environment, that change machine code
 _SETTINGS = "USING_SVML", "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE"

@@ -30,9 +30,8 @@ _FILES = (
     Path(__file__),
     *map(Path(__file__).with_name, ("packing.py", "constant_places.py")),
 )
-COMPILER = digest(
-    b"".join(file.read_bytes() for file in _FILES)
-)  # machine code depends on it
+# machine code depends on it
+COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))
 
 # Those of numba but for closures, ``with``, generators and formulas with arrays
 _PASSES = (
@@ -110,9 +109,8 @@ class KernelCompiler(Compiler):
         return [manager]
 
     def _compile_core(self) -> Any:
-        import_module(
-            "presswear.tools.constant_places"
-        )  # slow: only where something is compiled
+        # slow: only where something is compiled
+        import_module("presswear.tools.constant_places")
         with signals_held(), _types_found_once():
             return super()._compile_core()
 

@@ -159,10 +159,8 @@ class Workers:
         """Read what workers send; yield keys and results, or errors, of jobs that are complete."""
         ready = wait_for([worker.pipe for worker in self._running], POLL)
         for worker in [worker for worker in self._running if worker.pipe in ready]:
-            key, worker.key = (
-                worker.key,
-                _IDLE,
-            )  # after half a message nothing more is read
+            # after half a message nothing more is read
+            key, worker.key = (worker.key, _IDLE)
             try:
                 is_complete, content = worker.pipe.recv()
             except (EOFError, OSError):

@@ -80,7 +80,8 @@ def time_runs(
         for i, (name, simulate) in enumerate(runs.items()):
             report(name, (repeat * len(runs) + i) / (repeats * len(runs)))
             run = finished(simulate(), name)
-            numbers, evaluations = run.diagnostics, run.diagnostics.get("evaluations")
+            numbers = run.diagnostics
+            evaluations = run.diagnostics.get("evaluations")
             model = str(numbers["model"]).partition(";")[0]
             counts = int(numbers["steps"]), int(numbers["steps_sent_back"])
             computed = None if evaluations is None else int(evaluations)
@@ -135,7 +136,8 @@ def first_run(problem: Problem, method: Method) -> Point:
 
 def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
     """Run all methods of a problem once for their errors, then in turn for their CPU times."""
-    points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
+    points = []
+    weight = 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
     for i, method in enumerate(problem.methods):
         report(method.label, weight * i / len(problem.methods))
         points.append(first_run(problem, method))
@@ -162,7 +164,8 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
         )
     points: list[Point] = []
     for k, make in enumerate(problems.MAKERS):
-        start, size = k / len(problems.MAKERS), 1.0 / len(problems.MAKERS)
+        start = k / len(problems.MAKERS)
+        size = 1.0 / len(problems.MAKERS)
         problem = make(scene, extent, part_of(report, start, 0.0))
         progress = part_of(report, start, size, f"{problem.name}: ")
         points += measure(problem, extent.repeats, progress)
@@ -310,14 +313,17 @@ def feature_costs(
     rows: list[dict[str, object]] = []
     for i, (engine, features) in enumerate(ENGINES.items()):
         part = part_of(report, 0.05 + 0.95 * i / len(ENGINES), 0.95 / len(ENGINES))
-        cycles, repeats = extent.tree_cycles, extent.repeats
+        cycles = extent.tree_cycles
+        repeats = extent.repeats
         if engine == "exudyn-joints":
-            cycles, repeats = extent.joints_cycles, max(2, (extent.repeats + 1) // 2)
+            cycles = extent.joints_cycles
+            repeats = max(2, (extent.repeats + 1) // 2)
         runs = {}  # by their settings: states of several features are the same run
         for settings in (one for name in features for one in FEATURES[name].values()):
             values = {key: value for key, value in settings.items() if key != "worn"}
             variant = changed(replace(scene, engine=engine), values)
-            depth, name = worn if "worn" in settings else None, _name(settings)
+            depth = worn if "worn" in settings else None
+            name = _name(settings)
             part(f"{name}: compiling", 0.0)
             finished(run_of(variant, WARM_UP * cycles, depth)(), name)
             runs[name] = run_of(variant, cycles, depth)

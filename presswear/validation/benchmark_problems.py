@@ -36,8 +36,11 @@ from presswear.tools.errors import RunFailed
 from presswear.validation import cases, crosscheck
 from presswear.validation import reference_problems as references
 
-STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
-TRAPEZOIDAL, EQUAL = "trapezoidal rule", "trapezoidal rule, equal steps"
+STEP = "step (s)"
+IMPACT = "steps in an impact"
+TOLERANCE = "tolerance"
+TRAPEZOIDAL = "trapezoidal rule"
+EQUAL = "trapezoidal rule, equal steps"
 TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
 PAPER = InHouse("rk4-paper").resolved()
 SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
@@ -141,7 +144,8 @@ def smooth_methods(
     extent: Extent, duration: float, numerics: Numerics, period: float | None
 ) -> tuple[Method, ...]:
     """Return all methods for smooth motion over a duration, s; the period is that of a scene, s."""
-    numerics, joints = numerics.resolved("trajectory"), []
+    numerics = numerics.resolved("trajectory")
+    joints = []
     for step in (duration / count for count in extent.joints_steps):
         engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
@@ -161,7 +165,8 @@ def joints_over_impacts(
     counts: Sequence[int], numerics: Numerics, period: float
 ) -> list[Method]:
     """Return the trapezoidal rule at several steps in an impact; all its steps shrink together."""
-    default, methods = numerics.joints.for_cycle(period), []
+    default = numerics.joints.for_cycle(period)
+    methods = []
     for count in sorted({*counts, default.steps_per_contact}):
         engine = crosscheck.finer_joints(
             default, count / default.steps_per_contact, period
@@ -203,7 +208,8 @@ def constraint_error(linkage: Linkage, run: Run) -> float:
 
 def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     """Return the mechanism of a scene with every joint ideal, whose reference is a closed form."""
-    linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
+    linkage = followed(scene.mechanism.linkage())
+    period = scene.mechanism.period
     motion = scene.ideal.at(np.zeros(1))
     duration = CYCLES * period
 
@@ -235,7 +241,8 @@ def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     The uncertainty of the printed values is their distance from a solution at tolerance
     1e-13.
     """
-    linkage, start = references.andrews(), references.andrews_start()
+    linkage = references.andrews()
+    start = references.andrews_start()
     duration = references.ANDREWS_DURATION
     plan = Plan(duration, 1, 1, torques=False)
 
@@ -270,7 +277,8 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
     tree.
     """
     impact = references.Impact(0.9)
-    start, bodies = impact.start, impact.linkage.bodies
+    start = impact.start
+    bodies = impact.linkage.bodies
     guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in bodies)
     linkage = replace(impact.linkage, joints=guides)
     start.position[3] = impact.clearance - GAP
@@ -321,7 +329,9 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     open tree in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open
     tree.
     """
-    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
+    linkage = scene.linkage()
+    start = start_of(scene)
+    period = scene.mechanism.period
     end = crosscheck.horizon(scene, TIGHT, extent.longest, report)
     plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
     second: Engine = InHouse("dopri5", 1e-13)

@@ -120,7 +120,8 @@ def sound(run: Run, plan: Plan) -> Run:
     short.
     """
     recorder = finished(run).recorder
-    records, contacts = recorder.records, recorder.stored_contacts
+    records = recorder.records
+    contacts = recorder.stored_contacts
     arrays: dict[str, list[ArrayLike]] = {
         "series": [recorder.rows],
         "cycles": [recorder.cycles],

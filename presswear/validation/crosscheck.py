@@ -32,19 +32,10 @@ from presswear.validation.cases import Check, Progress, contacts_of, finished, o
 DISTURBANCE = 1e-9
 GROWTH = 1000.0  # of the disturbance at the horizon
 REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
-FINENESS = (
-    1,
-    2,
-    4,
-    8,
-    16,
-)  # divide the steps of exudyn-joints; bounds apply to the last
-TOLERANCE_PARTS = (
-    1,
-    10,
-    100,
-    1000,
-)  # divide the tolerance of the tree; bounds apply to the last
+# divide the steps of exudyn-joints; bounds apply to the last
+FINENESS = (1, 2, 4, 8, 16)
+# divide the tolerance of the tree; bounds apply to the last
+TOLERANCE_PARTS = (1, 10, 100, 1000)
 FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
 CYCLES = 50  # whose means are compared, unless the scene has a number
 MEAN_BOUND = 0.1  # of the relative difference of two means
@@ -57,20 +48,16 @@ VELOCITY_BOUND = 1e-3
 TIME_BOUND = 1e-6  # s, of the first touchdowns
 CLOSING_BOUND = 1e-4  # relative, of their closing speeds
 FORCE_BOUND = 1e-3  # relative, of their peak forces
-ORDER, ORDER_BOUND = 2.0, 0.3  # of Exudyn's trapezoidal rule
-TREE_TIME_BOUND, TREE_SLIDER_BOUND = (
-    1e-8,
-    1e-8,
-)  # s, m, of the tree up to the last of them
+ORDER = 2.0  # of Exudyn's trapezoidal rule
+ORDER_BOUND = 0.3
+# Of the tree up to the last of them
+TREE_TIME_BOUND = 1e-8  # s
+TREE_SLIDER_BOUND = 1e-8  # m
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
 
 
-TOUCHDOWN = (
-    "joint",
-    "time",
-    "closing_speed",
-    "peak_force",
-)  # numbers of a touchdown, SI
+# numbers of a touchdown, SI
+TOUCHDOWN = ("joint", "time", "closing_speed", "peak_force")
 Means = dict[str, dict[str, Estimate]]  # by engine and quantity
 
 
@@ -88,7 +75,8 @@ class Trajectory:
 
 def touchdowns_of(run: Run) -> Array:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
-    rows, records = [], run.recorder.records
+    rows = []
+    records = run.recorder.records
     for k, last in enumerate(records.memory):
         contacts = contacts_of(run, k)
         columns = (
@@ -124,12 +112,11 @@ def touchdown_differences(reference: Array, compared: Array) -> Array:
     """
     differences = np.full((len(reference), 3), math.inf)
     for joint in np.unique(reference[:, 0]):
-        twins, rows = (
-            compared[compared[:, 0] == joint],
-            np.flatnonzero(reference[:, 0] == joint),
-        )
+        twins = compared[compared[:, 0] == joint]
+        rows = np.flatnonzero(reference[:, 0] == joint)
         rows = rows[: len(twins)]
-        twins, ours = twins[: len(rows), 1:], reference[rows, 1:]
+        twins = twins[: len(rows), 1:]
+        ours = reference[rows, 1:]
         differences[rows, 0] = twins[:, 0] - ours[:, 0]
         differences[rows, 1:] = twins[:, 1:] / ours[:, 1:] - 1.0
     return np.abs(differences)
@@ -149,10 +136,11 @@ class _Runner:
     """Runs of the unworn linkage of a scene, with their progress."""
 
     def __init__(self, scene: Scene, report: Progress) -> None:
-        self.linkage, self.start, self.report = scene.linkage(), start_of(scene), report
-        self.moved = disturbed(
-            self.linkage, self.start, DISTURBANCE
-        )  # None: no free direction
+        self.linkage = scene.linkage()
+        self.start = start_of(scene)
+        self.report = report
+        # None: no free direction
+        self.moved = disturbed(self.linkage, self.start, DISTURBANCE)
 
     def run(self, word: str, engine: Engine, plan: Plan, moved: bool = False) -> Run:
         """Run from the start, or from the disturbed start; RunFailed if the run fails."""
@@ -167,7 +155,8 @@ class _Runner:
         run = self.run(
             word, engine, Plan(end / PARTS, PARTS, PARTS, by_clock=True), moved
         )
-        recorder, records = run.recorder, run.recorder.records
+        recorder = run.recorder
+        records = run.recorder.records
         # The series holds displacements, and a disturbed initial state is displaced
         # already.
         position = recorder.series("displacement") + float(records.output["start"][0])
@@ -284,10 +273,12 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     runner = _Runner(scene, report)
     precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE, coordinates="all")
     separation = runner.separation(precise, end)
-    curves, diverged = {}, False
+    curves = {}
+    diverged = False
     if separation is not None:
         time, calm, moved = separation
-        diverged, end = time is not None, time or end
+        diverged = time is not None
+        end = time or end
         curves[f"in-house, start moved by {DISTURBANCE:g} m"] = slider_difference(
             calm, moved
         )
@@ -312,7 +303,8 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     beyond, undecided, statistics = (
         _check_means(scene, runner) if diverged else ([], [], {})
     )
-    every, curves = (*checks, *beyond), curves | distances
+    every = (*checks, *beyond)
+    curves = curves | distances
     return Crosscheck(
         scene,
         end,
@@ -332,14 +324,16 @@ def _exudyn_checks(
     distances: Mapping[str, Array],
 ) -> Iterator[Check]:
     """Check the finest run of Exudyn against the reference, and the order of all runs."""
-    first, name = reference.touchdowns[:FIRST_TOUCHDOWNS], list(compared)[-1]
+    first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+    name = list(compared)[-1]
     differences = [
         touchdown_differences(first, each.touchdowns) for each in compared.values()
     ]
     time, distance, speed = distances[name].T
     yield Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")
     if len(first):
-        early, count = time <= first[-1, 1], f"{name}: first {len(first)}"
+        early = time <= first[-1, 1]
+        count = f"{name}: first {len(first)}"
         times, speeds, forces = differences[-1].max(axis=0).tolist()
         largest = float(speed[early].max() / np.abs(reference.slider[:, 1]).max())
         time_bound = TREE_TIME_BOUND if is_tree else TIME_BOUND
@@ -385,7 +379,8 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
         means[word.lower()] = {
             key: pooled([cycle(name, k)])[0] for key, (name, k) in quantities.items()
         }
-    checks, undecided = list[Check](), list[str]()
+    checks = list[Check]()
+    undecided = list[str]()
     for quantity in quantities:
         one, two = (each[quantity] for each in means.values())
         compared = mean_check(quantity, one, two, len(quantities))
@@ -445,8 +440,11 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
         axes.axvline(result.horizon, color=style.REFERENCE, linewidth=0.7)
         side = "left" if result.horizon < 0.7 * end else "right"
         place = (result.horizon, 0.02)
-        look: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "va": "bottom"}
-        axes.text(*place, f" horizon: grown {GROWTH:g} times ", ha=side, **look)
+        text_style: dict[str, Any] = {
+            "transform": axes.get_xaxis_transform(),
+            "va": "bottom",
+        }
+        axes.text(*place, f" horizon: grown {GROWTH:g} times ", ha=side, **text_style)
     label = "distance of the slider from the\nin-house reference (m)"
     axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)

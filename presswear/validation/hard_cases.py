@@ -161,7 +161,8 @@ def sticks(engine: Engine) -> Checks:
 def twins() -> tuple[Linkage, Start]:
     """Return a free bar between two pins that move away from each other symmetrically."""
     law = laws.NormalLaw(1.25e10, 1.5, laws.lankarani_nikravesh_damping(0.9))
-    bodies, joints = [Body("bar", 0.3, 4e-4)], []
+    bodies = [Body("bar", 0.3, 4e-4)]
+    joints = []
     for side, name in ((-1.0, "left"), (1.0, "right")):
         bodies.append(Body(name, 0.1, 1e-4))
         ends = Attachment("bar", 0.1 * side, 0.0), Attachment(name, 0.0, 0.0)
@@ -219,7 +220,8 @@ def worn_pair() -> tuple[Linkage, Start]:
 def conserves(duration: float, least: int) -> Checks:
     """Check energy and angular momentum of the worn pair over a time, s, and the contacts."""
     linkage, start = worn_pair()
-    mass, changes = mass_of(linkage), []
+    mass = mass_of(linkage)
+    changes = []
 
     def kinetic_and_angular(state: Start) -> tuple[float, float]:
         """Return kinetic energy, J, and angular momentum about the origin, kg m^2/s."""
@@ -311,7 +313,8 @@ def bounces(engine: Engine, clearance: float) -> Checks:
     along = np.array([math.cos(0.3), math.sin(0.3), 0.0])
     start = Start(0.5 * clearance * along, 0.25 * along)
     contacts = contacts_of(run_sound(linkage, start, engine, guarded(2.5e-3)))
-    closing, release = contacts["closing_speed"], -contacts["release_speed"]
+    closing = contacts["closing_speed"]
+    release = -contacts["release_speed"]
     yield Check("contacts fewer than wanted", max(8 - closing.size, 0), 0.0)
     worst = float(np.abs(release / closing - laws.delivered_restitution(damping)).max())
     yield Check("restitution less closed form", worst, RESTITUTION[engine.word])
@@ -348,10 +351,8 @@ def impact_cases() -> Iterator[Case]:
         for name, reason, function, *values in DATA["impacts"]:
             is_calm = engine is JOINTS and function in ("creeps", "sticks", "rests")
             used = replace(JOINTS, free_step=1e-3) if is_calm else engine
-            checks, is_long = (
-                partial(by_name[function], used, *values),
-                is_calm and name == HOUR,
-            )
+            checks = partial(by_name[function], used, *values)
+            is_long = is_calm and name == HOUR
             yield Case(name, reason, engine.word, checks, is_long=is_long)
     reason = "two free bodies, worn deep and differently, both spinning"
     yield Case("worn pair", reason, "dae", partial(conserves, 0.3, 50))
@@ -389,7 +390,8 @@ def run_scene(
 ) -> Run:
     """Run a cycle of a scene, or a duration, s, in its engine."""
     period = scene.mechanism.period
-    plan, engine = guarded(duration or period), scene.solver.for_cycle(period)
+    plan = guarded(duration or period)
+    engine = scene.solver.for_cycle(period)
     return run_sound(scene.linkage(worn), start or start_of(scene), engine, plan)
 
 
@@ -467,13 +469,14 @@ def on_worn(scene: Scene, worn: Worn) -> Checks:
         return
     yield replace(check, bound=RADIAL_ENERGY)
     exchanged = float(run.diagnostics["drive_exchange_J"])
-    made = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
-    yield Check("energy that the radial law made / exchanged", made, MADE)
+    created_fraction = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
+    yield Check("energy that the radial law made / exchanged", created_fraction, MADE)
 
 
 def profile_cases() -> Iterator[Case]:
     """Yield worn profiles with radial contact and with the elastic foundation."""
-    angle, new = bin_centres(BINS), Surface()
+    angle = bin_centres(BINS)
+    new = Surface()
     notch = np.where(np.arange(BINS) % 30 == 0, 1.0, 0.0)
     narrow = "twelve notches of one degree, narrower than the arc"
     step = Surface(np.where(angle > 1.5, 3e-5, 0.0))
@@ -510,16 +513,18 @@ def displaced(penetration: float, closing: float = 0.0) -> Start:
     def axis(angle: float) -> np.ndarray:
         return np.array([math.cos(angle), math.sin(angle)])
 
-    start, linkage, press = start_of(BASE), BASE.linkage(), BASE.mechanism
+    start = start_of(BASE)
+    linkage = BASE.linkage()
+    press = BASE.mechanism
     assert isinstance(press, Press)
     q, v = start.position.copy(), start.velocity.copy()
-    reach, quarter = BASE.bearings.clearance + penetration, 0.5 * math.pi
+    reach = BASE.bearings.clearance + penetration
+    quarter = 0.5 * math.pi
     for body, length in (("rod 3", press.length_3), ("rod 5", press.length_5)):
-        i, half = 3 * linkage.index(body), 0.5 * length
-        angle, spin = (
-            q[i + 2] + 2.0 * math.asin(0.5 * reach / length),
-            v[i + 2] + closing / length,
-        )
+        i = 3 * linkage.index(body)
+        half = 0.5 * length
+        angle = q[i + 2] + 2.0 * math.asin(0.5 * reach / length)
+        spin = v[i + 2] + closing / length
         q[i : i + 2] += half * (axis(angle) - axis(q[i + 2]))
         before = v[i + 2] * axis(q[i + 2] + quarter)
         v[i : i + 2] += half * (spin * axis(angle + quarter) - before)
@@ -540,7 +545,8 @@ def met_together(scene: Scene, speed: float) -> Checks:
 
 def closest_to_dead_point() -> Press:
     """Return the press with the shortest rod 5 that is not refused."""
-    short, long = 0.05, Press().length_5
+    short = 0.05
+    long = Press().length_5
     for _ in range(40):
         middle = 0.5 * (short + long)
         try:
@@ -575,14 +581,15 @@ def drifts(cycles: int, scene: Scene) -> Checks:
     """Compare many cycles with a tenth of them."""
     import resource  # not on Windows
 
-    period, runs, memory = scene.mechanism.period, [], []
+    period = scene.mechanism.period
+    runs = []
+    memory = []
     engine = scene.solver.for_cycle(period)
     for count in (cycles // 10, cycles):
         plan = guarded(period, count, LONGEST)
         runs.append(run_sound(scene.linkage(), start_of(scene), engine, plan))
-        memory.append(
-            resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-        )  # peak, MB
+        # peak, MB
+        memory.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
     run = runs[-1]
     yield energy_check(run, engine.word)
     yield Check("cycles missing", cycles - len(run.recorder.cycles), 0.0)
@@ -609,7 +616,8 @@ def refusal_cases() -> Iterator[Case]:
 
     for key, values in DATA["beyond"].items():
         for value in values:
-            name, make = f"{key} = {value:g}", partial(changed, BASE, {key: value})
+            name = f"{key} = {value:g}"
+            make = partial(changed, BASE, {key: value})
             pattern = rf"{key} = .*allowed is"
             yield Case(name, "beyond its range", "any", partial(checks, make), pattern)
     closest = closest_to_dead_point()
@@ -632,7 +640,8 @@ def hard_cases() -> Iterator[Case]:
     # The in-house engine has constraints, which the tree keeps exactly.
     fast = changed(BASE, {"speed": FAST, "coordinates": "all"})
     for cycles in (100, 2000):
-        name, checks = f"{cycles:,} cycles at 40 pi", partial(drifts, cycles)
+        name = f"{cycles:,} cycles at 40 pi"
+        checks = partial(drifts, cycles)
         yield from in_both(
             name, "errors accumulate", fast, checks, is_long=cycles > 100
         )

@@ -36,9 +36,8 @@ from presswear.validation.cases import (
     order_of,
 )
 
-TIGHT = InHouse(
-    integration_tolerance=1e-11
-)  # the default, 1e-9, leaves 2e-8 in the restitution
+# the default, 1e-9, leaves 2e-8 in the restitution
+TIGHT = InHouse(integration_tolerance=1e-11)
 
 _FILE = files("presswear.validation").joinpath("reference_problems.toml")
 _DATA = tomllib.loads(_FILE.read_text("utf-8"))
@@ -75,7 +74,8 @@ def free_bodies(
 
 def andrews() -> Linkage:
     """Return Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
-    bodies, spring = _ANDREWS["bodies"], _ANDREWS["spring"]
+    bodies = _ANDREWS["bodies"]
+    spring = _ANDREWS["spring"]
 
     def pin(body: str, name: str) -> Attachment:
         pins = _ANDREWS["frame"] if body == GROUND else bodies[body]["pins"]
@@ -105,14 +105,15 @@ def andrews_start() -> Start:
     position = np.zeros(21)
     for body, data in _ANDREWS["bodies"].items():
         i = int(body[1]) - 1
-        c, s = math.cos(angles[i]), math.sin(angles[i])
-        turned = {
+        c = math.cos(angles[i])
+        s = math.sin(angles[i])
+        pin_offsets = {
             k: np.array([c * x - s * y, s * x + c * y])
             for k, (x, y) in data["pins"].items()
         }
-        first = next(iter(turned))
-        centre = places[first] - turned[first]
-        places = {name: centre + point for name, point in turned.items()} | places
+        first = next(iter(pin_offsets))
+        centre = places[first] - pin_offsets[first]
+        places = {name: centre + point for name, point in pin_offsets.items()} | places
         position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
     return Start(position, np.zeros(21))
 
@@ -135,7 +136,8 @@ def andrews_checks() -> Iterator[Check]:
     """Check the angles and rates of Andrews' squeezer at t = 0.03 s, and the order of Exudyn."""
     problem = andrews(), andrews_start(), Plan(ANDREWS_DURATION, 1, recorded_cycles=1)
     end = finished(InHouse().simulate(*problem)).end
-    angles, rates = andrews_angles(end.position), andrews_angles(end.velocity)
+    angles = andrews_angles(end.position)
+    rates = andrews_angles(end.velocity)
     yield _worst("Andrews, dae: worst angle (rad)", ANDREWS_ANGLES, angles, 1e-8)
     yield _worst("Andrews, dae: worst rate (rad/s)", ANDREWS_RATES, rates, 1e-5)
     errors = []
@@ -215,7 +217,8 @@ class Impact:
         substitution by the power 1 / (n + 1) of the distance from either end makes the
         integrand smooth.
         """
-        chi, n = self.damping, 1.5
+        chi = self.damping
+        n = 1.5
         restitution = laws.delivered_restitution(chi)
         unit = (n + 1.0) * REDUCED_MASS * self.speed**2 / self.stiffness
 
@@ -243,7 +246,8 @@ def impact_checks() -> Iterator[Check]:
     for law, values in DELIVERED.items():
         is_default = law == "lankarani-nikravesh"
         for nominal, expected in values.items():
-            impact, steps = Impact(nominal, law=law), EXUDYN_STEPS_PER_CONTACT[nominal]
+            impact = Impact(nominal, law=law)
+            steps = EXUDYN_STEPS_PER_CONTACT[nominal]
             joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
             engines = (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4))
             for word, engine, bound in engines[: 1 + is_default]:
@@ -277,7 +281,9 @@ def impact_checks() -> Iterator[Check]:
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
 SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)  # m
 SDND100_INTERVAL = math.pi / 100.0  # s between two extrema
-SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
+SDND100_STIFFNESS = 1e4
+SDND100_GRAVITY = 10.0
+SDND100_FRICTION = 0.1
 SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
 FRICTION = laws.FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
@@ -311,7 +317,8 @@ def block(
     size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
     normal = laws.NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
     floor = ClearanceJoint("floor", *ends, *size, normal, friction)
-    heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
+    heavy = Body("block", 1.0, 1e12)
+    load = Load("block", x=pull, y=-press)
     linkage = free_bodies(
         "block on a floor", (heavy,), (floor,), "block", loads=(load,)
     )
@@ -382,7 +389,8 @@ def friction_checks() -> Iterator[Check]:
     yield Check.against("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * speed, 1e-6)
     # From 10 mm/s a block slows evenly down to v1, then as v0 + (v1 - v0) exp(-mu g t /
     # (v1 - v0)).
-    slowing, width = FRICTION.coefficient * GRAVITY, FRICTION.upper - FRICTION.lower
+    slowing = FRICTION.coefficient * GRAVITY
+    width = FRICTION.upper - FRICTION.lower
     for time in (0.005, 0.011):
         late = time - (0.01 - FRICTION.upper) / slowing
         expected_speed = 0.01 - slowing * time
@@ -404,7 +412,8 @@ def _bounces(stiffness: float) -> tuple[Array, Array]:
     law = laws.NormalLaw(stiffness, 1.5, laws.lankarani_nikravesh_damping(0.9))
     ends = Attachment(GROUND, 0.0, 0.0), Attachment("ball", 0.0, 0.0)
     joint = ClearanceJoint("floor", *ends, 1.05, 1.0, 0.02, law)
-    bodies, up = (Body("ball", 0.1, 1e-4),), OutputPoint("ball", 0.5 * math.pi)
+    bodies = (Body("ball", 0.1, 1e-4),)
+    up = OutputPoint("ball", 0.5 * math.pi)
     options: dict[str, Any] = {"output": up, "gravity": GRAVITY}
     linkage = free_bodies("bouncing ball", bodies, (joint,), "ball", **options)
     start = Start(np.array([0.0, -1.0, 0.0]), np.array([0.0, BALL_SPEED, 0.0]))
@@ -420,7 +429,8 @@ def _bounces(stiffness: float) -> tuple[Array, Array]:
 def bouncing_checks() -> Iterator[Check]:
     """Check twenty bounces of a ball and the total time, with the rest as a geometric series."""
     restitution = DELIVERED["lankarani-nikravesh"][0.9]
-    series, values = 2.0 / GRAVITY / (1.0 - restitution), []
+    series = 2.0 / GRAVITY / (1.0 - restitution)
+    values = []
     for flights, speeds in map(_bounces, BALL_STIFFNESS):
         rebound = float(speeds[BOUNCES - 1])
         values.append((float(flights[:BOUNCES].sum()) + series * rebound, rebound))

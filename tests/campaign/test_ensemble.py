@@ -119,7 +119,7 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
         maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None
     )
     depth = _wear_peaks(joint, 0, wear)["bearing"].depth
-    samples = maps[:, 0, 0, int(wear.added[0, 0].argmax())]
+    samples = maps[:, 0, 0, int(wear.added_depth[0, 0].argmax())]
     mean, error = samples.mean(), stats.sem(samples)
     half = stats.t.interval(0.95, 3, mean, error)[1] - mean
     expected = mean, mean * math.exp(-half / mean), mean * math.exp(half / mean)

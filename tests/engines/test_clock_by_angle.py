@@ -54,10 +54,10 @@ def run_of(
     cycles: int,
     first: float,
     linkage: Linkage | None = None,
-    **plan: Any,
+    **settings: Any,
 ) -> Run:
     start = Start(np.array([0.0, 0.0, ANGLE]), np.array([0.0, 0.0, first]))
-    plan = Plan(1.0, cycles, torques=False, **plan)
+    plan = Plan(1.0, cycles, torques=False, **settings)
     return engine.for_cycle(1.0).simulate(linkage or rotor(), start, plan)
 
 

@@ -211,10 +211,12 @@ def test_a_press_runs_at_six_strokes_a_minute() -> None:
     assert force.max() == pytest.approx(expected, rel=8e-3)
 
 
-@pytest.mark.parametrize("kind", ["press", "slider-crank", "four-bar", "six-bar"])
-def test_an_elastic_frame_stretches_along_the_output(kind: str) -> None:
+@pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar])
+def test_an_elastic_frame_stretches_along_the_output(
+    kind: type[Press | SliderCrank | FourBar | SixBar],
+) -> None:
     """Under a static force at bottom dead centre, all drives held."""
-    rigid = Scene(kind, joints="none")
+    rigid = Scene(kind(), joints="none")
     frame = {"frame_mass": "50 kg", "frame_stiffness": "10 kN/mm", "frame_damping": 0.1}
     elastic = changed(rigid, frame)
     (guide,) = elastic.linkage().elastic_guides

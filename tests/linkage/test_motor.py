@@ -33,7 +33,8 @@ def test_a_motor_has_the_values_of_its_plate() -> None:
     slip = 0.08 * (2.75 + math.sqrt(2.75**2 - 1.0))
     assert INDUCTION.breakdown_slip == pytest.approx(slip, rel=1e-15)
     assert INDUCTION.reflected_inertia == 144.0
-    assert pw.Motor(**{"torque": 20.0, "breakdown": "none"}).breakdown_slip is None
+    line: dict[str, Any] = {"torque": 20.0, "breakdown": "none"}
+    assert pw.Motor(**line).breakdown_slip is None
     assert not pw.Motor(0).has_slip
 
 

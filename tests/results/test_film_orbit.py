@@ -99,7 +99,7 @@ def test_a_load_at_half_the_speed_has_no_wedge() -> None:
 
 def test_a_load_through_zero_squeezes_from_both_sides() -> None:
     phase = 2.0 * math.pi * np.linspace(0.0, 1.0, 721)
-    orbit = repeated(20e3 * np.cos(phase) + 0.0j)
+    orbit = repeated(np.asarray(20e3 * np.cos(phase) + 0.0j))
     assert orbit.is_closed
     assert orbit.place.real.max() == pytest.approx(-orbit.place.real.min(), rel=0.02)
     assert np.abs(orbit.place.imag).max() < 1e-6

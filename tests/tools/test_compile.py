@@ -50,7 +50,7 @@ def _leaf(x: float) -> float:
     return x * x + 1.0
 
 
-class _InterruptsCallees(event.Listener):
+class _InterruptsCallees(event.Listener):  # type: ignore[misc]
     """Sends SIGINT when a callee is compiled, and notes which compilations end."""
 
     def __init__(self) -> None:

@@ -62,10 +62,8 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "oil": ("all", motion.film_thickness),
 }
 # Figures that are drawn after a run, the most important first, and how many of them
-FIRST, FIRST_COUNT = (
-    ("life", "force", "wear", "stroke", "bottom", "response", "drives"),
-    3,
-)
+FIRST = ("life", "force", "wear", "stroke", "bottom", "response", "drives")
+FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones
 _PYPLOT = "matplotlib.pyplot"
 

@@ -37,7 +37,8 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
-    scene, joints = result.scene, result.scene.clearance_joints
+    scene = result.scene
+    joints = result.scene.clearance_joints
     # both stages of a joint have the same scale
     share: Any = "row" if len(shown) > 1 else False
     names = ["", *joints]
@@ -47,9 +48,9 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     )
     for axes, joint, stage in places:
         data = style.between(stage.data, *press.sampled_span(scene, stage.data))
-        look: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
+        line_style: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         if not joint:
-            axes.plot(1e3 * data.displacement, data.velocity, **look)
+            axes.plot(1e3 * data.displacement, data.velocity, **line_style)
             axes.set_title(
                 f"{scene.output}, {stage.pen.label}", loc="left", fontweight="bold"
             )
@@ -58,7 +59,9 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
         distance = np.hypot(*data.joints[joint].eccentricity.T)
         # Times of successive rows may differ by round-off only.
         time, rows = np.unique(data.clock, return_index=True)
-        axes.plot(factor * distance[rows], np.gradient(distance[rows], time), **look)
+        axes.plot(
+            factor * distance[rows], np.gradient(distance[rows], time), **line_style
+        )
         clearance = factor * scene.bearing(joint).clearance
         axes.axvline(
             clearance, color=style.REFERENCE, linewidth=0.7, linestyle="dashed"
@@ -69,7 +72,9 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
 
 def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the position of each pin once per cycle, in the first and last stage."""
-    scene, phase, counts = result.scene, 1.0, []
+    scene = result.scene
+    phase = 1.0
+    counts = []
 
     def draw(axes: Axes, stage: ShownStage, joint: str, factor: float) -> Array:
         nonlocal phase
@@ -93,13 +98,15 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
 
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
-    scene, joints = result.scene, result.scene.clearance_joints
+    scene = result.scene
+    joints = result.scene.clearance_joints
     impacts = {
         (j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown
     }
     if not any(speed.any() for _, speed in impacts.values()):
         return []
-    label, sharing = "closing speed (m/s)", {"sharex": True, "sharey": True}
+    label = "closing speed (m/s)"
+    sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(joints, shown, 1.6, label, **sharing)
     counts = []
     for axes, joint, stage in places:
@@ -124,8 +131,10 @@ def _label_phase(lowest: list[Axes], result: Result) -> None:
 
 def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
-    scene, joints = result.scene, result.scene.clearance_joints
-    label, sharing = "part of the time (%)", {"sharex": True, "sharey": True}
+    scene = result.scene
+    joints = result.scene.clearance_joints
+    label = "part of the time (%)"
+    sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
     for axes, joint, stage in places:
         line = timeline_of(scene, stage.data, joint)
@@ -149,7 +158,8 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
 
 def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
-    scene, joints = result.scene, result.scene.clearance_joints
+    scene = result.scene
+    joints = result.scene.clearance_joints
     columns = 1 + (len(joints) > 2)
     sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
     resonances = []
@@ -162,7 +172,8 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
         hertz = []
         for stage in shown:
             if (frequency := resonance(stage.data, joint)) is not None:
-                order, colour = frequency * scene.mechanism.period, stage.pen.colour
+                order = frequency * scene.mechanism.period
+                colour = stage.pen.colour
                 axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
                 hertz.append(frequency)
         if hertz:
@@ -194,15 +205,14 @@ def _axis(diagram: "Diagram") -> tuple[float, str]:
 @matplotlib.rc_context(style.SETTINGS)
 def draw_diagram(diagram: "Diagram") -> Drawing:
     """Return the bifurcation diagram with both branches."""
-    parameter, cycles, joints = (
-        diagram.parameter,
-        diagram.cycles,
-        diagram.scene.clearance_joints,
-    )
+    parameter = diagram.parameter
+    cycles = diagram.cycles
+    joints = diagram.scene.clearance_joints
     has_exponent = cycles.exponent > 0
     count = len(joints) + 1 + has_exponent
     sheet, grid = style.panels(count, 1, 0.8 + 1.9 * count, sharex=True)
-    column, pens = grid[:, 0], []
+    column = grid[:, 0]
+    pens = []
     factor, label = _axis(diagram)
     size = float(np.clip(DOT_AREA / (len(parameter.values) * cycles.stored), 0.6, 6.0))
     branches = zip(diagram.branches.items(), style.LINES, strict=False)
@@ -220,13 +230,19 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
         if has_exponent:
             order = np.argsort(value)
             mean, half = branch.exponent[order].T
-            look: dict[str, Any] = {"color": colour, "alpha": 0.2, "linewidth": 0.0}
-            column[-2].fill_between(value[order], mean - half, mean + half, **look)
+            line_style: dict[str, Any] = {
+                "color": colour,
+                "alpha": 0.2,
+                "linewidth": 0.0,
+            }
+            column[-2].fill_between(
+                value[order], mean - half, mean + half, **line_style
+            )
             column[-2].plot(value[order], mean, color=colour, linewidth=0.8)
         each = diagram.periods(direction)
         periods = [np.nan if one is None else (one.period or NO_PERIOD) for one in each]
-        look = {"markersize": 3.0, "fillstyle": "none", "markeredgewidth": 0.5}
-        column[-1].plot(value, periods, marker, color=colour, **look)
+        line_style = {"markersize": 3.0, "fillstyle": "none", "markeredgewidth": 0.5}
+        column[-1].plot(value, periods, marker, color=colour, **line_style)
     for axes, joint in zip(column, joints, strict=False):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
         axes.yaxis.set_major_locator(

@@ -13,10 +13,8 @@ from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
-_HEADROOM = (
-    1.15,
-    1.4,
-)  # height of a panel over its largest value, without and with a note
+# height of a panel over its largest value, without and with a note
+_HEADROOM = (1.15, 1.4)
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
 _LIFE = Pen("life with its interval", style.LINES[2][0])
@@ -25,7 +23,8 @@ _SERVICE = Pen("bushing serviced", style.REFERENCE, "dotted", 0.9)
 
 def service_life(result: Result, stages: Stages) -> list[Drawing]:
     """Draw each monitored quantity over strokes with its band, its limits and the life."""
-    life, services = result.life, services_done(result)
+    life = result.life
+    services = services_done(result)
     if life is None or not life.curves or len(stages) < len(result.stages):
         return []
     joints = result.scene.clearance_joints
@@ -35,7 +34,8 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     end = max(float(life.curves["strokes"][-1]), high or 0.0)
     factor, unit = count_scale(end)
     if not unit and end >= 1e4:  # ticks of thousands are too long for narrow panels
-        factor, unit = 1e-3, "thousand"
+        factor = 1e-3
+        unit = "thousand"
     sheet, panels, lowest = style.panel_list(len(keys), 1.6, sharex=True)
     for axes, key in zip(panels, keys, strict=True):
         _draw_quantity(axes, key, life, end)
@@ -68,10 +68,8 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
 def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     """Draw a quantity with its band and its limits."""
     (mean, low, high), strokes = life.curves[key].T, life.curves["strokes"]
-    limits, top = (
-        [limit for limit in life.limits if limit.key == key],
-        float(high.max()),
-    )
+    limits = [limit for limit in life.limits if limit.key == key]
+    top = float(high.max())
     near = [limit for limit in limits if limit.value <= _FAR * top or top == 0.0]
     largest = max([top, *(limit.value for limit in near)])
     # None of these quantities is negative.
@@ -103,22 +101,23 @@ def _draw_marks(
             axes.axvspan(*ends, color=_LIFE.colour, alpha=0.15, linewidth=0.0)
     small: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
     for service in services:
-        axes.axvline(service.strokes, **_SERVICE.look)
+        axes.axvline(service.strokes, **_SERVICE.line_style)
         if service.joint == joint:
             word = "turned" if service.is_turned else "replaced"
             box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
-            look = small | {
+            line_style = small | {
                 "rotation": 90.0,
                 "ha": "right",
                 "va": "bottom",
                 "bbox": box,
             }
-            axes.text(service.strokes, 0.03, word, **look)
+            axes.text(service.strokes, 0.03, word, **line_style)
 
 
 def services_done(result: Result) -> list[Service]:
     """Return the services of bushings during the simulated life."""
-    settings, life = result.scene.life, result.life
+    settings = result.scene.life
+    life = result.life
     if settings is None or life is None or not life.curves:
         return []
     last = float(life.curves["strokes"][-1])

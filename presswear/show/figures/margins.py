@@ -8,7 +8,8 @@ from matplotlib.axis import Axis
 from matplotlib.layout_engine import LayoutEngine
 
 _EDGE = 0.05  # of a sheet, inches
-_LINE, _LETTER = 0.15, 0.07  # height of a line of text, and width of a digit, inches
+_LINE = 0.15  # height of a line of text, inches
+_LETTER = 0.07  # width of a digit, inches
 _TICK = 0.09  # from a panel to the numbers of an axis, and around a label, inches
 
 Room = tuple[
@@ -59,7 +60,10 @@ class Margins(LayoutEngine):
 
 def _room_around(axes: Axes) -> Room:
     """Return the room that numbers, labels and titles of a panel need."""
-    left, right, above, below = _EDGE, _EDGE, _EDGE, _EDGE
+    left = _EDGE
+    right = _EDGE
+    above = _EDGE
+    below = _EDGE
     titles = [axes.get_title(loc=place) for place in ("left", "center", "right")]
     if lines := max(map(_lines_of, titles)):
         above += _TICK + lines * _LINE

@@ -1,8 +1,7 @@
 """Labelled drawing of a mechanism: bodies, joints, mass centres, drives, springs, loads, paths."""
 
 import math
-from collections.abc import Mapping
-from itertools import combinations
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -16,7 +15,7 @@ from presswear.linkage.loads import Force, Load
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing
-from presswear.show.replay.shapes import across, attachments, body_outline, points_of
+from presswear.show.replay.shapes import across, body_outline, points_of
 from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
@@ -27,31 +26,26 @@ _LOAD = "tab:red"
 _WINDINGS = 10  # of a spring
 _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
+_LEGEND_COLUMNS = 2
+_LEGEND_ROW = 0.22  # inches
+_COLOURS = (*(colour for colour, _ in style.LINES), "#56B4E9")  # of bodies
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
-# Of a place, for its label, degrees
-_SIDES = 90, 0, 180, 270, 45, 135, 315, 225, 20, 160, 340, 200
-_STEPS = np.array(
-    [0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0]
-)  # that a label may be farther, points
-_SAMPLING = 3.0  # points between samples of drawn lines
-_FREE = 2.0  # points around a label that are free of lines, too
-# Costs in lines that a label covers: of a point farther, of a path or guide, of another
-# label
-_FARTHER, _PATH, _OVERLAP = 0.04, 0.6, 100.0
 
 
 class _Label(NamedTuple):
     text: str
-    places: Array  # beside which it may be, the best first, shape (n, 2), m
+    place: Array  # (2,), m
     gap: float  # from the place, points
-    look: dict[str, Any]  # of the text
+    direction: Array  # from the place, (2,)
+    style: dict[str, Any]  # of the text
 
 
 @matplotlib.rc_context(style.SETTINGS)
 def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     """Draw the mechanism of a scene at a time, s, with closed joints."""
-    linkage, period = scene.base_linkage, scene.mechanism.period
+    linkage = scene.base_linkage
+    period = scene.mechanism.period
     # A full cycle after the run-up.
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
     position = scene.ideal.at(times).position
@@ -71,17 +65,15 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     hung = [moving(end) for spring in linkage.springs for end in spring.ends]
     everything = np.vstack([*paths.values(), *origins.values(), *hung])
     size = float(np.hypot(*np.ptp(everything, axis=0)))
-    low, high = (
-        everything.min(axis=0) - _MARGIN * size,
-        everything.max(axis=0) + _MARGIN * size,
-    )
+    low = everything.min(axis=0) - _MARGIN * size
+    high = everything.max(axis=0) + _MARGIN * size
     wide, tall = high - low
     room = max(_SLIMMEST * tall - wide, 0.0)  # for the labels of an upright mechanism
     low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
-    height = min(
-        max((style.WIDTH - _EDGES[0]) * tall / wide + _EDGES[1], _HEIGHTS[0]),
-        _HEIGHTS[1],
-    )
+    rows = math.ceil(len(linkage.bodies) / _LEGEND_COLUMNS)
+    edges = _EDGES[1] + _LEGEND_ROW * rows
+    height = (style.WIDTH - _EDGES[0]) * tall / wide + edges
+    height = min(max(height, _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for path in paths.values():
@@ -100,29 +92,18 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         )
         if hinge is not None:
             _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
-            corners = hinge + 0.06 * size * np.array([[0.5, -0.87], [-0.5, -0.87]])
-            labels.append(
-                _Label(
-                    f"{abs(drive.mean_speed) * 30.0 / math.pi:.4g} rpm",
-                    corners,
-                    5.0,
-                    {},
-                )
-            )
-    labels += [
+    for k in range(len(linkage.bodies)):
         _draw_body(axes, linkage, k, position[:1], size)
-        for k in range(len(linkage.bodies))
-    ]
     labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
-    scale = 72.0 * (height - _EDGES[1]) / tall  # points per m
+    scale = 72.0 * (height - edges) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
-    low[0], high[0] = (
-        min(low[0], boxes[:, 0, 0].min()),
-        max(high[0], boxes[:, 1, 0].max()),
-    )
+    low[0] = min(low[0], boxes[:, 0, 0].min())
+    high[0] = max(high[0], boxes[:, 1, 0].max())
     axes.set_xlim(low[0], high[0])
-    width = (height - _EDGES[1]) * (high[0] - low[0]) / tall + _EDGES[0]
-    sheet.set_figwidth(min(max(width, _HEIGHTS[0]), style.WIDTH))
+    width = (height - edges) * (high[0] - low[0]) / tall + _EDGES[0]
+    legend = sheet.legend(loc="outside upper center", ncols=_LEGEND_COLUMNS)
+    names = legend.get_window_extent().width / sheet.dpi
+    sheet.set_figwidth(min(max(width, names, _HEIGHTS[0]), style.WIDTH))
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
@@ -136,56 +117,39 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
 
 
 def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
-    """Write each label where it covers the fewest lines; return the boxes, (n, 2, 2), points.
+    """Write the labels beside their places; return their boxes, (n, 2, 2), points.
 
     The scale is in points per metre. Boxes are lower left and upper right corners.
     """
-    artists: list[Any] = [*axes.lines, *axes.patches]
-    lines, weights, sides = (
-        [],
-        [],
-        np.array([direction_at(math.radians(a)) for a in _SIDES]),
-    )
-    for artist in artists:
-        # The vertices of an arrow contain one without meaning, which closes its head.
-        corners = scale * np.vstack(artist.get_path().to_polygons(closed_only=False))
-        if len(corners) == 1:  # a mark
-            corners = corners + 0.5 * artist.get_markersize() * sides
-        along = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
-        at = np.arange(0.0, along[-1] + _SAMPLING, _SAMPLING)
-        lines.append(
-            np.column_stack([np.interp(at, along, column) for column in corners.T])
-        )
-        weights.append(_PATH if artist.zorder < 2 else 1.0)
-    starts = np.cumsum([0, *map(len, lines[:-1])])
-    points = np.vstack(lines)
     boxes: list[Array] = []
-    for text, places, gap, look in labels:
+    for text, place, gap, direction, text_style in labels:
         note = axes.annotate(
-            text, places[0], (0, 0), textcoords="offset points", zorder=9, **look
+            text,
+            tuple(place),
+            (0, 0),
+            textcoords="offset points",
+            zorder=9,
+            **text_style,
         )
         note.set(ha="center", va="center", multialignment="center")
         note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         half = 36.0 / axes.figure.dpi * np.array(note.get_window_extent().size)
-        gaps = (gap + _STEPS)[:, np.newaxis, np.newaxis]
-        offsets = (gaps * sides + half * np.round(sides)).reshape(-1, 2)
-        middles = (scale * places[:, np.newaxis] + offsets).reshape(-1, 2)
-        boxed = np.stack([middles - half, middles + half], axis=1)
-        free = boxed[:, 0] - _FREE, boxed[:, 1] + _FREE
-        inside = [
-            ((points > a) & (points < b)).all(axis=1)
-            for a, b in zip(*free, strict=True)
-        ]
-        costs = np.logical_or.reduceat(inside, starts, axis=1) @ weights
-        costs += _FARTHER * np.tile(np.repeat(_STEPS, len(sides)), len(places))
-        for placed in boxes:
-            costs += _OVERLAP * (
-                (boxed[:, 0] < placed[1]) & (boxed[:, 1] > placed[0])
-            ).all(axis=1)
-        place, side = divmod(int(costs.argmin()), len(offsets))
-        note.xy, note.xyann = tuple(places[place]), tuple(offsets[side])
-        boxes.append(boxed[costs.argmin()])
+        side = direction / np.hypot(*direction)
+        offset = gap * side + half * side / np.abs(side).max()
+        note.xyann = tuple(offset)
+        centre = scale * place + offset
+        boxes.append(np.array([centre - half, centre + half]))
     return np.array(boxes)
+
+
+def _free_direction(lines: Sequence[Array]) -> Array:
+    """Return the middle of the widest angle between lines that meet at a joint, (2,)."""
+    angles = np.sort([math.atan2(line[1], line[0]) for line in lines if line.any()])
+    if not angles.size:
+        return np.array([0.0, 1.0])
+    gaps = np.diff(angles, append=angles[0] + 2.0 * math.pi)
+    widest = int(np.argmax(np.round(gaps, 6)))
+    return direction_at(angles[widest] + 0.5 * gaps[widest])
 
 
 def _common_clearance(scene: Scene) -> float | None:
@@ -207,6 +171,7 @@ def _draw_joints(
     for name, place in places.items():
         groups.setdefault(tuple(np.round(place / (0.01 * size))), []).append(name)
     labels = []
+    output = scene.base_linkage.output
     for names in groups.values():
         place = places[names[0]]
         loose = [name for name in names if name in scene.clearance_joints]
@@ -224,23 +189,28 @@ def _draw_joints(
             of_joint = f" of {name}" if len(names) > 1 else ""
             lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
         gap = 9.0 if loose else 7.0
+        bodies = {end.body for name, end in ends if name in names} - {GROUND}
+        beside = {name for name, end in ends if end.body in bodies} - set(names)
+        bars = [places[name] - place for name in sorted(beside)]
+        if output.body in bodies:
+            bars.append(direction_at(output.direction))
+        direction = _free_direction(bars)
         labels.append(
-            _Label("\n".join(lines), place[np.newaxis], gap, {"weight": "bold"})
+            _Label("\n".join(lines), place, gap, direction, {"weight": "bold"})
         )
     return labels
 
 
 def _draw_body(
     axes: Axes, linkage: Linkage, number: int, position: Array, size: float
-) -> _Label:
-    """Draw a body with its mass centre and its x axis; its name is beside one of its edges."""
-    name, (colour, _) = (
-        linkage.bodies[number].name,
-        style.LINES[number % len(style.LINES)],
-    )
+) -> None:
+    """Draw a body with its mass centre and its x axis; its name is in the legend."""
+    name = linkage.bodies[number].name
+    colour = _COLOURS[number % len(_COLOURS)]
     outline = body_outline(linkage, name, _BAR * size)
     pose = position[0, 3 * number : 3 * number + 3]
-    centre, along = pose[:2], direction_at(pose[2])
+    centre = pose[:2]
+    along = direction_at(pose[2])
     turn = np.array([along, across(along)])
     axes.add_patch(
         Polygon(
@@ -249,13 +219,19 @@ def _draw_body(
             edgecolor=colour,
             alpha=0.4,
             zorder=2,
+            label=_legend_text(linkage, name),
         )
     )
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
-    ends = {(end.x, end.y): None for end in attachments(linkage, name)}
-    middles = [np.mean(pair, axis=0) for pair in combinations(ends, 2)] or [np.zeros(2)]
-    return _Label(name, centre + np.array(middles) @ turn, 8.0, {"color": colour})
+
+
+def _legend_text(linkage: Linkage, body: str) -> str:
+    """Return the name of a body, with the mean speed of its drive."""
+    speeds = [drive.mean_speed for drive in linkage.drives if drive.body == body]
+    if not speeds:
+        return body
+    return f"{body}, {abs(speeds[0]) * 30.0 / math.pi:.4g} rpm"
 
 
 def _draw_guides_and_forces(
@@ -285,17 +261,20 @@ def _draw_guides_and_forces(
             - np.outer(swing, across(second - first))
         )
         axes.plot(*line.T, color=style.MUTED, linewidth=1.0, zorder=2)
-        middle = 0.5 * (first + second)[np.newaxis]
-        labels.append(_Label(spring.name, middle, 9.0, {"color": style.MUTED}))
+        middle = 0.5 * (first + second)
+        normal = across(second - first)
+        labels.append(_Label(spring.name, middle, 9.0, normal, {"color": style.MUTED}))
     for load in linkage.loads:
         place = at(
             load.attachment
             if isinstance(load, Force)
             else Attachment(load.body, 0.0, 0.0)
         )
-        direction, moment = None, 1.0
+        direction = None
+        moment = 1.0
         if isinstance(load, Force):
-            direction, moment = load.direction, 0.0
+            direction = load.direction
+            moment = 0.0
         elif isinstance(load, Load):
             direction = math.atan2(load.y, load.x) if load.x or load.y else None
             moment = load.moment
@@ -311,7 +290,7 @@ def _draw_guides_and_forces(
 def _arrow(
     axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8
 ) -> None:
-    look: dict[str, Any] = {
+    arrow_style: dict[str, Any] = {
         "color": colour,
         "linewidth": linewidth,
         "shrinkA": 0,
@@ -319,7 +298,9 @@ def _arrow(
     }
     ends = tuple(start), tuple(end)
     axes.add_patch(
-        FancyArrowPatch(*ends, arrowstyle="-|>", mutation_scale=8, zorder=8, **look)
+        FancyArrowPatch(
+            *ends, arrowstyle="-|>", mutation_scale=8, zorder=8, **arrow_style
+        )
     )
 
 

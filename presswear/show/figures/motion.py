@@ -70,7 +70,8 @@ class Window:
 
 def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     """Return the stages cut to the part of the motion that is shown: cycles after the start-up."""
-    period, run_up = result.scene.mechanism.period, result.scene.run_up
+    period = result.scene.mechanism.period
+    run_up = result.scene.run_up
     ends = [float(stage.data.time[-1]) for stage in stages]
     fewest = min(round((end - run_up) / period - 0.48) for end in ends)
     first = max(min(STARTUP_CYCLES, fewest - 1), 0)
@@ -126,8 +127,8 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
             inside = (when >= window.start) & (when <= window.end)
             if inside.any():
                 marks[mark] = words
-                look = {"color": stage.pen.colour, "markersize": 6.0}
-                axes.plot(when[inside], factor * height[inside], mark, **look)
+                line_style = {"color": stage.pen.colour, "markersize": 6.0}
+                axes.plot(when[inside], factor * height[inside], mark, **line_style)
     time = np.linspace(window.start, window.end, 1001)
     height = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0] - scene.bottom
     IDEAL.draw(
@@ -150,7 +151,8 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     sheet, grid = style.panels(
         len(heights), 1, height, sharex=True, height_ratios=heights
     )
-    column, jagged = grid[:, 0], grid[3 : 3 + len(shown), 0]
+    column = grid[:, 0]
+    jagged = grid[3 : 3 + len(shown), 0]
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
     deviations = [
@@ -182,7 +184,8 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     everything = np.concatenate(
         [acceleration, *(stage.data.acceleration for stage in shown)]
     )
-    low, reach = float(everything.min()), float(np.ptp(everything))
+    low = float(everything.min())
+    reach = float(np.ptp(everything))
     for axes in jagged:
         axes.set_ylim(low - 0.05 * reach, low + 1.3 * reach)
     interval = window.period / _MEANS_PER_CYCLE if scene.clearance_joints else None
@@ -309,7 +312,8 @@ def pin_panels(
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
     height = 3.1 if len(gaps) <= _FEW_JOINTS else 2.3
-    label, sharing = f"$e_y$ ({unit})", {"sharex": True, "sharey": True}
+    label = f"$e_y$ ({unit})"
+    sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(gaps, shown, height, label, **sharing)
     around = np.linspace(0.0, 2.0 * math.pi, 361)
     circle = np.array([np.cos(around), np.sin(around)])
@@ -336,7 +340,8 @@ def pin_panels(
 
 def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the forces of the work and of the joints over the height of the stroke."""
-    scene, process = result.scene, result.scene.process
+    scene = result.scene
+    process = result.scene.process
     shown = [(stage, press.sampled_strokes(scene, stage.data)) for stage in moving]
     shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
@@ -351,7 +356,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     count = 1 + len(joints)
     sheet, column, lowest = style.panel_list(count, 1.7, 1 + (count > 3), sharex=True)
     for stage, strokes in shown:
-        data, height = stage.data, press.height_of(scene, stage.data)
+        data = stage.data
+        height = press.height_of(scene, stage.data)
         force = press.process_force(scene, data)
         assert force is not None, "the scene has a process"
         series = [force, *(np.hypot(*data.joints[name].force.T) for name in joints)]
@@ -410,11 +416,13 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
             row, ("torque", "power"), ("N m", "W"), strict=True
         ):
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
-            ends, farthest = [expected.min(), expected.max()], []
+            ends = [expected.min(), expected.max()]
+            farthest = []
             for pen, times, each in curves:
                 values = getattr(each[drive], name)
                 pen.draw(axes, times, values, linewidth=0.7)
-                weights, tails = np.gradient(times), (_TAIL, 1.0 - _TAIL)
+                weights = np.gradient(times)
+                tails = (_TAIL, 1.0 - _TAIL)
                 ends += [
                     *np.quantile(values, tails, weights=weights, method="inverted_cdf")
                 ]
@@ -447,7 +455,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     for (axes, circle), (name, film) in zip(grid, films.items(), strict=True):
         _FILM.draw(axes, film.angle, film.thickness * style.MICRONS)
         for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
-            axes.axhline(factor * film.roughness * style.MICRONS, **pen.look)
+            axes.axhline(factor * film.roughness * style.MICRONS, **pen.line_style)
         axes.set_yscale("log")
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
         title = f"joint {name}: full film for\n{share}"
@@ -465,9 +473,10 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
 
 def _draw_orbit(axes: Axes, film: JointFilm) -> None:
     """Draw the orbit of a pin in the circle of the clearance, with the place of the least film."""
-    place, least = film.orbit.place, film.thinnest
+    place = film.orbit.place
+    least = film.thinnest
     turn = np.linspace(0.0, 2.0 * math.pi, 181)
-    axes.plot(np.cos(turn), np.sin(turn), **_ROUND_GAP.look)
+    axes.plot(np.cos(turn), np.sin(turn), **_ROUND_GAP.line_style)
     _FILM.draw(axes, place.real, place.imag)
     axes.plot(place.real[least], place.imag[least], "o", color=_FULL.colour, ms=4.0)
     thin = readable(style.MICRONS * float(film.thickness[least]))

@@ -14,7 +14,8 @@ from presswear.tools.numbers import readable, unit_scale
 
 _MARKERS = "osD^v<>p"  # of final motions, the one of most starts first
 _BAND = 0.2  # opacity of an interval
-CURVE, FIT = Pen("starts", style.LINES[0][0]), Pen("exponential law", *style.LINES[1])
+CURVE = Pen("starts", style.LINES[0][0])
+FIT = Pen("exponential law", *style.LINES[1])
 
 
 def drawings_of(result: FinalMotions) -> list[Drawing]:
@@ -69,13 +70,13 @@ def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> s
         x, y = factor * settled.runs.eccentricity[list(motion.runs), k].T
         force = f"{readable(motion.peak_force[joint], 4)} N"
         if motion.period is None:
-            look: dict[str, Any] = {"marker": "x", "color": style.MUTED}
+            line_style: dict[str, Any] = {"marker": "x", "color": style.MUTED}
             label = f"irregular: {force}"
         else:
             colour = style.LINES[number % len(style.LINES)][0]
-            look = {"marker": _MARKERS[number % len(_MARKERS)], "color": colour}
+            line_style = {"marker": _MARKERS[number % len(_MARKERS)], "color": colour}
             label = f"period {motion.period}: {force}"
-        axes.scatter(x, y, 14.0, label=label, linewidths=0.8, **look)
+        axes.scatter(x, y, 14.0, label=label, linewidths=0.8, **line_style)
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle = factor * clearance * np.array([np.cos(turn), np.sin(turn)])
     axes.plot(*circle, color=style.REFERENCE, linewidth=0.7)
@@ -126,7 +127,8 @@ def draw_half_life(result: FinalMotions) -> Drawing:
 
 def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
     """Draw a half-life with its interval, or an arrow from its lower limit."""
-    colour, life = style.LINES[0][0], settled.half_life
+    colour = style.LINES[0][0]
+    life = settled.half_life
     if life is not None:
         low, high = life.low or life.mean, life.high or life.mean
         axes.errorbar(

@@ -46,14 +46,10 @@ SHOWN_CYCLES = 2  # cycles whose motion is shown
 _TEMPLATES = files("presswear.show") / "templates"
 with as_file(_TEMPLATES / "figures.mplstyle") as file:
     SETTINGS = matplotlib.rc_params_from_file(file, use_default_template=False)
-SUBTICKS = (
-    2.0,
-    5.0,
-)  # multiples of a power of ten that are marked on a logarithmic axis
-_ROW, _HANDLE = (
-    112,
-    8,
-)  # letters in the width of a figure, and in the handle of a legend
+# multiples of a power of ten that are marked on a logarithmic axis
+SUBTICKS = (2.0, 5.0)
+_ROW = 112  # letters in the width of a figure
+_HANDLE = 8  # letters in the handle of a legend
 # The palette of Okabe and Ito is distinct with every common colour blindness.
 LINES: tuple[tuple[str, LineStyle], ...] = (
     ("#0072B2", "solid"),
@@ -102,7 +98,8 @@ class Drawing:
         for axis in (
             axis for axes in self.sheet.axes for axis in (axes.xaxis, axes.yaxis)
         ):
-            major, minor = axis.get_major_formatter(), axis.get_minor_formatter()
+            major = axis.get_major_formatter()
+            minor = axis.get_minor_formatter()
             if isinstance(major, LogFormatterSciNotation):
                 axis.set_major_formatter(
                     _PlainPowers(labelOnlyBase=major.labelOnlyBase)
@@ -122,16 +119,16 @@ class Pen:
     dashes: LineStyle = "solid"
     width: float = SETTINGS["lines.linewidth"]
 
-    def draw(self, axes: Axes, x: ArrayLike, y: ArrayLike, **look: Any) -> None:
-        """Draw ``y`` over ``x``, shape (n,) each; ``look`` changes matplotlib's line."""
-        axes.plot(x, y, **self.look | look)
+    def draw(self, axes: Axes, x: ArrayLike, y: ArrayLike, **line_style: Any) -> None:
+        """Draw ``y`` over ``x``, shape (n,) each; ``line_style`` changes matplotlib's line."""
+        axes.plot(x, y, **self.line_style | line_style)
 
     def handle(self) -> Line2D:
         """Return the line of the legend."""
-        return Line2D([], [], label=self.label, **self.look)
+        return Line2D([], [], label=self.label, **self.line_style)
 
     @property
-    def look(self) -> dict[str, Any]:
+    def line_style(self) -> dict[str, Any]:
         """Keyword arguments of a matplotlib line."""
         return {"color": self.colour, "linestyle": self.dashes, "linewidth": self.width}
 
@@ -262,9 +259,8 @@ def finished(
     handles = [pen.handle() for pen in pens]
     if handles:
         letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
-        columns = math.ceil(
-            len(handles) / math.ceil(letters / _ROW)
-        )  # one row if they fit
+        # one row if they fit
+        columns = math.ceil(len(handles) / math.ceil(letters / _ROW))
         sheet.legend(handles=handles, loc=place, ncols=columns)
     texts = (
         TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values()
@@ -307,6 +303,10 @@ def round_down(value: float) -> float:
 
 def note(axes: Axes, text: str) -> None:
     """Write a short remark into the upper right corner of a panel."""
-    look: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+    line_style: dict[str, Any] = {
+        "transform": axes.transAxes,
+        "ha": "right",
+        "va": "top",
+    }
     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
-    axes.text(0.995, 0.96, text, bbox=box, **look)
+    axes.text(0.995, 0.96, text, bbox=box, **line_style)

@@ -43,7 +43,8 @@ _RIGHT = "outside upper right"
 
 def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
-    joints, turns = result.scene.clearance_joints, style.maps_turn(result)
+    joints = result.scene.clearance_joints
+    turns = style.maps_turn(result)
     places = list(product(joints, [(side,) for side in SIDES] if turns else [SIDES]))
     curves = [_depth_curves(result, shown, *place) for place in places]
     # By label: every panel may lack a line that another has.
@@ -140,7 +141,8 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     ends = list(
         accumulate((len(stage.wear_steps) for stage in result.stages), initial=0)
     )
-    first, last = ends[stages[0].index], ends[stages[-1].index + 1]
+    first = ends[stages[0].index]
+    last = ends[stages[-1].index + 1]
     names = [(stage.index + 1, stage.wear_steps) for stage in stages]
     updates = [
         (cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied
@@ -159,14 +161,21 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         for end, _ in updates:
             axes.axvline(end, color=style.MUTED, linewidth=0.6)
         for end, name in named:
-            look: dict[str, Any] = {"ha": "right", "va": "bottom", "color": style.MUTED}
-            axes.text(end, 1.02, name, transform=axes.get_xaxis_transform(), **look)
+            line_style: dict[str, Any] = {
+                "ha": "right",
+                "va": "bottom",
+                "color": style.MUTED,
+            }
+            axes.text(
+                end, 1.02, name, transform=axes.get_xaxis_transform(), **line_style
+            )
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
         axes.set_xlabel("represented cycles (million)")
         axes.set_ylabel("deepest wear (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
-    pens, turns = _SURFACES.values(), style.maps_turn(result)
+    pens = _SURFACES.values()
+    turns = style.maps_turn(result)
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
 
 
@@ -187,7 +196,8 @@ class _View(NamedTuple):
 
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
-    joints, last = result.scene.clearance_joints, shown[-1].data.joints
+    joints = result.scene.clearance_joints
+    last = shown[-1].data.joints
     depths = {
         name: max(float(last[name].depth(side).max()) for side in SIDES)
         for name in joints
@@ -248,7 +258,8 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
 def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
     """Return the part of each surface to enlarge; the same part of both in fixed directions."""
     depth = {side: maps.depth(side) for side in SIDES}
-    turn, bearing = style.maps_turn(result), result.scene.bearing(joint)
+    turn = style.maps_turn(result)
+    bearing = result.scene.bearing(joint)
     radii = (bearing.bearing_radius, bearing.bearing_radius - bearing.clearance)
     views = []
     for side, radius in zip(SIDES, radii, strict=True):

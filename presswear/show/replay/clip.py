@@ -90,8 +90,10 @@ class Clip:
 
 def stage_clip(result: Result, index: int) -> Clip:
     """Return the clip of a stored stage; raises InputError if it has no film."""
-    scene, stage = result.scene, result.stage(index)
-    film, name = stage.film, short_name_of(scene)
+    scene = result.scene
+    stage = result.stage(index)
+    film = stage.film
+    name = short_name_of(scene)
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
     folder = result.path.resolve().name if result.path else scene.name
@@ -132,7 +134,9 @@ def life_clip(result: Result) -> Clip:
 
 def _last_cycle(clip: Clip, place: int) -> Film:
     """Return the last whole cycle of a clip, shifted in time to cycle number ``place``."""
-    film, period, run_up = clip.film, clip.period, clip.linkage.run_up_time
+    film = clip.film
+    period = clip.period
+    run_up = clip.linkage.run_up_time
     last = int((clip.span[1] - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
     if last < 0:
         raise InputError(
@@ -161,7 +165,8 @@ def equal_limits(clips: Sequence[Clip]) -> list[Clip]:
         joints = {joint for each in limits for joint in each}
         return {joint: max(each.get(joint, 0.0) for each in limits) for joint in joints}
 
-    depths, forces = largest("max_depth"), largest("max_force")
+    depths = largest("max_depth")
+    forces = largest("max_force")
     return [replace(clip, max_depth=depths, max_force=forces) for clip in clips]
 
 

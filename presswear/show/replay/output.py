@@ -42,15 +42,14 @@ NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
 MAX_START = 30.0  # for a window to open, s
 IDLE_TIME = 0.02  # of the window between two pictures, s
 BAR_REACH = 0.03  # distance of a click from the time bar over the height of the picture
-SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = (
-    32,
-    262,
-    263,
-    264,
-    265,
-    268,
-    269,
-)  # key codes of GLFW
+# key codes of GLFW
+SPACE = 32
+RIGHT = 262
+LEFT = 263
+DOWN = 264
+UP = 265
+HOME = 268
+END = 269
 SPEED_STEP = 1.5
 LIVE_INTERVAL = 0.04  # between two pictures of a running simulation, s
 # of the longest arrow, N, because the largest force is not yet available
@@ -130,9 +129,8 @@ def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
         Image.fromarray(each).quantize(palette=first, dither=Image.Dither.NONE)
         for each in images
     )
-    duration = 10 * max(
-        round(100.0 / rate), 2
-    )  # ms; GIF counts in hundredths of a second
+    # ms; GIF counts in hundredths of a second
+    duration = 10 * max(round(100.0 / rate), 2)
     first.save(
         part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0
     )
@@ -215,9 +213,8 @@ class Window:
         settings.interactive.keyPressUserFunction = self._key
         self._press = press
         self._quits = False
-        os.dup2(
-            os.open(os.devnull, os.O_WRONLY), 1
-        )  # for the messages of Exudyn's renderer
+        # for the messages of Exudyn's renderer
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         self._renderer.Start()
         picture.set_view()
 
@@ -322,12 +319,15 @@ def _play(
     player = Player(first.span[0], last, start, slow, first.period / FRAMES_PER_CYCLE)
     window = Window(Picture(clips, size), player.press)
     caller.send("open")
-    previous, shown, is_open = frames_at(clips, player.time), clock.perf_counter(), True
+    previous = frames_at(clips, player.time)
+    shown = clock.perf_counter()
+    is_open = True
     while is_open:
         frames = frames_at(clips, player.time)
         note = clip_module.speed_text(player.slow) if player.plays else "paused"
         window.picture.show(snapshots(clips, previous, frames), player.part, note)
-        previous, is_open = frames, window.idle()
+        previous = frames
+        is_open = window.idle()
         part = window.clicked_part()
         if part is not None:
             player.jump(player.first + part * (player.last - player.first))
@@ -347,27 +347,28 @@ class Live(Observer):
     frames = clip_module.PATH_FRAMES
 
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
-        self._scene, self._linkage = scene, scene.linkage()
+        self._scene = scene
+        self._linkage = scene.linkage()
         times = np.linspace(0.0, scene.mechanism.period, 181)
         joints = np.zeros((len(times), len(self._linkage.clearances), len(FILM_JOINT)))
         self._film = Film(times, scene.ideal.at(times).position, joints)
         self._process, self._window = _start_window(_show_live, size, self._clip(0))
-        self._is_ready, self._sent = True, 0.0
+        self._is_ready = True
+        self._sent = 0.0
 
     def _clip(self, stage: int) -> Clip:
         chapter = Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage)
         forces = {joint.name: LIVE_FORCE for joint in self._linkage.clearances}
-        period, depths = (
-            self._scene.mechanism.period,
-            clip_module.max_depths(self._linkage),
-        )
+        period = self._scene.mechanism.period
+        depths = clip_module.max_depths(self._linkage)
         return Clip(
             short_name_of(self._scene), (chapter,), period, depths, forces, self._film
         )
 
     def on_progress(self, progress: Progress) -> None:
         """Send the last frames of a run to the window if it is ready."""
-        now, film = clock.perf_counter(), progress.film
+        now = clock.perf_counter()
+        film = progress.film
         if film is None or now - self._sent < LIVE_INTERVAL:
             return
         try:
@@ -385,7 +386,8 @@ class Live(Observer):
             self._window.send(
                 (Snapshot(time, film.position, film.joints[-1], peaks), part)
             )
-            self._is_ready, self._sent = False, now
+            self._is_ready = False
+            self._sent = now
         except (EOFError, OSError):
             self._sent = np.inf  # the window is closed
 

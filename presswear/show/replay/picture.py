@@ -26,11 +26,10 @@ from presswear.tools.exudyn import exudyn_module
 exu = exudyn_module()
 from exudyn.graphics import FromPointsAndTrigs  # noqa: E402  (after the choice of the module)
 
-HEAD, FOOT, MARGIN = (
-    0.11,
-    0.09,
-    0.02,
-)  # title, time bar and margin over the height of the picture
+# Over the height of the picture
+HEAD = 0.11  # title
+FOOT = 0.09  # time bar
+MARGIN = 0.02
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
 LETTER_WIDTH = 0.74  # of the height of a letter
 
@@ -64,13 +63,15 @@ def layout_of(
     numbers of enlarged joints, and the aspect is width over height of the picture.
     """
     # All lengths except those of the boxes are relative to the height of the picture.
-    width, usable = aspect / len(boxes), 1.0 - HEAD - FOOT
+    width = aspect / len(boxes)
+    usable = 1.0 - HEAD - FOOT
     radius = min(0.34 * usable / max(joints), 0.15 * width) if any(joints) else 0.0
     room = np.array([width - 2.0 * MARGIN - 3.4 * radius, usable])
     height = max(float(((high - low) / room).max()) for low, high in boxes)
     panels = []
     for k, ((low, high), number) in enumerate(zip(boxes, joints, strict=True)):
-        left, top = -0.5 * aspect + k * width + MARGIN, 0.5 - HEAD
+        left = -0.5 * aspect + k * width + MARGIN
+        top = 0.5 - HEAD
         y = top - usable * (np.arange(number) + 0.5) / max(number, 1)
         x = np.full(number, left + width - 2.0 * MARGIN - 1.65 * radius)
         places = tuple(height * np.column_stack([x, y]))
@@ -146,7 +147,8 @@ class Picture:
         ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the
         playing speed.
         """
-        pieces, texts = [*self._frame, *self._time_bar(part)], []
+        pieces = [*self._frame, *self._time_bar(part)]
+        texts = []
         drawn = zip(
             self.clips,
             self.layout.panels,
@@ -216,12 +218,12 @@ class Picture:
     ) -> dict[str, Any]:
         """Return a text that starts at a point, with letters of a size relative to the font."""
         position = [float(point[0]), float(point[1]), self.height(layer)]
-        look = {
+        line_style = {
             "position": position,
             "color": list(paint),
             "fontSize": size * self._font,
         }
-        return {"type": "Text", "text": words, **look}
+        return {"type": "Text", "text": words, **line_style}
 
     def _line_height(self, size: float) -> float:
         """Return the height of a line of text, m, from its size relative to the font."""

@@ -29,15 +29,18 @@ SEGMENTS = 48  # of a full circle
 # Palette of Okabe and Ito, distinguishable with every common colour blindness.
 BODY_COLOURS = ("#D55E00", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 JOINT_COLOURS = tuple(map(to_rgba, ("#0072B2", "#D55E00", "#009E73", "#CC79A7")))
-INK, PAPER, STEEL = to_rgba("#1a1a1a"), to_rgba("#ffffff"), to_rgba("#c9ced6")
-WORN, FORCE, PIN = to_rgba("#E69F00"), to_rgba("#c1121f"), to_rgba("#9aa5b1")
+INK = to_rgba("#1a1a1a")
+PAPER = to_rgba("#ffffff")
+STEEL = to_rgba("#c9ced6")
+WORN = to_rgba("#E69F00")
+FORCE = to_rgba("#c1121f")
+PIN = to_rgba("#9aa5b1")
 LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
 BAR = 0.017  # half width of a bar over the size of the mechanism
-PIN_SHARE, PLAY_SHARE, BAND_SHARE = (
-    0.34,
-    0.36,
-    0.13,
-)  # of the radius of an enlarged joint
+# Of the radius of an enlarged joint
+PIN_SHARE = 0.34
+PLAY_SHARE = 0.36
+BAND_SHARE = 0.13
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
 
@@ -70,7 +73,8 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
         return np.tile([point.x, point.y, 0.0], (len(positions), 1))
     base = 3 * linkage.index(point.body)
     x, y, angle = positions[:, base : base + 3].T
-    c, s = np.cos(angle), np.sin(angle)
+    c = np.cos(angle)
+    s = np.sin(angle)
     return np.column_stack(
         [x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle]
     )
@@ -133,7 +137,8 @@ def filled(outline: Array, layer: int, paint: Colour) -> Shape:
 
 def band(inner: Array, outer: Array, layer: int, paint: Colour) -> Shape:
     """Return the area between two closed lines, shape (n, 2) each."""
-    k, count = np.arange(len(inner)), len(inner)
+    k = np.arange(len(inner))
+    count = len(inner)
     following = (k + 1) % count
     quarters = [(k, count + k, count + following), (k, count + following, following)]
     return Shape(np.vstack([inner, outer]), np.hstack(quarters).T, layer, paint)
@@ -174,7 +179,8 @@ def arrow(
     """Return an arrow from a point along a vector that is not zero."""
     length = float(np.hypot(*vector))
     head = min(4.0 * width, length)
-    neck, tip = start + (1.0 - head / length) * vector, start + vector
+    neck = start + (1.0 - head / length) * vector
+    tip = start + vector
     wings = 0.45 * head / length * across(vector)
     outline = np.array([neck - wings, tip, neck + wings])
     return [line(start, neck, width, layer, paint), filled(outline, layer, paint)]
@@ -235,13 +241,15 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
     drawn: list[Shape] = []
     for point in attachments(linkage, GROUND):
         centre = np.array([point.x, point.y])
-        foot, side = centre - [0.0, 3.4 * bar], np.array([2.2 * bar, 0.0])
+        foot = centre - [0.0, 3.4 * bar]
+        side = np.array([2.2 * bar, 0.0])
         drawn.append(filled(np.array([centre, foot - side, foot + side]), 1, STEEL))
         drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
         ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
         drawn += hatched(ends, -1.0, bar)
     for guide in linkage.guides:
-        along, base = direction(guide.direction), np.array([guide.x, guide.y])
+        along = direction(guide.direction)
+        base = np.array([guide.x, guide.y])
         places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
         travel = (places[:, :2] - base) @ along
         ends = base + np.outer(
@@ -299,7 +307,8 @@ class EnlargedJoint:
 
     def bodies(self) -> list[list[Shape]]:
         """Return bearing, its mark, pin and its mark, each about its own centre."""
-        pin_radius, edge = self.pin_factor * self.joint.pin_radius, 0.012 * self.radius
+        pin_radius = self.pin_factor * self.joint.pin_radius
+        edge = 0.012 * self.radius
         gap = pin_radius + self.gap_factor * self.joint.clearance
         sides = (
             (self.joint.bearing_surface, 1.0, gap, self.radius, STEEL, 70),
