@@ -35,6 +35,7 @@ NOT_UNITS_OF = {
     "1/m": "m, 1/Pa, 1/s, /",
     "s/m": "s, m, m/s, N s/m",
     "N s/m": "N, N/m, s/m, N m, kg",
+    "N/m": "N, m, N m, N s/m, Pa",
     "N/m^n": "N, N m, Pa, N/m^2, kg",
     "N": "kg, Pa, N m, N/m, g",
     "N m": "N, m, kg, N/m, Pa",

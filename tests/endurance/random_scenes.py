@@ -61,7 +61,7 @@ _LEAST = 1e-9  # smallest value drawn from a range that begins at zero, part of 
 _CHANGE = 0.15  # standard deviation of the logarithm of the length of a link
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
 # A cycle with a long run-up is hardly a motion; drawn limits are mostly refused.
-_NOT_DRAWN = (*_LENGTHS, "run_up", "torque_limit")
+_NOT_DRAWN = ("frame_", *_LENGTHS, "run_up", "torque_limit")
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
@@ -122,6 +122,8 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     values["clearance"] = least * (most / least) ** draw.random()
     highest = max(values["upper_speed"] - LEAST_RAMP, 0.0)
     values["lower_speed"] = highest * draw.choice((0.0, _LEAST, draw.random(), 1.0))
+    # A joint stretches or has clearance.
+    values["stiffness"] = None
     return Bearing(**values)
 
 
@@ -142,7 +144,11 @@ def _weights(
 ) -> dict[str, float]:
     """Masses that can move together, and inertias of links that fit their masses and lengths."""
     heaviest = _spread(draw, 1e-6 * MAX_MASS_RATIO, 1e4)
-    masses = [item.name for item in fields(owner) if "mass" in item.name]
+    masses = [
+        item.name
+        for item in fields(owner)
+        if "mass" in item.name and not item.name.startswith(_NOT_DRAWN)
+    ]
     results = {name: heaviest * MAX_MASS_RATIO ** -draw.random() for name in masses}
     for inertia, mass, length in links:
         least, most = GYRATION
