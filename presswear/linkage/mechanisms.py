@@ -68,31 +68,31 @@ _c_length, _c_mass, _c_inertia = (
 )
 _c_speed = partial(_number, "rad/s", MIN_SPEED, 5000.0, "chosen")
 _frame_mass = partial(
-    quantity,
-    default=None,
-    unit="kg",
-    low=1.0,
-    high=1e6,
-    origin="assumed",
-    text="reduced mass of crown and bed, which move on a frame with a frame_stiffness",
+    _number,
+    "kg",
+    1.0,
+    1e6,
+    "assumed",
+    None,
+    "reduced mass of crown and bed, which move on a frame with a frame_stiffness",
 )
 _frame_stiffness = partial(
-    quantity,
-    default=None,
-    unit="N/m",
-    low=MIN_STIFFNESS,
-    high=MAX_STIFFNESS,
-    origin="chosen",
-    text="stiffness of the frame along the output direction; default: rigid",
+    _number,
+    "N/m",
+    MIN_STIFFNESS,
+    MAX_STIFFNESS,
+    "chosen",
+    None,
+    "stiffness of the frame along the output direction; default: rigid",
 )
 _frame_damping = partial(
-    quantity,
-    default=DAMPING,
-    unit="",
-    low=0.0,
-    high=1.0,
-    origin="assumed",
-    text="damping of the frame, part of the critical one",
+    _number,
+    "",
+    0.0,
+    1.0,
+    "assumed",
+    DAMPING,
+    "damping of the frame, part of the critical one",
 )
 
 

@@ -2,9 +2,9 @@
 
 Without a motor it is the time. A motor does not turn evenly: the nominal time is then
 the one at which the leader would have its present angle at its nominal speed, (angle -
-start) / speed. The leader is the first drive that has a motor. Places in a cycle,
-strokes and the ideal motion are functions of the nominal time; durations, energies and
-frequencies are of the time.
+start) / speed. The leader is the first drive with a motor that is no servo. Places in a
+cycle, strokes and the ideal motion are functions of the nominal time; durations,
+energies and frequencies are of the time.
 """
 
 import math

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from upright_press import UP, blanked, upright_press
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -16,7 +17,6 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.physics.statics import deflection, heights_at_bottom, total_clearance
 
-UP = 0.5 * math.pi
 MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
 OMEGA = math.sqrt(STIFFNESS / MASS)
 FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
@@ -25,9 +25,6 @@ ENGINES: list[Engine] = [
     ExudynTree(tree_tolerance=1e-10),
     ExudynJoints(),
 ]
-SHEET = pw.Blanking(
-    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
-)
 WEIGHT = 9.81 * (600.0 + 60.0 + 50.0 + 300.0)
 
 
@@ -41,39 +38,13 @@ def sprung() -> Linkage:
 def press(
     stiffness: float | None, crown: float = 600.0, damping: float = 0.02
 ) -> Linkage:
-    """Upright slider-crank whose crank turns in a crown on an elastic frame, or a rigid one."""
-    bodies = [
-        pw.Bar("crank", 0.04, 60.0, 0.5),
-        pw.Bar("rod", 0.6, 50.0),
-        pw.Body("slide", 300.0),
-    ]
-    joints = [
-        pw.Pin("O", (0.0, 0.0), "crank.tail"),
-        pw.Pin("A", "crank.head", "rod.tail"),
-        pw.Pin("B", "rod.head", "slide"),
-        pw.Guide("guide", "slide", direction=UP),
-    ]
-    if stiffness is not None:
-        bodies = [pw.Body("crown", crown), *bodies]
-        joints[0] = pw.Pin("O", "crown", "crank.tail")
-        frame = {"stiffness": stiffness, "damping": damping}
-        joints = [pw.Guide("frame", "crown", direction=UP, **frame), *joints]
-    drives = [pw.Drive("crank", 2.0 * math.pi, UP)]
-    return pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
-
-
-def blanked(
-    engine: Engine, linkage: Linkage, duration: float, **bearings: pw.Bearing
-) -> Run:
-    """Run a press that blanks from the top."""
-    scene = pw.Scene(
-        linkage, process=SHEET, bearings=bearings or pw.Bearing(), cycles=1
+    """Press whose crank turns in a crown on an elastic frame, or a rigid one."""
+    if stiffness is None:
+        return upright_press()
+    frame = pw.Guide(
+        "frame", "crown", direction=UP, stiffness=stiffness, damping=damping
     )
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(duration, 1))
-    assert run.status == "completed", run.message
-    return run
+    return upright_press(frame=frame, crown=crown)
 
 
 def residual(run: Run) -> float:

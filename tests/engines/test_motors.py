@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from upright_press import blanked, upright_press
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -16,7 +17,6 @@ from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
-UP = 0.5 * math.pi
 ENGINES: list[Engine] = [
     InHouse(integration_tolerance=1e-11),
     InHouse(integration_tolerance=1e-11, coordinates="all"),
@@ -28,9 +28,6 @@ in_every_engine = pytest.mark.parametrize("engine", ENGINES, ids=NAMES)
 # 480 N m at a slip of 0.08 on a shaft of 144 kg m^2
 LINE = pw.Motor(20.0, slip=0.08, breakdown=None, ratio=24, inertia=0.25)
 INERTIA = 0.5 + 24.0**2 * 0.25
-SHEET = pw.Blanking(
-    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
-)
 
 
 # Turns of the press after half a second, and where its speed is least in the third
@@ -150,26 +147,8 @@ def test_a_user_law_of_a_torque(engine: Engine) -> None:
 
 
 def pressed(engine: Engine, turns: float, motor: pw.Motor | None = LINE) -> Run:
-    """Run the press from the top at its nominal speed, until its crank has turned."""
-    bodies = [
-        pw.Bar("crank", 0.04, 60.0, 0.5),
-        pw.Bar("rod", 0.6, 50.0),
-        pw.Body("slide", 300.0),
-    ]
-    joints = [
-        pw.Pin("O", (0.0, 0.0), "crank.tail"),
-        pw.Pin("A", "crank.head", "rod.tail"),
-        pw.Pin("B", "rod.head", "slide"),
-        pw.Guide("guide", "slide", direction=UP),
-    ]
-    drives = [pw.Drive("crank", TURN, UP, motor=motor)]
-    linkage = pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
-    scene = pw.Scene(linkage, process=SHEET, bearings=pw.Bearing(), cycles=1)
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(turns, 1))
-    assert run.status == "completed", run.message
-    return run
+    """Run the press from the top, until its crank has turned."""
+    return blanked(engine, upright_press(motor), turns)
 
 
 PRESS_ENGINES = pytest.mark.parametrize(

@@ -1,0 +1,56 @@
+"""The press of the reference values: it blanks with 100 kN at 60 strokes a minute."""
+
+import math
+
+import numpy as np
+
+import presswear as pw
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine
+from presswear.linkage.linkage import Linkage
+
+UP = 0.5 * math.pi
+SHEET = pw.Blanking(
+    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
+)
+
+
+def upright_press(
+    motor: pw.Motor | None = None,
+    frame: pw.Guide | None = None,
+    crown: float = 600.0,
+) -> Linkage:
+    """Upright slider-crank whose crank turns on the ground, or in a crown on a frame.
+
+    ``crown`` is the mass of the crown, kg.
+    """
+    bodies = [
+        pw.Bar("crank", 0.04, 60.0, 0.5),
+        pw.Bar("rod", 0.6, 50.0),
+        pw.Body("slide", 300.0),
+    ]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "crank.tail"),
+        pw.Pin("A", "crank.head", "rod.tail"),
+        pw.Pin("B", "rod.head", "slide"),
+        pw.Guide("guide", "slide", direction=UP),
+    ]
+    if frame is not None:
+        bodies = [pw.Body("crown", crown), *bodies]
+        joints = [frame, pw.Pin("O", "crown", "crank.tail"), *joints[1:]]
+    drives = [pw.Drive("crank", 2.0 * math.pi, UP, motor=motor)]
+    return pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
+
+
+def blanked(
+    engine: Engine, linkage: Linkage, turns: float, **bearings: pw.Bearing
+) -> Run:
+    """Run a press from the top at its nominal speed, until its crank has turned."""
+    scene = pw.Scene(
+        linkage, process=SHEET, bearings=bearings or pw.Bearing(), cycles=1
+    )
+    motion = scene.ideal.at(np.zeros(1))
+    start = Start(motion.position[0], motion.velocity[0])
+    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(turns, 1))
+    assert run.status == "completed", run.message
+    return run
