@@ -143,7 +143,7 @@ def worn(
     strokes = np.diff(ends)
     history = History()
 
-    def wear(done: int, added: Array) -> Array:
+    def wear(done: int, added: Array, depth: Array) -> Array:
         cycle = done - STARTUP_CYCLES
         return added * (strokes[cycle - 1] if cycle > 0 else 0.0)
 

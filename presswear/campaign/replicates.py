@@ -156,7 +156,7 @@ class RunSpec:
     # relative error of all wear maps at which the runs end early
     tolerance: float | None = None
     # wear after each cycle, see ``Plan.wear``
-    wear: Callable[[int, Array], Array] | None = None
+    wear: Callable[[int, Array, Array], Array] | None = None
     number: int = 0  # of the ensemble within its stage; no two of them start alike
     label: str = ""  # short description for progress
 

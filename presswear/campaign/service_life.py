@@ -81,8 +81,9 @@ class LoadBlock:
     # quantities of the surfaces at its end, by key, (histories,)
     levels: Mapping[str, Array]
     samples: Mapping[str, Array]  # means over its cycles, by key, (histories,)
-    rate: float  # largest depth in ``removed``, relative to the clearance
-    removed: Array  # mean depth that a stroke took off, (joints, 2, bins), m
+    rate: float  # largest mean depth that a stroke took off, relative to the clearance
+    # mean depth that a stroke takes off by Archard's law, (joints, 2, bins), m
+    removed: Array
     depth: Array = field(default_factory=lambda: np.zeros((0, 0, 2, 0)))
     # of the surfaces at its end, (histories, joints, 2, bins), m
     ended_by: str = ""  # reason why it is the last: worn too deep, or a failed run
@@ -100,7 +101,7 @@ class BlockPlan:
 
     cycles: int  # of each history
     share: float  # strokes that each stands for
-    # depth that each takes off besides, (joints, 2, bins), m
+    # depth that each takes off besides by Archard's law, (joints, 2, bins), m
     extra: Array | float = 0.0
 
 

@@ -25,6 +25,7 @@ from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
+from presswear.physics.running_in import running_in_of, worn_off
 from presswear.physics.wear import worn_volume
 from presswear.recording.columns import JOINT_ARRAYS
 from presswear.recording.recorder import Recorder
@@ -137,12 +138,16 @@ def _stage_wear(
     count = ensemble.replicates
     together = ensemble.together
     batches, weights = map_batches(together.maps)
-    samples = factor * batches
+    laws = running_in_of(ensemble.linkage.clearances)
+    before = together.depth.mean(axis=0)
+    samples = worn_off(laws, before, factor * batches)
     coarser = None
     successive = [len(run.batches) for run in together.maps]
     if update is None:
-        added_depth = factor * smoothed_mean(together.maps, ensemble.bins)
-        by_replicate = factor * ensemble.alone.added_by_run()
+        mean_depth = factor * smoothed_mean(together.maps, ensemble.bins)
+        added_depth = worn_off(laws, before, mean_depth)
+        alone = ensemble.alone
+        by_replicate = worn_off(laws, alone.depth, factor * alone.added_by_run())
     else:
         added_depth = update.added_depth[:count].mean(axis=0)
         by_replicate = update.added_depth[-count:]

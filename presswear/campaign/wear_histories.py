@@ -31,6 +31,7 @@ from presswear.campaign.service_life import (
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.ideal import bottom_of
+from presswear.physics.running_in import archard_depth, running_in_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.columns import cycle_column
@@ -142,7 +143,7 @@ class WearHistories:
         spec = RunSpec(
             max(scene.max_cycles // scene.replicate_count, 1),
             tolerance=math.inf,
-            wear=wear_update.wear_per_cycle(0.0),
+            wear=wear_update.CycleWear(0.0, ()),
             label="life, does the motion settle?",
         )
         watched = self.state.watched or EnsembleState()
@@ -203,7 +204,8 @@ class WearHistories:
         )
         runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, before)
 
-        wear = wear_update.wear_per_cycle(plan.share, plan.extra)
+        laws = running_in_of(scene.linkage().clearances)
+        wear = wear_update.CycleWear(plan.share, laws, plan.extra)
         label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
         place = number + _MAX_INTERVALS * interval
         spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
@@ -228,6 +230,7 @@ class WearHistories:
             [recorder.cycles[finished : finished + cycles] for recorder in recorders]
         )
         removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
+        archard = archard_depth(laws, depth) - archard_depth(laws, earlier)
         if not before:
             self._check_reach(depth, plan.share * cycles)
         return LoadBlock(
@@ -237,7 +240,7 @@ class WearHistories:
             self._levels(depth),
             samples_of(scene, rows),
             wear_update.largest_change(joints, removed),
-            removed,
+            archard.mean(axis=0) / (plan.share * cycles),
             depth,
             f"{worn.joint}: {worn.what}" if worn else "",
             ensemble.state.wall - running.wall,
@@ -302,7 +305,10 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     coefficients.
     """
     joints = scene.clearance_joints
-    coefficient = max(scene.bearing(name).materials.wear_coefficient for name in joints)
+    pairs = [scene.bearing(name).materials for name in joints]
+    coefficient = max(
+        pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
+    )
     limits = life.limits(joints)
     services = life.services(joints)
     accuracy = life.at_most, scene.tolerance, life.max_cycles

@@ -15,9 +15,8 @@ distance from those together is counted as an error.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -25,6 +24,12 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.replicates import RunSpec
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import SIDES
+from presswear.physics.running_in import (
+    Laws,
+    archard_depth,
+    running_in_of,
+    worn_off,
+)
 from presswear.physics.wear import map_shape, worn_volume
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import (
@@ -44,6 +49,7 @@ QUICK_CYCLES = 8  # of each replicate in a stage of a quick life
 FIRST_REFINEMENT = 8
 # Factor on the error of the steps, because it follows from a few chaotic runs
 STEP_SAFETY = 2.0
+_UPDATE_CHANGE = 0.1  # part of the clearance that an update wears off by default
 
 
 @dataclass(frozen=True)
@@ -71,23 +77,29 @@ def initial_depth(scene: Scene) -> Array:
     return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
 
-def wear_per_cycle(
-    share: float, extra: Array | float = 0.0, start_up: int = STARTUP_CYCLES
-) -> Callable[[int, Array], Array]:
-    """Return the ``wear`` of a plan in which each cycle after the start-up stands for a share.
+@dataclass(frozen=True)
+class CycleWear:
+    """The ``wear`` of a plan in which each cycle after the start-up stands for some cycles.
 
-    Each adds an extra depth as well, m, shape (joints, 2, bins). Where this would give
-    more material back than a cycle takes, nothing is taken, and elsewhere so much less
-    that the volume stays.
+    Each adds an extra depth as well. Where this would give more material back than a
+    cycle takes, nothing is taken, and elsewhere so much less that the volume stays.
+    Surfaces that run in lose the depth that belongs to this depth of Archard's law.
     """
-    return partial(_material_loss, share, extra, start_up)
+
+    share: float  # cycles that each stands for
+    laws: Laws  # of running-in, by joint
+    extra: Array | float = 0.0  # m, shape (joints, 2, bins)
+    start_up: int = STARTUP_CYCLES  # cycles
+
+    def __call__(self, cycle: int, added_depth: Array, depth: Array) -> Array:
+        """Return the depth that a cycle takes off, m; see ``Plan.wear``."""
+        if cycle <= self.start_up:
+            return np.zeros_like(added_depth)
+        by_archard = _material_loss(self.share, self.extra, added_depth)
+        return worn_off(self.laws, depth, by_archard)
 
 
-def _material_loss(
-    share: float, extra: Array | float, start_up: int, cycle: int, added_depth: Array
-) -> Array:
-    if cycle <= start_up:
-        return np.zeros_like(added_depth)
+def _material_loss(share: float, extra: Array | float, added_depth: Array) -> Array:
     wanted = added_depth * share + extra
     if np.ndim(extra) == 0:
         return wanted
@@ -110,10 +122,11 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     if ensemble.replicates == 1:
         sets = sets[:1]
     before, per_cycle = (np.concatenate(arrays) for arrays in zip(*sets, strict=True))
-    added_depth = cycles_per_update * per_cycle
-    depth = before + added_depth
     recorders = together.recorders
     joints = ensemble.linkage.clearances
+    laws = running_in_of(joints)
+    added_depth = worn_off(laws, before, cycles_per_update * per_cycle)
+    depth = before + added_depth
     cycles = sum(maps.samples for maps in together.maps)
     indices = range(len(joints))
     peaks = [
@@ -146,8 +159,27 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     if scene.is_quick:
         reached = _largest_reached(scene, joints, added_depth)
         return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
-    change = largest_change(joints, added_depth)
-    return max(float(f"{0.1 / change:.1g}"), 1.0) if change > 0.0 else 1.0
+    if any(laws := running_in_of(joints)):
+        depth = ensemble.depth.mean(axis=0)
+        cycles = _cycles_to_change(laws, joints, depth, added_depth)
+    else:
+        change = largest_change(joints, added_depth)
+        cycles = _UPDATE_CHANGE / change if change > 0.0 else 1.0
+    return max(float(f"{cycles:.1g}"), 1.0)
+
+
+def _cycles_to_change(
+    laws: Laws, joints: Sequence[ClearanceJoint], depth: Array, added_depth: Array
+) -> float:
+    """Return the cycles after which surfaces that run in are worn by a part of the clearance.
+
+    ``added_depth``, m, is the depth that a cycle adds by Archard's law.
+    """
+    clearance = np.array([joint.clearance for joint in joints])
+    deeper = depth + _UPDATE_CHANGE * clearance[:, np.newaxis, np.newaxis]
+    needed = archard_depth(laws, deeper) - archard_depth(laws, depth)
+    share = float((added_depth / needed).max(initial=0.0))
+    return 1.0 / share if share > 0.0 else 1.0
 
 
 def _largest_reached(
@@ -321,7 +353,8 @@ def refinement_spec(
     if is_enough:
         return None
     label = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = wear_per_cycle(cycles_per_update / cycles, start_up=start_up)
+    laws = running_in_of(scene.linkage().clearances)
+    wear = CycleWear(cycles_per_update / cycles, laws, start_up=start_up)
     # Replicates that settled in the stage start as they did there, to settle again.
     number = 1 + done if start_up == STARTUP_CYCLES else 0
     return RunSpec(start_up + cycles, wear=wear, number=number, label=label)

@@ -71,9 +71,9 @@ class Plan:
     # Called many times a second with the completed fraction, 0 to 1, and the recorder
     report: Callable[[float, Recorder], object] = lambda part, recorder: None
     # Returns the depth, m, that the surfaces lose after a cycle, from the number of
-    # cycles and the depth that the last one added, both of shape (joints, 2, m); None:
-    # the surfaces stay.
-    wear: Callable[[int, Array], Array] | None = None
+    # cycles, the depth that the last one added, and that of the surfaces, all of shape
+    # (joints, 2, m); None: the surfaces stay.
+    wear: Callable[[int, Array, Array], Array] | None = None
     # of a run with the same linkage, start, engine and plan
     resume: State | None = None
     # nominal time before the first cycle, s; it is in the series, and in no cycle

@@ -158,7 +158,7 @@ class _Cycles:
             recorder.note_section()
         added = recorder.end_cycle()
         if plan.wear is not None:
-            self._wear(plan.wear(done + 1, added))
+            self._wear(plan.wear(done + 1, added, recorder.surface_depth))
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()
         return None

@@ -276,6 +276,9 @@ class WearLaw:
     # part of the depth that the bearing loses; the pin loses the rest
     bearing_share: float = 0.5
     angles: int = 360  # number of angular bins
+    # wear coefficient of new surfaces over K_d; see ``physics.running_in``
+    running_in: float = 1.0
+    running_in_depth: float = 0.3e-6  # m
 
 
 @dataclass(frozen=True)

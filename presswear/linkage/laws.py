@@ -291,6 +291,14 @@ class Materials(Checked):
     wear_scatter: float = quantity(
         0.5, "", 0.0, 2.0, "literature", "coefficient of variation of K_d (Podra 1999)"
     )
+    running_in: float = quantity(
+        *(1.0, "", 0.01, 1e4, "assumed"),
+        "K_d of new surfaces over that of surfaces that have run in; 1: constant",
+    )
+    running_in_depth: float | None = quantity(
+        *(None, "m", 1e-9, 1e-3, "assumed"),
+        "worn depth over which running-in fades to 1/e; default: the roughness",
+    )
 
     @property
     def compliance(self) -> float:

@@ -183,7 +183,7 @@ class Bearing(Checked):
     )
     roughness: float = quantity(
         *(0.3e-6, "m", 1e-9, 1e-4, "assumed"),
-        "R_q of each surface, compared with the oil film",
+        "R_q of each surface: compared with the oil film, and depth of running-in",
     )
     pressure_limit: float | None = quantity(
         None,
@@ -313,7 +313,7 @@ class Bearing(Checked):
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """Names of the values that neither its laws nor its oil film read."""
+        """Names of the values that its laws, its oil film and its wear do not read."""
         if self.clearance == 0.0:
             rigid = () if self.stiffness is not None else SINGLE
             return tuple(
@@ -331,8 +331,16 @@ class Bearing(Checked):
             *SINGLE,
             *(lugre if self.friction_law != laws.LUGRE else ()),
             *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
-            *(("roughness",) if self.viscosity is None else ()),
+            *(() if self._reads_roughness else ("roughness",)),
+            *(("running_in_depth",) if self.materials.running_in == 1.0 else ()),
         )
+
+    @property
+    def _reads_roughness(self) -> bool:
+        """True if the oil film or the depth of running-in is compared with the roughness."""
+        pair = self.materials
+        runs_in = pair.running_in != 1.0 and pair.running_in_depth is None
+        return self.viscosity is not None or runs_in
 
     def check_contact(
         self, where: str, contact: elements.SurfaceContact, is_worn: bool
@@ -453,15 +461,19 @@ class Bearing(Checked):
         worn: tuple[Surface, Surface],
     ) -> elements.ClearanceJoint:
         """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
-        coefficient = self.materials.wear_coefficient
-        share = self.materials.bearing_share
-        slip = conventions.slip
-        distribution = conventions.wear_distribution
-        wear = elements.WearLaw(coefficient, slip, distribution, share, self.angles)
+        wear = elements.WearLaw(
+            coefficient=self.materials.wear_coefficient,
+            slip=conventions.slip,
+            wear_distribution=conventions.wear_distribution,
+            bearing_share=self.materials.bearing_share,
+            angles=self.angles,
+            running_in=self.materials.running_in,
+            running_in_depth=self.materials.running_in_depth or self.roughness,
+        )
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.total_width
         forces = self.normal(conventions), self.friction_parameters
-        law = wear if coefficient > 0.0 else None
+        law = wear if wear.coefficient > 0.0 else None
         frame = conventions.map_frame
         return elements.ClearanceJoint(
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn

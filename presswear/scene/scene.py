@@ -305,6 +305,15 @@ class Scene(Checked):
             faults += [f"{one.words}: allowed is no maintenance" for one in services]
             if self.wear_updates > 1:
                 faults.append(f"wear_updates = {self.wear_updates}: allowed is 1")
+            ratios = [
+                self.bearing(name).materials.running_in
+                for name in self.clearance_joints
+            ]
+            faults += [
+                f"running_in = {ratio:g}: allowed is 1"
+                for ratio in ratios
+                if ratio != 1.0
+            ]
             if faults:
                 raise InputError(f"{faults[0]} with life.quick = on")
         if limits and all(

@@ -260,6 +260,8 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 "^3", "³"
             )
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
+            if (ratio := bearing.materials.running_in) != 1.0:
+                text += f" New surfaces wear {numbers.readable(ratio)} times as fast."
             text += f" It is for {scene.bin_remark}." if scene.bin_remark else ""
             rest = [
                 f"{joint} {numbers.quantity_text(max(depths), 'm')}"

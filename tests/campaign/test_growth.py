@@ -20,8 +20,10 @@ from presswear.cli.run import RunObserver
 from presswear.cli.terminal import progress_bar
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, bin_centres
+from presswear.physics.running_in import RunningIn
 from presswear.physics.wear import worn_volume
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
@@ -36,7 +38,7 @@ from presswear.results.export import life_table
 from presswear.results.life import LifeResult
 from presswear.results.result import load, unfinished
 from presswear.results.stage import JointResult, StageResult
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import wear_times
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
@@ -73,7 +75,8 @@ class FakeEngine:
             recorder.records.depth[...] = self.law(self.runs, worn)
             added = recorder.end_cycle()
             if plan.wear is not None:
-                recorder.wear(plan.wear(cycle + 1, added), lambda: None)
+                depth = recorder.surface_depth
+                recorder.wear(plan.wear(cycle + 1, added, depth), lambda: None)
             state = partial(named, "recorder", recorder.save())
             if any(observer.on_cycle(recorder, state) for observer in plan.observers):
                 status = "enough" if cycle + 1 < plan.cycles else "completed"
@@ -509,6 +512,46 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
     return scene
 
 
+RUNS_IN = RunningIn(30.0, 20e-6)
+RUN_IN = {"running_in": 30.0, "running_in_depth": "20 um"}
+
+
+@pytest.mark.parametrize("scene", [SCENE, JUMPS])
+def test_surfaces_run_in_alike_in_any_number_of_steps(
+    campaign: Campaign, scene: Scene
+) -> None:
+    for cycles in (1, 7):
+        seen = campaign(changed(scene, RUN_IN), FakeEngine(constant), cycles=cycles)
+        archard = REPRESENTED * constant(0, np.zeros(0))
+        for stage in seen.stages[:2]:
+            worn = zip(stage.joints.items(), archard, strict=True)
+            for (name, joint), added in worn:
+                before = RUNS_IN.worn(np.zeros(360), stage.index * added)
+                expected = RUNS_IN.worn(before, added)
+                np.testing.assert_allclose(added_to(joint), expected, rtol=1e-9)
+                depth = depth_of(seen.stages[stage.index + 1].joints[name])
+                np.testing.assert_allclose(depth, before + expected, rtol=1e-9)
+    (default,) = {
+        stage.cycles_per_update
+        for stage in campaign(
+            changed(scene, RUN_IN), FakeEngine(constant), cycles_per_update=None
+        ).stages[:1]
+    }
+    tenth = RUNS_IN.archard_depth(np.array(0.1 * CLEARANCE))
+    assert default == pytest.approx(float(tenth) / RATE, rel=0.2)
+
+
+@pytest.mark.slow
+def test_life_of_surfaces_that_run_in_again(campaign: Campaign) -> None:
+    """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
+    whole = float(RUNS_IN.archard_depth(np.array(0.3e-3)) / (RATE * SHAPE[0].max()))
+    life = Life(until="A.depth > 0.3 mm", replaced=f"A@{0.5 * whole!r}")
+    scene = replace(changed(LIFE, RUN_IN), life=life)
+    seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
+    assert seen.life is not None
+    assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
+
+
 def test_life_is_inversely_proportional_to_the_wear_coefficient(
     campaign: Campaign,
 ) -> None:
@@ -742,6 +785,11 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
             "depth > 0.1 mm",
             {"wear_updates": 2},
             "wear_updates = 2: allowed is 1 with life.quick",
+        ),
+        (
+            "depth > 0.1 mm",
+            {"bearings": Bearing(materials=Materials(running_in=30.0))},
+            "running_in = 30: allowed is 1 with life.quick",
         ),
     ],
 )

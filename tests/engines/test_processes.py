@@ -135,7 +135,7 @@ def test_energies_balance_with_clearances_and_moments_have_rows(
 def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
     """What is freed at the end of a run is not freed when the surfaces change."""
     scene = replace(pw.scenes.clearance_a(), engine="exudyn-joints")
-    plan = Plan(1e-4, 3, wear=lambda cycles, added: np.zeros_like(added))
+    plan = Plan(1e-4, 3, wear=lambda cycles, added, depth: np.zeros_like(added))
     assert (
         scene.solver.simulate(scene.linkage(), start_of(scene), plan).status
         == "completed"

@@ -1,0 +1,95 @@
+"""Wear of surfaces that run in: the wear coefficient depends on the worn depth.
+
+A new surface wears rho times as fast as one that has run in, at each point of the
+surface on its own:
+
+    dh = K_inf p ds [1 + (rho - 1) exp(-h / h_0)]
+
+The right side without the bracket is Archard's law, by which the engines compute wear.
+The equation has a closed form for the depth over any amount of Archard's wear, so that
+it does not matter in how many steps the wear is applied.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.tools.arrays import Array
+
+
+class RunningIn(NamedTuple):
+    """Parameters of a pair of surfaces; see ``linkage.laws.Materials``."""
+
+    ratio: float  # rho = K_0 / K_inf, of new surfaces to those that have run in
+    depth: float  # h_0, worn depth over which the excess falls to 1/e, m
+
+    def worn(self, depth: Array, added: Array) -> Array:
+        """Return the depth that wears off, m, where Archard's law takes off ``added``, m.
+
+        h_0 x + h_0 ln[1 + (rho - 1) exp(-h / h_0) (1 - exp(-x))] with x = added / h_0;
+        bumps that stand out of the round surface, h < 0, wear as a new one.
+        """
+        x = added / self.depth
+        excess = (self.ratio - 1.0) * np.exp(-np.maximum(depth, 0.0) / self.depth)
+        return np.asarray(added + self.depth * np.log1p(-excess * np.expm1(-x)))
+
+    def archard_depth(self, depth: Array) -> Array:
+        """Return the depth that Archard's law takes off a new surface for a worn depth, m.
+
+        Inverse of ``worn`` from h = 0: h + h_0 ln[(1 + (rho - 1) exp(-h / h_0)) / rho].
+        """
+        fading = np.expm1(-np.maximum(depth, 0.0) / self.depth)
+        share = (self.ratio - 1.0) / self.ratio
+        return np.asarray(depth + self.depth * np.log1p(share * fading))
+
+
+Laws = tuple[RunningIn | None, ...]
+
+
+def running_in_of(joints: Sequence[ClearanceJoint]) -> Laws:
+    """Return the law of each joint; None where the wear coefficient is constant."""
+    return tuple(
+        None
+        if joint.wear is None or joint.wear.running_in == 1.0
+        else RunningIn(joint.wear.running_in, joint.wear.running_in_depth)
+        for joint in joints
+    )
+
+
+def worn_off(laws: Laws, depth: Array, added: Array) -> Array:
+    """Return the depth that wears off where Archard's law takes off ``added``, m.
+
+    Parameters
+    ----------
+    laws : tuple of RunningIn or None
+        Law of each joint.
+    depth : ndarray
+        Worn depth before, m, shape (..., joints, 2, bins) of bearings and pins.
+    added : ndarray
+        Depth by Archard's law with K_inf, m, of the same shape or broadcast to it.
+    """
+    if not any(laws):
+        return added
+    depth, added = np.broadcast_arrays(depth, added)
+    worn = added.copy()
+    for k, law in enumerate(laws):
+        if law is not None:
+            worn[..., k, :, :] = law.worn(depth[..., k, :, :], added[..., k, :, :])
+    return worn
+
+
+def archard_depth(laws: Laws, depth: Array) -> Array:
+    """Return the depth that Archard's law with K_inf takes off new surfaces, m.
+
+    ``depth`` is the worn depth that surfaces which run in have then, m, shape
+    (..., joints, 2, bins).
+    """
+    if not any(laws):
+        return depth
+    archard = depth.copy()
+    for k, law in enumerate(laws):
+        if law is not None:
+            archard[..., k, :, :] = law.archard_depth(depth[..., k, :, :])
+    return archard
