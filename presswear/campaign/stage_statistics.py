@@ -27,7 +27,13 @@ from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
 from presswear.physics.running_in import running_in_of, worn_off
 from presswear.physics.wear import worn_volume
-from presswear.recording.columns import JOINT_ARRAYS
+from presswear.recording.columns import (
+    CYCLE,
+    JOINT_ARRAYS,
+    JOINT_CYCLE,
+    Column,
+    with_mean,
+)
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
@@ -59,6 +65,7 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
 Recorders = Sequence[Recorder]
+Mean = Callable[[Recorders, Recorders, str, int | None], Estimate]
 
 _OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
@@ -240,6 +247,7 @@ def _statistics(
         ),
         peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
         settling=settling,
+        means=_means(mean_peak, recorders, alone, CYCLE),
     )
     try:
         json.dumps(asdict(statistics), allow_nan=False)
@@ -265,6 +273,27 @@ def _mean(
         [run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone)
     )
     return pooled(*rows)[0]
+
+
+def _means(
+    mean: Mean,
+    recorders: Recorders,
+    alone: Recorders,
+    columns: tuple[Column, ...],
+    joint: int | None = None,
+) -> dict[str, Estimate]:
+    """Return the means over cycles of the columns that declare one, by name."""
+    return {
+        column.name: mean(recorders, alone, column.name, joint)
+        for column in with_mean(columns)
+    }
+
+
+def _cycle_time(recorders: Recorders, alone: Recorders) -> float:
+    """Return the mean duration of a cycle, s; cycles of a motor differ."""
+    if recorders[0].has_leader:
+        return _mean(recorders, alone, "duration").mean
+    return float(recorders[0].records.output["period"][0])
 
 
 def _drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
@@ -294,7 +323,7 @@ def _joint_statistics(
     recorders: Recorders,
     alone: Recorders,
     wear: StageWear,
-    mean_peak: Callable[[Recorders, Recorders, str, int], Estimate],
+    mean_peak: Mean,
     bumps: Bumps | None,
 ) -> JointStatistics:
     added_depth = wear.added_depth[k, :, : joint.bins]
@@ -303,7 +332,7 @@ def _joint_statistics(
     volume = worn_volume(joint, added_depth)
     counters = np.array([recorder.records.counters[k] for recorder in recorders])
     contacts = int(counters["contacts"].sum())
-    time = sum(recorder.last_time for recorder in recorders)
+    means = _means(mean_peak, recorders, alone, JOINT_CYCLE, k)
     half = None
     if len(maps) > 1:
         volumes = np.array([worn_volume(joint, depth) for depth in maps])
@@ -317,7 +346,7 @@ def _joint_statistics(
         contacts_per_cycle=mean_peak(recorders, alone, "contacts", k).positive,
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
-        contact_time_fraction=float(counters["closed_time"].sum()) / time,
+        contact_time_fraction=means["closed_time"].mean / _cycle_time(recorders, alone),
         load_distance_per_cycle=_mean(recorders, alone, "load_distance", k).positive,
         wear_volume=Estimate.symmetric(volume, half, len(maps)).positive,
         wear_volume_step_error=None
@@ -329,6 +358,7 @@ def _joint_statistics(
         ),
         wear_peaks={} if wear.is_frozen else _wear_peaks(joint, k, wear),
         bumps=bumps,
+        means=means,
     )
 
 

@@ -59,7 +59,6 @@ COUNTERS = np.dtype(
         ("fewest_steps", np.int64),
         ("peak_force", np.float64),  # of the run so far, N
         ("deepest", np.float64),  # penetration of the run so far, m
-        ("closed_time", np.float64),  # s
     ]
 )
 

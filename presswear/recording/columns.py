@@ -14,6 +14,10 @@ class Column(NamedTuple):
     unit: str
     text: str
     exported: str = ""  # name in tables, if it is another one
+    # Of a number of each cycle: label and unit of its mean in the report; no label: no
+    # mean
+    mean_label: str = ""
+    mean_unit: str = ""
 
     @property
     def table_name(self) -> str:
@@ -24,6 +28,11 @@ class Column(NamedTuple):
 def names_of(columns: tuple[Column, ...]) -> tuple[str, ...]:
     """Return the names of columns."""
     return tuple(column.name for column in columns)
+
+
+def with_mean(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    """Return the columns whose mean over cycles is in the statistics and in the report."""
+    return tuple(column for column in columns if column.mean_label)
 
 
 # Series of the output point, then of each joint
@@ -65,7 +74,7 @@ CYCLE = (
     Column("velocity_min", "m/s", "least velocity"),
     Column("velocity_max", "m/s", "greatest velocity"),
     Column("acceleration_max", "m/s^2", "greatest size of the acceleration"),
-    Column("steps", "1", "accepted steps"),
+    Column("steps", "1", "accepted steps", mean_label="accepted steps"),
     Column("contact_made", "J", "made by normal laws"),
     Column("bottom_height", "m", "lowest place of the output point"),
     Column("bottom_time", "s", "when it is there"),
@@ -92,8 +101,15 @@ JOINT_CYCLE = (
     Column("contacts", "1", "contacts that have ended"),
     Column("eccentricity_x", "m", "of the pin at the end of the cycle"),
     Column("eccentricity_y", "m", "and upwards"),
+    Column(
+        "closed_time",
+        "s",
+        "in which the pin touches its bearing",
+        mean_label="time in contact",
+        mean_unit="ms",
+    ),
 )
-FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y = range(len(JOINT_CYCLE))
+FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y, CLOSED_TIME = range(len(JOINT_CYCLE))
 # Integrals over time; peaks with their signs
 DRIVE_CYCLE = (
     Column("torque_integral", "N m s", "of the torque"),

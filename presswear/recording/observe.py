@@ -18,6 +18,7 @@ from presswear.recording.columns import (
     ACCELERATION_MAX,
     BOTTOM_HEIGHT,
     BOTTOM_TIME,
+    CLOSED_TIME,
     CONTACTS,
     CYCLE_COUNT,
     DISPLACEMENT,
@@ -350,7 +351,7 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
         last.peak_force = max(last.peak_force, peak)
         row[FORCE_MAX] = max(row[FORCE_MAX], peak)
     if contact.normal > 0.0:
-        counts.closed_time += min(h, t - last.touchdown_time)
+        row[CLOSED_TIME] += min(h, t - last.touchdown_time)
         counts.deepest = max(counts.deepest, contact.penetration)
     row[LOAD_DISTANCE] += records.wear_integrals[k].work
     row[CONTACTS] = counts.contacts - counts.contacts_before

@@ -112,7 +112,7 @@ class JointStatistics:
     contacts_per_cycle: Estimate
     unresolved_contacts: int  # with too few steps
     min_steps_per_contact: int | None  # None: no contact
-    contact_time_fraction: float
+    contact_time_fraction: float  # of the cycles in the means
     # integral of normal force times sliding speed, N m
     load_distance_per_cycle: Estimate
     wear_volume: Estimate  # that one wear update takes off bearing and pin, m^3
@@ -124,6 +124,8 @@ class JointStatistics:
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
     bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
+    # over cycles, of the columns of ``JOINT_CYCLE`` that declare a mean, by name; SI
+    means: Mapping[str, Estimate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,8 @@ class StageStatistics:
     energy_made_fraction: float = 0.0
     # motions that the replicates came to; None: no clearance
     settling: Settling | None = None
+    # over cycles, of the columns of ``CYCLE`` that declare a mean, by name; SI
+    means: Mapping[str, Estimate] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))

@@ -31,6 +31,7 @@ from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics import statics
 from presswear.physics.ideal import bottom_of
+from presswear.recording.columns import CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
@@ -232,6 +233,8 @@ def _tables(result: Result, **names: Any) -> Record:
         "orders": _HARMONICS,
         "sides": sides,
         "modes": MODES,
+        "means": with_mean(CYCLE),
+        "joint_means": with_mean(JOINT_CYCLE),
     }
     return _parsed(_TABLES.render(content | names))
 

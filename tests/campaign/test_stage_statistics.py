@@ -1,11 +1,13 @@
 """Statistics of a stage from the rows of its cycles."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
 import presswear as pw
+from presswear.engines.base import Plan
 from presswear.recording.statistics import after_startup, pooled
 
 
@@ -39,3 +41,27 @@ def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
     # Four times narrower: the energy that goes back and forth is most of the scatter.
     narrow, wide = (np.ptp(after_startup(rows)) for rows in (work - stored, work))
     assert 4.0 * narrow < wide
+
+
+def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
+    """Contacts that lie in whole cycles, from touchdown to separation, in closed form."""
+    scene = pw.Scene(
+        pw.FourBar(), engine="dae", wear_updates=0, replicates=1, cycles=12
+    )
+    (stage,) = pw.run(scene).stages
+    joint, period = stage.joints["B"], scene.mechanism.period
+    edges = scene.run_up + period * np.arange(Plan.recorded_cycles + 1)
+    begin, end = joint.contact("touchdown"), joint.contact("separation")
+    for k, (low, high) in enumerate(pairwise(edges)):
+        inside = np.clip(end, low, high) - np.clip(begin, low, high)
+        assert joint.each_cycle("closed_time")[k] == pytest.approx(
+            inside.sum(), rel=1e-9
+        )
+    statistics = stage.statistics.joints["B"]
+    closed = joint.each_cycle("closed_time")
+    assert statistics.means["closed_time"] == pooled([closed])[0]
+    assert statistics.contact_time_fraction == pytest.approx(
+        after_startup(closed).mean() / period
+    )
+    steps = stage.each_cycle("steps")
+    assert stage.statistics.means["steps"] == pooled([steps])[0]

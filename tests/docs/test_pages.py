@@ -29,6 +29,7 @@ from presswear.recording.columns import (
     DRIVE_CYCLE,
     JOINT_CYCLE,
     LEADER_CYCLE,
+    with_mean,
 )
 from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
@@ -251,6 +252,7 @@ def test_rows_of_a_report_have_a_formula() -> None:
         for part in re.split(r"…|, |: | \(|\)", label)
     }
     known = {part for part in parts if len(part) > 2}
+    known |= {column.mean_label for column in with_mean((*CYCLE, *JOINT_CYCLE))}
     assert len(known) > 60
     assert [part for part in sorted(known) if part not in numbers_explained()] == []
 
