@@ -41,6 +41,7 @@ MEMORY = np.dtype(
         ("sweep", np.float64),
         *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
         ("touchdown_time", np.float64),  # of the present contact, s
+        ("separation_time", np.float64),  # of the contact before, s
         ("started_closed", np.bool_),  # the run began inside the present contact
         ("steps", np.int64),  # accepted in the present contact
         ("longest_step", np.float64),  # allowed by the expected duration of the contact
@@ -281,6 +282,7 @@ def separate(records: Any, k: int, t: float, rate: float, needed: int) -> None:
     A contact in which the run began is not whole and is not counted.
     """
     last, counters = records.memory[k], records.counters[k]
+    last.separation_time = t
     if last.started_closed:
         return
     counters.contacts += 1

@@ -351,8 +351,10 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
         last.peak_force = max(last.peak_force, peak)
         row[FORCE_MAX] = max(row[FORCE_MAX], peak)
     if contact.normal > 0.0:
-        row[CLOSED_TIME] += min(h, t - last.touchdown_time)
         counts.deepest = max(counts.deepest, contact.penetration)
+    closed_until = t if records.onset[k] > 0.0 else last.separation_time
+    closed_from = max(last.touchdown_time, t - h)
+    row[CLOSED_TIME] += max(closed_until - closed_from, 0.0)
     row[LOAD_DISTANCE] += records.wear_integrals[k].work
     row[CONTACTS] = counts.contacts - counts.contacts_before
 
