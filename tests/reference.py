@@ -1,8 +1,8 @@
 """Digests of what the program computes, compared bit for bit before and after a change.
 
-    python tests/reference.py              compare with the stored digests python
-    tests/reference.py --write      store new digests, after a change that says why
-    python tests/reference.py tree dae     some of the cases, by parts of their names
+    python tests/reference.py            compare with the stored digests
+    python tests/reference.py --write    store new digests, after a change that says why
+    python tests/reference.py tree dae   some of the cases, by parts of their names
 
 Runs scenes through all engines by the command line and reads their folders as any
 program can. The last digits belong to a processor, its mathematical library and the

@@ -164,10 +164,11 @@ def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
         ("run", "job", "; did you mean jobs?"),
         ("sweep", "limit", "; did you mean limits?"),
         # Symbols of the paper
-        ("Bearing", "c_f", ": the symbol c_f is friction"),
-        ("Bearing", "K_d", ": the symbol K_d is wear_coefficient of materials"),
-        ("Materials", "E", ": the symbol E is youngs_modulus"),
-        ("Drive", "omega", ": the symbol omega is speed"),
+        ("Bearing", "c_f", ": c_f is friction"),
+        ("Bearing", "K_d", ": K_d is wear_coefficient of materials"),
+        ("Materials", "E", ": E is youngs_modulus"),
+        ("Drive", "omega", ": omega is speed"),
+        ("Bearing", "bins", ": bins is angles"),
         ("Guide", "c_f", "; known are"),
     ],
 )

@@ -6,6 +6,8 @@ columns.
 
 from typing import NamedTuple
 
+from presswear.tools.errors import unknown
+
 
 class Column(NamedTuple):
     """A recorded number."""
@@ -28,6 +30,19 @@ class Column(NamedTuple):
 def names_of(columns: tuple[Column, ...]) -> tuple[str, ...]:
     """Return the names of columns."""
     return tuple(column.name for column in columns)
+
+
+def place_of(kind: str, name: str, names: tuple[str, ...]) -> int:
+    """Return the place of a name that a user has written.
+
+    Raises
+    ------
+    InputError
+        Unknown name; names the nearest known one.
+    """
+    if name not in names:
+        raise unknown(kind, name, names)
+    return names.index(name)
 
 
 def with_mean(columns: tuple[Column, ...]) -> tuple[Column, ...]:
@@ -164,8 +179,9 @@ def first_leader_column(joints: int) -> int:
 def cycle_column(name: str, joint: int | None = None) -> int:
     """Return the column of a number of the linkage, or of a joint, in a cycle's row."""
     if joint is None:
-        return names_of(CYCLE).index(name)
-    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joint + names_of(JOINT_CYCLE).index(name)
+        return place_of("quantity of a cycle", name, names_of(CYCLE))
+    place = place_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
+    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joint + place
 
 
 def series_column(name: str, joint: int | None = None) -> int:

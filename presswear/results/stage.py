@@ -21,6 +21,7 @@ from presswear.recording.columns import (
     cycle_column,
     first_leader_column,
     names_of,
+    place_of,
 )
 from presswear.recording.film import Film
 from presswear.recording.settling import Settling
@@ -243,19 +244,26 @@ class JointResult:
 
     def contact(self, name: str) -> Array:
         """Return a quantity of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
-        return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
+        place = place_of("quantity of a contact", name, CONTACT_COLUMNS)
+        return self.arrays["contacts"][:, place]
 
     def each_cycle(self, name: str) -> Array:
         """Return a quantity of each cycle, by a name of ``JOINT_CYCLE``, shape (cycles,); SI."""
-        return self.arrays["cycles"][:, names_of(JOINT_CYCLE).index(name)]
+        place = place_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
+        return self.arrays["cycles"][:, place]
 
     def depth(self, side: str) -> Array:
         """Return the wear depth of ``bearing`` or ``pin`` in the stage, shape (bins,), m."""
-        return self.arrays[f"depth_{side}"]
+        return self._of_side("depth", side)
 
     def wear(self, side: str) -> Array:
         """Return the depth that the next wear update adds to a side, shape (bins,), m."""
-        return self.arrays[f"wear_{side}"]
+        return self._of_side("wear", side)
+
+    def _of_side(self, name: str, side: str) -> Array:
+        if side not in SIDES:
+            raise unknown("side of a joint", side, SIDES)
+        return self.arrays[f"{name}_{side}"]
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ NONE = "none"  # word for an optional part that is absent
 SYMBOLS = {  # of the paper and of the contact laws, by which settings are named, too
     **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
     **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
+    "bins": "angles",
     **{
         "K": "contact_stiffness",
         "n": "exponent",

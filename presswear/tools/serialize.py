@@ -87,9 +87,7 @@ def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> 
         )
         part = next(parts, "")
         if part or meant in allowed:
-            raise InputError(
-                f"unknown {what} {name!r}: the symbol {name} is {meant}{part}"
-            )
+            raise InputError(f"unknown {what} {name!r}: {name} is {meant}{part}")
         raise unknown(what, name, allowed)
 
 

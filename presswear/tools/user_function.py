@@ -92,6 +92,10 @@ class UserFunction:
                     f"{key} = {value!r}: must have texts under name and source"
                 )
             function = UserFunction(**value)
+        elif getattr(value, "__name__", "") == "<lambda>":
+            raise InputError(
+                f"{key}: a lambda has no name; define the function with def"
+            )
         elif callable(value):
             try:
                 source = textwrap.dedent(inspect.getsource(value))

@@ -66,3 +66,12 @@ def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
     )
     steps = stage.each_cycle("steps")
     assert stage.statistics.means["steps"] == pooled([steps])[0]
+    misspelt = {
+        "quantity of a cycle 'step'": lambda: stage.each_cycle("step"),
+        "quantity of a joint's cycle 'contact'": lambda: joint.each_cycle("contact"),
+        "quantity of a contact 'touch'": lambda: joint.contact("touch"),
+        "side of a joint 'pins'": lambda: joint.depth("pins"),
+    }
+    for message, call in misspelt.items():
+        with pytest.raises(pw.InputError, match=f"unknown {message}; did you mean"):
+            call()

@@ -17,6 +17,11 @@ def spring(b: float, a: float) -> float:
     return 2.0 * a - b
 
 
+def test_a_lambda_is_refused_with_the_remedy() -> None:
+    with pytest.raises(InputError, match="law: a lambda has no name; define"):
+        UserFunction.read("law", lambda a: a)
+
+
 def test_same_text_is_the_same_law(tmp_path: Path) -> None:
     function = UserFunction.read("law", spring)
     assert function.name == "spring"
