@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from presswear.physics.oil_film import OilFilm, film_velocity
 from presswear.tools.arrays import Array
@@ -59,6 +58,8 @@ def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
         If the film is much thinner than any roughness under most of the load: closing
         is then slower than opening by many powers of ten.
     """
+    from scipy.integrate import solve_ivp  # slow to import
+
     time = load.time - load.time[0]
     parts = load.force.real, load.force.imag, load.speed_sum
 
