@@ -279,6 +279,8 @@ class WearLaw:
     # wear coefficient of new surfaces over K_d; see ``physics.running_in``
     running_in: float = 1.0
     running_in_depth: float = 0.3e-6  # m
+    pressure_exponent: float = 1.0  # m of dh = K_d p (p / p_ref)^(m - 1) ds
+    pressure_reference: float = 10e6  # p_ref, Pa
 
 
 @dataclass(frozen=True)

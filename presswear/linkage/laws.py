@@ -299,6 +299,14 @@ class Materials(Checked):
         *(None, "m", 1e-9, 1e-3, "assumed"),
         "worn depth over which running-in fades to 1/e; default: the roughness",
     )
+    pressure_exponent: float = quantity(
+        *(1.0, "", 0.3, 3.0, "assumed"),
+        "m: wear grows as the pressure to this power; 1: Archard's law",
+    )
+    pressure_reference: float = quantity(
+        *(10e6, "Pa", 1e3, 1e10, "assumed"),
+        "pressure at which K_d holds, with a pressure_exponent other than 1",
+    )
 
     @property
     def compliance(self) -> float:

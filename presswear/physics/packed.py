@@ -56,6 +56,8 @@ JOINT = np.dtype(
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
         ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
+        # m of the wear law; see ``physics.pressure_wear``
+        ("pressure_exponent", np.float64),
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
     ]
@@ -110,6 +112,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         if joint.wear is not None:
             record["wear_coefficient"] = joint.wear.coefficient
             record["bearing_share"] = joint.wear.bearing_share
+            record["pressure_exponent"] = joint.wear.pressure_exponent
             record["slip_by_angle"] = joint.wear.slip == "angle"
             record["over_arc"] = joint.wear.wear_distribution == "arc"
         pair = joint.bearing_surface, joint.pin_surface

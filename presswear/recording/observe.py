@@ -12,6 +12,7 @@ import numpy as np
 from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
+from presswear.physics.pressure_wear import deposit_by_pressure
 from presswear.physics.wear import deposit_in_bins, deposit_over_arc
 from presswear.recording.columns import (
     ACCELERATION,
@@ -72,7 +73,8 @@ FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is wr
 WEAR_INTEGRALS = np.dtype(
     [
         ("work", np.float64),  # F_n ds, N m
-        ("pressure", np.float64),  # p ds, N/m
+        # p ds, N/m; with wear over the arc see ``physics.pressure_wear``, N m
+        ("pressure", np.float64),
         ("work_rate", np.float64),  # at its end, W; filled by exudyn-joints alone
         ("pressure_rate", np.float64),  # W/m^2
     ]
@@ -370,9 +372,13 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
     if joint.over_arc:
         surfaces = records.packed.surfaces[k]
         shares = records.shares[:, : joint.map_bins]
-        deposit_over_arc(
-            depth, joint, surfaces, records.contacts[k], integrals.work, shares
-        )
+        contact = records.contacts[k]
+        if joint.pressure_exponent != 1.0:
+            deposit_by_pressure(
+                depth, joint, surfaces, contact, integrals.pressure, shares
+            )
+        else:
+            deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
     else:
         deposit_in_bins(depth, joint, records.contacts[k], integrals.pressure, h)
 

@@ -333,6 +333,11 @@ class Bearing(Checked):
             *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
             *(() if self._reads_roughness else ("roughness",)),
             *(("running_in_depth",) if self.materials.running_in == 1.0 else ()),
+            *(
+                ("pressure_reference",)
+                if self.materials.pressure_exponent == 1.0
+                else ()
+            ),
         )
 
     @property
@@ -469,6 +474,8 @@ class Bearing(Checked):
             angles=self.angles,
             running_in=self.materials.running_in,
             running_in_depth=self.materials.running_in_depth or self.roughness,
+            pressure_exponent=self.materials.pressure_exponent,
+            pressure_reference=self.materials.pressure_reference,
         )
         ends = revolute.name, revolute.first, revolute.second
         sizes = self.bearing_radius, self.clearance, self.total_width

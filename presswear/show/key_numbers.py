@@ -261,7 +261,11 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             )
             text += f"strokes on {surfaces} surfaces, with wear_coefficient = {coefficient}."
             if (ratio := bearing.materials.running_in) != 1.0:
-                text += f" New surfaces wear {numbers.readable(ratio)} times as fast."
+                text += f" New surfaces wear {ratio:g} times as fast."
+            if (power := bearing.materials.pressure_exponent) != 1.0:
+                reference = written(bearing.materials.pressure_reference, "Pa")
+                text += f" It grows as the pressure to the power of {power:g},"
+                text += f" and the coefficient is that at {reference}."
             text += f" It is for {scene.bin_remark}." if scene.bin_remark else ""
             rest = [
                 f"{joint} {numbers.quantity_text(max(depths), 'm')}"

@@ -69,6 +69,7 @@ from presswear.show.key_numbers import (
     warnings,
 )
 from presswear.show.page import NOTHING, Illustration, Line, Row, Table
+from presswear.show.wear_law import wear_law_numbers
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, NotStored, RunFailed
 from presswear.tools.files import inside, write_bytes
@@ -140,6 +141,7 @@ def render_report(
         "laws": _normal_laws(scene),
         "has_rubbing_joints": bool(press.rubbing_joints(scene)),
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
+        "wear_law": wear_law_numbers(scene),
         "dry": [] if untrusted else dry_contact(scene),
         "presets": CONVENTIONS,
         "tables": {

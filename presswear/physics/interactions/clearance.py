@@ -23,6 +23,7 @@ from presswear.physics.friction_and_normal import (
 from presswear.physics.interactions.friction import FRICTION_KERNELS, friction_of
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed
+from presswear.physics.pressure_wear import arc_width
 from presswear.physics.wear import contact_area
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
@@ -45,7 +46,14 @@ class ClearanceContact:
     number: int  # among the clearance joints
 
     kernels: ClassVar[Kernels] = (
-        *(contact_area, elastic_of, note_foundation, note_radial, round_foundation),
+        *(
+            arc_width,
+            contact_area,
+            elastic_of,
+            note_foundation,
+            note_radial,
+            round_foundation,
+        ),
         *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
         *FRICTION_KERNELS,
     )
@@ -103,8 +111,10 @@ class _ContactText:
 
     @property
     def wears_by_pressure(self) -> bool:
-        """True if the account is of pressure times slip."""
-        return self.wears and not self.record["over_arc"]
+        """True if the account is also of pressure times slip."""
+        return self.wears and not (
+            self.record["over_arc"] and self.record["pressure_exponent"] == 1.0
+        )
 
     def name(self, word: str) -> str:
         """Return the name of a variable of the joint."""
@@ -386,8 +396,18 @@ class _ContactText:
             slip = f"({radius} + {depth}) * abs({turning})"
         work = self.name("wear_work")
         write(f"{work} = {normal} * {slip}")
-        if not self.wears_by_pressure:
-            return
+        if self.record["over_arc"] and self.wears_by_pressure:
+            radius = self.parameter("bearing_radius", self.joint.bearing_radius)
+            across = self.parameter("width", self.joint.width)
+            clearance = self.parameter("clearance", self.joint.clearance)
+            area = f"{across} * {radius} * arc_width({depth}, {clearance})"
+            self._write_pressure_dose(work, f"{normal} / ({area})", normal)
+        elif self.wears_by_pressure:
+            self._write_bin_wear(work, normal)
+
+    def _write_bin_wear(self, work: str, normal: str) -> None:
+        """Write the rate of pressure times slip, with the mean pressure over the chord."""
+        depth = self.value("penetration")
         half = f"0.5 * {depth}"
         sizes = (
             self.value("eccentricity"),
@@ -396,7 +416,23 @@ class _ContactText:
             self.parameter("width", self.joint.width),
         )
         area = f"contact_area({depth}, {', '.join(sizes)})"
-        write(f"{self.name('wear_pressure')} = {work} / {area}")
+        if self.record["pressure_exponent"] == 1.0:
+            self.text.write(f"{self.name('wear_pressure')} = {work} / {area}")
+        else:
+            area = self.let("contact_area", area)
+            dose = f"{work} / {area}"
+            self._write_pressure_dose(dose, f"{normal} / {area}", normal)
+
+    def _write_pressure_dose(self, dose: str, pressure: str, normal: str) -> None:
+        """Write the rate of a dose times (p / p_ref)^(m - 1)."""
+        wear = self.joint.wear
+        assert wear is not None
+        reference = self.parameter("pressure_reference", wear.pressure_reference)
+        power = self.parameter("pressure_power", wear.pressure_exponent - 1.0)
+        pressure = self.let("pressure", pressure)
+        rate = f"{dose} * ({pressure} / {reference}) ** {power}"
+        rate = f"{rate} if {normal} > {ZERO} else {ZERO}"
+        self.text.write(f"{self.name('wear_pressure')} = {rate}")
 
     def _write_record(self) -> None:
         """Write the contact for the recorder."""

@@ -1,0 +1,50 @@
+"""Numbers of the wear law of each joint, and the origin of each of them."""
+
+from presswear.linkage.laws import MATERIALS, Materials
+from presswear.scene.scene import Scene
+from presswear.scene.settings import DEFAULT
+from presswear.tools.quantities import written
+
+# by symbol of the law: setting and unit
+NUMBERS = {
+    "K_d": ("wear_coefficient", "1/Pa"),
+    "rho": ("running_in", ""),
+    "h_0": ("running_in_depth", "m"),
+    "m": ("pressure_exponent", ""),
+    "p_ref": ("pressure_reference", "Pa"),
+}
+
+
+def wear_law_numbers(scene: Scene) -> str:
+    """Return the numbers of the wear law and their origins as one text, by joint if they differ."""
+    parts = []
+    for symbol, (key, unit) in NUMBERS.items():
+        texts: dict[str, list[str]] = {}
+        for joint in scene.clearance_joints:
+            if key not in scene.bearing(joint).unread:
+                texts.setdefault(_number(scene, joint, key, unit), []).append(joint)
+        for text, joints in texts.items():
+            places = f" at {' and '.join(joints)}" if len(texts) > 1 else ""
+            parts.append(f"{symbol} = {text}{places}")
+    return "; ".join(parts)
+
+
+def _number(scene: Scene, joint: str, key: str, unit: str) -> str:
+    """Return the value of a number of a joint, and whether it is assumed."""
+    bearing = scene.bearing(joint)
+    value = getattr(bearing.materials, key)
+    if value is None:  # the depth of running-in, which is then the roughness
+        return f"{written(bearing.roughness, unit)} (the roughness)"
+    text = written(value, unit).replace("^3", "³")
+    return f"{text} ({_origin(scene, joint, key, value)})"
+
+
+def _origin(scene: Scene, joint: str, key: str, value: float) -> str:
+    origin = scene.origins.get(f"{joint}.{key}", scene.origins.get(key, DEFAULT))
+    if origin != DEFAULT:
+        return origin
+    if value == getattr(Materials(), key):
+        return "assumed"
+    pair = scene.bearing(joint).materials
+    names = (name for name, one in MATERIALS.items() if one == pair)
+    return next((f"materials {name}" for name in names), "set by the user")

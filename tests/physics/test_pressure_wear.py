@@ -1,0 +1,168 @@
+"""Wear by a power of the pressure: depths from the pressure at each angle, in every engine."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from bush import COEFFICIENT, WIDTH, bush, worn
+from two_bodies import JOINT, Pair, placed, worn_joint
+from worn_depths import depths
+
+import presswear as pw
+from presswear.linkage.elements import ClearanceJoint, WearLaw
+from presswear.linkage.laws import Materials
+from presswear.physics.contact import direction_of
+from presswear.physics.pressure_wear import LEAST_OVERLAP, deposit_by_pressure
+from presswear.physics.wear import deposit_over_arc, worn_volume
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
+
+TURN = 2.0 * math.pi
+SLIDING = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
+REFERENCE = 4e6  # Pa
+FOUNDATION = replace(worn_joint("body"), contact="foundation")
+
+
+def _law(power: float, distribution: Any = "arc") -> WearLaw:
+    return WearLaw(
+        *(COEFFICIENT, "sliding", distribution, 0.4),
+        pressure_exponent=power,
+        pressure_reference=REFERENCE,
+    )
+
+
+def _worn_in_a_second(pair: Pair, count: int) -> Array:
+    """Return the depths that the rate of the dose gives in a second, shape (2, count), m."""
+    depth, shares = np.zeros((2, 2, count))
+    record = pair.packed.joints[0]
+    surfaces = pair.packed.surfaces[0]
+    dose = pair.wear_rates()[1]
+    deposit_by_pressure(depth, record, surfaces, pair.contact(), dose, shares)
+    assert not shares.any()
+    return depth
+
+
+def _expected(pair: Pair, count: int, power: float) -> Array:
+    """Return K_d p (p / p_ref)^(m - 1) times the sliding speed, summed on a fine grid."""
+    joint, contact = pair.joint, pair.contact()
+    zeros = [float(joint.map_frame == "body") * pair.q[body + 2] for body in (0, 3)]
+    fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
+    result = np.zeros((2, count))
+    for side, zero in enumerate(zeros):
+        direction = direction_of(contact)
+        angle = np.remainder(fine + zero - direction + math.pi, TURN) - math.pi
+        gap = joint.clearance
+        if joint.pin_surface.is_worn:
+            places = direction - np.array(zeros)
+            bearing, pin = depths(joint.bearing_surface, joint.pin_surface, *places)
+            gap = gap + bearing(angle) + pin(angle)
+        overlap = np.maximum(contact.eccentricity * np.cos(angle) - gap, 0.0)
+        force = pair.load(1e9).normal
+        area = joint.width * joint.bearing_radius * TURN / fine.size
+        pressure = force * overlap / overlap.sum() / area
+        rate = COEFFICIENT * REFERENCE * (pressure / REFERENCE) ** power
+        rate *= abs(contact.sliding) * (0.4, 0.6)[side]
+        result[side] = rate.reshape(count, 400).mean(axis=1)
+    return result
+
+
+@pytest.mark.parametrize("power", [0.3, 0.65, 2.0, 3.0])
+@pytest.mark.parametrize(
+    "joint",
+    [JOINT, worn_joint("fixed", 360, 2e-6), FOUNDATION],
+    ids=["round", "worn", "foundation"],
+)
+def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power: float) -> None:
+    joint = replace(joint, wear=_law(power))
+    pair = placed(joint, 3e-6, 1.1, rates=SLIDING)
+    expected = _expected(pair, 360, power)
+    depth = _worn_in_a_second(pair, 360)
+    # Gauss's rule is not exact where the pressure begins, as a power of the angle.
+    np.testing.assert_allclose(depth, expected, rtol=0.0, atol=0.01 * expected.max())
+    assert worn_volume(joint, depth) == pytest.approx(
+        worn_volume(joint, expected), rel=5e-3
+    )
+
+
+@pytest.mark.parametrize("joint", [JOINT, FOUNDATION], ids=["round", "worn"])
+def test_the_exponent_one_is_archards_law(joint: ClearanceJoint) -> None:
+    pair = placed(replace(joint, wear=_law(1.0)), 3e-6, 1.1, rates=SLIDING)
+    record, surfaces, contact = (
+        *(pair.packed.joints[0], pair.packed.surfaces[0]),
+        pair.contact(),
+    )
+    by_pressure, archard, shares = np.zeros((3, 2, 360))
+    deposit_by_pressure(by_pressure, record, surfaces, contact, 2.0, shares)
+    deposit_over_arc(archard, record, surfaces, contact, 2.0, shares)
+    np.testing.assert_allclose(
+        by_pressure, archard, rtol=1e-6, atol=1e-9 * archard.max()
+    )
+
+
+@pytest.mark.parametrize("power", [0.3, 3.0])
+def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power: float) -> None:
+    """The wear of a step that ends open, or next to it, has no jump."""
+    joint = replace(JOINT, wear=_law(power))
+    totals = []
+    for penetration in (1.05 * LEAST_OVERLAP, 0.95 * LEAST_OVERLAP, -1e-9):
+        pair = placed(joint, penetration, 1.1)
+        depth, shares = np.zeros((2, 2, 16))
+        record, surfaces = pair.packed.joints[0], pair.packed.surfaces[0]
+        deposit_by_pressure(depth, record, surfaces, pair.contact(), 2.0, shares)
+        totals.append(depth.sum())
+    assert totals[0] == pytest.approx(totals[1], rel=0.06)
+    assert totals[2] == totals[1] > 0.0
+
+
+@pytest.mark.parametrize("power", [0.5, 2.5])
+def test_one_bin_wears_by_the_mean_pressure(power: float) -> None:
+    pair = placed(replace(JOINT, wear=_law(power, "bin")), 1e-5, 0.8, rates=SLIDING)
+    archard = placed(replace(JOINT, wear=_law(1.0, "bin")), 1e-5, 0.8, rates=SLIDING)
+    work, pressure_dose = archard.wear_rates()
+    sliding = abs(archard.contact().sliding)
+    pressure = pressure_dose / sliding
+    expected = pressure_dose * (pressure / REFERENCE) ** (power - 1.0)
+    assert pair.wear_rates() == pytest.approx((work, expected), rel=1e-12)
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
+def test_a_bush_wears_by_the_square_of_the_pressure(engine: str) -> None:
+    """Steady rotation under a load: K_d / p_ref times the integral of p^2, in every engine.
+
+    Over the arc of round surfaces the overlap is e cos - c, and the pressure is that
+    times F / (b R integral).
+    """
+    scene = bush(engine=engine)
+    pair = Materials(
+        wear_coefficient=COEFFICIENT,
+        bearing_share=1.0,
+        pressure_exponent=2.0,
+        pressure_reference=REFERENCE,
+    )
+    bearing = replace(scene.bearing("B"), materials=pair)
+    run = worn(replace(scene, bearings={"B": bearing}), 1e-15, 2)
+    force = run.load_distance[-1] / (TURN * 0.019)
+    clearance = bearing.clearance
+    eccentricity = clearance + (force / 1e9) ** (2.0 / 3.0)
+    half = math.acos(clearance / eccentricity)
+    angle = np.linspace(-half, half, 20001)
+    overlap = eccentricity * np.cos(angle) - clearance
+    pressure = force * overlap / (WIDTH * 0.02 * np.trapezoid(overlap, angle))
+    mean = np.trapezoid(pressure**2, angle) * WIDTH * 0.02 / (REFERENCE * force)
+    gained = run.bush[-1].sum() * run.area
+    expected = COEFFICIENT * mean * float(run.load_distance @ run.strokes)
+    assert gained == pytest.approx(expected, rel=5e-3)
+
+
+def test_settings_of_the_exponent() -> None:
+    scene = pw.scenes.slider_crank(pressure_exponent=0.65)
+    (joint,) = scene.linkage().clearances
+    assert joint.wear is not None
+    assert joint.wear.pressure_exponent == 0.65
+    assert joint.wear.pressure_reference == 10e6
+    assert "pressure_reference" not in scene.bearing("B").unread
+    assert "pressure_reference" in pw.scenes.slider_crank().bearing("B").unread
+    with pytest.raises(InputError, match=r"pressure_exponent = 4: allowed is 0.3 to 3"):
+        pw.scenes.slider_crank(pressure_exponent=4.0)
