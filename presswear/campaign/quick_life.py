@@ -67,7 +67,7 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     joints = scene.clearance_joints
     worn = rates_of(stage)
     limits = tuple(
-        _limit(scene, limit, new, worn, stage) for limit in scene.life.limits(joints)
+        _limit(scene, limit, new, worn, stage) for limit in scene.life_limits
     )
     reached = [limit.strokes for limit in limits if limit.strokes is not None]
     strokes = min(reached, default=new.strokes)

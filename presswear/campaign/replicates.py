@@ -130,17 +130,19 @@ def worn_out(
     time: float = 0.0,
     strokes: float = 0.0,
 ) -> Finding | None:
-    """Return a finding on the first surface that is worn deeper than the clearance.
+    """Return a finding on the first surface that is worn deeper than the model holds.
 
-    Beyond that depth the model of a pin in a round bearing does not hold. The shape of
+    See ``linkage.elements.deepest_wear``. The shape of
     the depth is (..., joints, 2, bins), m; ``strokes`` wore it.
     """
     deepest = depth.max(axis=-1, initial=0.0)
-    clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
-    for *run, k, side in np.argwhere(deepest > clearances)[:1]:
+    allowed = np.array([joint.deepest_wear for joint in joints])[:, np.newaxis]
+    for *run, k, side in np.argwhere(deepest > allowed)[:1]:
         worn = quantity_text(deepest[(*run, k, side)], "m")
+        limit = quantity_text(joints[k].deepest_wear, "m")
         clearance = quantity_text(joints[k].clearance, "m")
-        what = f"{where}the {SIDES[side]} would lose {worn}, more than the clearance of {clearance}"
+        what = f"{where}the {SIDES[side]} would lose {worn}, more than {limit}, "
+        what += f"with a clearance of {clearance}"
         tenth = 0.1 * strokes * joints[k].clearance / float(deepest[(*run, k, side)])
         advice = f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
         advice += "; or check wear_coefficient"

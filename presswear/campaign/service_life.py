@@ -418,9 +418,12 @@ def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> floa
     that a limit on a depth takes some cycles. The second one has at least twice as
     many.
     """
+    # A clearance grows by as much as both surfaces wear.
+    surfaces = {"depth": 1.0, "radial_clearance": 2.0, "diametral_clearance": 4.0}
     parts = [
-        limit.value / (FIRST_CHANGE * clearances[limit.joint])
-        if limit.name == "depth"
+        (limit.value - limit.new)
+        / (surfaces[limit.name] * FIRST_CHANGE * clearances[limit.joint])
+        if limit.name in surfaces
         else 0.0
         for limit in problem.limits
     ]
@@ -485,7 +488,8 @@ def _expected_sampling(
     if not completed or refinement.histories < 2:
         return problem.tolerance
     levels = refinement.blocks[-1].levels
-    depths = [levels[limit.key] for limit in problem.limits if limit.key in levels]
+    limits = [limit for limit in problem.limits if limit.key in levels]
+    depths = [levels[limit.key] - limit.new for limit in limits]
     halves = [
         half_width(np.log(depth)) or 0.0 for depth in depths if np.all(depth > 0.0)
     ]
@@ -522,7 +526,8 @@ def _left_in_last(
             values = last.curve(limit.key)
             per_cycle = float(np.diff(values).clip(0.0).sum()) / max(completed, 1)
             if not completed and first.rate > 0.0:
-                per_cycle = float(values[0]) / first.strokes * last.change / first.rate
+                growth = float(values[0]) - limit.new
+                per_cycle = growth / first.strokes * last.change / first.rate
             if per_cycle > 0.0:
                 lefts.append(float(limit.value - values[-1]) / per_cycle)
         elif coarser and before.crossing([limit]) == life:

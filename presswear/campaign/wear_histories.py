@@ -33,7 +33,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.ideal import bottom_of
 from presswear.physics.running_in import archard_depth, running_in_of
 from presswear.physics.statics import total_clearance
-from presswear.physics.wear import worn_volume
+from presswear.physics.wear import largest_play, worn_volume
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, quantile
@@ -44,7 +44,7 @@ from presswear.results.life import (
     RefinementResult,
 )
 from presswear.results.stage import WearStep
-from presswear.scene.options import Life, Service
+from presswear.scene.options import CLEARANCES, Life, Service
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
@@ -76,7 +76,7 @@ class LifeState:
 def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
     """Return the quantities of surfaces of shape (histories, joints, 2, bins), m, by key.
 
-    The total clearance takes long and is computed only if a limit is on it.
+    Clearances take long and are computed only if a limit is on one of them.
     """
     levels = {}
     for k, joint in enumerate(scene.linkage().clearances):
@@ -85,6 +85,10 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
         levels[f"{joint.name}.wear_volume"] = np.array(
             [worn_volume(joint, one) for one in item]
         )
+        if not CLEARANCES.keys().isdisjoint(limited):
+            play = np.array([largest_play(joint, one) for one in item])
+            levels[f"{joint.name}.radial_clearance"] = 0.5 * play
+            levels[f"{joint.name}.diametral_clearance"] = play
     if "total_clearance" in limited:
         values = [total_clearance(linkage_on(scene, one)) for one in depth]
         levels["total_clearance"] = np.array(values)
@@ -309,7 +313,7 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     coefficient = max(
         pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
     )
-    limits = life.limits(joints)
+    limits = scene.life_limits
     services = life.services(joints)
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)

@@ -189,7 +189,7 @@ def _largest_reached(
     assert scene.life is not None
     names = [joint.name for joint in joints]
     reached = []
-    for limit in scene.life.limits(scene.clearance_joints):
+    for limit in scene.life_limits:
         k = names.index(limit.joint)
         depth = added_depth[k, :, : joints[k].bins]
         wear = (

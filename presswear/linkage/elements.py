@@ -23,6 +23,13 @@ MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
 MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
 DAMPING = 0.02  # of an elastic joint, part of the critical damping; assumed
 
+# Greatest depth of a worn surface on a foundation, in clearances, and part of the radius
+# of the bearing up to which the geometry of nearly equal circles holds
+DEEPEST_CLEARANCES, DEEPEST_PART = 10.0, 0.1
+DEEPEST_WORDS = (
+    f"with wear of {DEEPEST_CLEARANCES:g} clearances or {DEEPEST_PART:g} bearing radii"
+)
+
 LENGTH = Quantity("m", -MAX_LENGTH, MAX_LENGTH)
 ANGLE = Quantity("rad", -MAX_ANGLE, MAX_ANGLE)
 MASS = Quantity("kg", 1e-9, 1e9, "", "mass")
@@ -283,6 +290,19 @@ class WearLaw:
     pressure_reference: float = 10e6  # p_ref, Pa
 
 
+def deepest_wear(
+    contact: SurfaceContact, clearance: float, bearing_radius: float
+) -> float:
+    """Return the depth, m, up to which the model of a worn surface holds.
+
+    With radial contact it is the clearance: steep profiles would create energy.
+    """
+    if contact == "radial":
+        return clearance
+    most = min(DEEPEST_CLEARANCES * clearance, DEEPEST_PART * bearing_radius)
+    return max(clearance, most)
+
+
 @dataclass(frozen=True)
 class ClearanceJoint:
     """Pin joint with clearance: a pin loose in a bearing.
@@ -314,6 +334,11 @@ class ClearanceJoint:
     def pin_radius(self) -> float:
         """R_j = R_i - c, m."""
         return self.bearing_radius - self.clearance
+
+    @property
+    def deepest_wear(self) -> float:
+        """Depth up to which the model of worn surfaces holds, m."""
+        return deepest_wear(self.contact, self.clearance, self.bearing_radius)
 
     @property
     def round_normal(self) -> NormalLaw:

@@ -10,6 +10,8 @@ foundation, and the worn volume is K_d times the integral of F_n ds to round-off
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.foundation import (
@@ -214,3 +216,31 @@ def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     """
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     return float(depth.sum()) * bin_area
+
+
+def largest_play(joint: ClearanceJoint, depth: Array) -> float:
+    """Return the largest way of the pin of a worn joint across its bearing, m.
+
+    Twice the clearance of a new joint. A pin moves in a direction as far as it touches
+    the bearing anywhere, and does not enter grooves that are narrower. The deepest
+    places of both surfaces face each other, as under load, and nothing is deformed.
+
+    Parameters
+    ----------
+    joint : ClearanceJoint
+    depth : ndarray, shape (2, bins)
+        Worn depth of bearing and pin, m.
+    """
+    bearing, pin = depth
+    bins = bearing.size
+    turned = np.roll(pin, int(np.argmax(bearing)) - int(np.argmax(pin)))
+    gap = joint.clearance + bearing + turned
+    quarter = (bins - 1) // 4
+    off = np.arange(-quarter, quarter + 1)
+    cosine = np.cos(2.0 * math.pi / bins * off)
+    places = (np.arange(bins)[:, np.newaxis] + off) % bins
+    reach = (gap[places] / cosine).min(axis=1)  # of the pin in each direction
+    half = bins // 2
+    # With an odd number of bins the opposite direction is between two of them.
+    opposite = 0.5 * (np.roll(reach, -half) + np.roll(reach, half - bins))
+    return float((reach + opposite).max())

@@ -156,6 +156,7 @@ class LifeResult:
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
         limit = (
             f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
+            + in_diameter(first.key, first.value)
         )
         line = f"life: {self.words} until {limit}{scatter}"
         return (
@@ -200,6 +201,13 @@ def span_of(strokes: float, error: float | None) -> str:
         return ""
     factor = math.exp(error)
     return large(strokes / factor, strokes * factor, digits=digits_of(error))
+
+
+def in_diameter(key: str, value: float) -> str:
+    """Return the diametral clearance for a limit on a radial one, or nothing."""
+    if key.rpartition(".")[2] != "radial_clearance":
+        return ""
+    return f" ({quantity_text(2.0 * value, 'm')} in diameter)"
 
 
 def words_of(key: str) -> str:

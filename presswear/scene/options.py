@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
@@ -15,6 +15,7 @@ from presswear.tools.quantities import (
     free_text,
     parse_quantity,
     quantity,
+    written,
 )
 from presswear.tools.serialize import Checked, check_fields
 
@@ -115,12 +116,15 @@ _BDC = "bottom dead centre"
 _BDC_ERROR = f"magnitude of the error of the height of {_BDC}"
 _CLEARANCE = "travel of the output point between an upward and a downward pull"
 _DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
+_PLAY = "largest play of the worn joint, as a dial gauge or a feeler measures it"
 _FORCE = "peak normal force of a stroke, mean over strokes"
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
     "depth": Followed("m", True, "depth", "largest wear depth of bearing or pin"),
     "wear_volume": Followed(
         "m^3", True, "worn volume", "worn volume of bearing and pin"
     ),
+    "radial_clearance": Followed("m", True, "radial clearance", f"half of the {_PLAY}"),
+    "diametral_clearance": Followed("m", True, "diametral clearance", _PLAY),
     "force_max": Followed("N", True, "peak force", _FORCE),
     "total_clearance": Followed("m", False, "total clearance", _CLEARANCE),
     "bdc_error": Followed(
@@ -140,6 +144,7 @@ class Limit:
     name: str
     joint: str
     value: float
+    new: float = 0.0  # of a new mechanism, where the quantity does not begin at 0
 
     @property
     def key(self) -> str:
@@ -166,6 +171,11 @@ class Service:
         return f"bushing of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
 
 
+# names of limits that stand for another one, as the settings of a bearing are called
+_ALIASES = {"clearance": "radial_clearance"}
+# Of a new joint, in radial clearances
+CLEARANCES = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
+_TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new$")
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
 _STROKES = Quantity("", 1.0, 1e15)
 
@@ -180,7 +190,8 @@ class Life(Checked):
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
-        + ", ".join(FOLLOWED),
+        + ", ".join(FOLLOWED)
+        + "; clearance is the radial one, and clearances can be N x new",
     )
     at_most: float = quantity(
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
@@ -200,8 +211,11 @@ class Life(Checked):
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )
 
-    def limits(self, joints: Sequence[str]) -> tuple[Limit, ...]:
-        """Return the limits, of all joints with clearance where none is named; raise InputError."""
+    def limits(self, clearances: Mapping[str, float]) -> tuple[Limit, ...]:
+        """Return the limits, of all joints with clearance where none is named; raise InputError.
+
+        ``clearances`` are the radial clearances of the new joints, m.
+        """
         limits = []
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
@@ -211,17 +225,19 @@ class Life(Checked):
                     f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}"
                 )
             joint, name, size = match.groups()
+            name = _ALIASES.get(name, name)
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)
-            unit, of_joint, _, meaning = FOLLOWED[name]
+            of_joint = FOLLOWED[name].of_joint
             if joint is not None and not of_joint:
                 raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
-            if joint is not None and joint not in joints:
-                raise unknown("joint with clearance in until", joint, joints)
-            positive = Quantity(unit, 0.0, math.inf, "", meaning, open_low=True)
-            value = parse_quantity(f"until: {name}", size, positive)
-            names = ("",) if not of_joint else (joint,) if joint else joints
-            limits += [Limit(name, one, value) for one in names]
+            if joint is not None and joint not in clearances:
+                raise unknown("joint with clearance in until", joint, clearances)
+            names = ("",) if not of_joint else (joint,) if joint else tuple(clearances)
+            for one in names:
+                new = CLEARANCES.get(name, 0.0) * clearances.get(one, 0.0)
+                value = _limit_value(text, name, size, new)
+                limits.append(Limit(name, one, value, new))
         return tuple(limits)
 
     def services(self, joints: Sequence[str]) -> tuple[Service, ...]:
@@ -244,6 +260,23 @@ class Life(Checked):
                     )
                 services.append(Service(joint, at, key == "turned"))
         return tuple(sorted(services, key=lambda service: service.strokes))
+
+
+def _limit_value(text: str, name: str, size: str, new: float) -> float:
+    """Return the value of a limit, SI; ``new`` is that of the new joint, 0 if there is none."""
+    followed = FOLLOWED[name]
+    if times := _TIMES_NEW.search(size):
+        if new == 0.0:
+            allowed = ", ".join(("clearance", *CLEARANCES))
+            raise InputError(f"until = {text!r}: 'x new' is allowed for {allowed}")
+        ratio = Quantity("", 1.0, 1000.0, "", "times the new clearance", open_low=True)
+        return float(parse_quantity(f"until: {name}", times[1], ratio)) * new
+    positive = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
+    value = float(parse_quantity(f"until: {name}", size, positive))
+    if value <= new:
+        fault = f"allowed is above {written(new, 'm')}, that of the new joint"
+        raise InputError(f"until = {text!r}: {fault}")
+    return value
 
 
 LIVES = {Life.kind: Life}  # kinds of life that a scene may have

@@ -16,7 +16,7 @@ from presswear.engines.settings import (
     InHouse,
     Purpose,
 )
-from presswear.linkage import loads
+from presswear.linkage import elements, loads
 from presswear.linkage.elements import Revolute
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
@@ -25,7 +25,14 @@ from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
-from presswear.scene.options import LIVES, Life, Numerics, Recording
+from presswear.scene.options import (
+    CLEARANCES,
+    LIVES,
+    Life,
+    Limit,
+    Numerics,
+    Recording,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import (
@@ -294,7 +301,7 @@ class Scene(Checked):
                 f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}"
             )
         services = life.services(self.clearance_joints)
-        limits = life.limits(self.clearance_joints)
+        limits = self.life_limits
         if self.is_quick:
             others = [
                 one.key for one in limits if one.name not in ("depth", "wear_volume")
@@ -316,13 +323,36 @@ class Scene(Checked):
             ]
             if faults:
                 raise InputError(f"{faults[0]} with life.quick = on")
-        if limits and all(
-            one.name == "depth" and one.value >= self.bearing(one.joint).clearance
-            for one in limits
-        ):
-            clearance = written(self.bearing(limits[0].joint).clearance, "m")
+        if limits and all(one.value >= self._greatest(one) for one in limits):
+            allowed = f"allowed is below {written(self._greatest(limits[0]), 'm')}"
             limit = f"until = '{limits[0].key} > {written(limits[0].value, 'm')}'"
-            raise InputError(f"{limit}: allowed is below the clearance, {clearance}")
+            raise InputError(f"{limit}: {allowed}, {self._deepest_words}")
+
+    @property
+    def life_limits(self) -> tuple[Limit, ...]:
+        """Limits of the service life; none without a life."""
+        if self.life is None:
+            return ()
+        joints = self.clearance_joints
+        return self.life.limits({name: self.bearing(name).clearance for name in joints})
+
+    def _greatest(self, limit: Limit) -> float:
+        """Return the value on surfaces of the greatest depth allowed; infinite if unknown."""
+        if limit.name not in ("depth", *CLEARANCES):
+            return math.inf
+        bearing = self.bearing(limit.joint)
+        sizes = bearing.clearance, bearing.bearing_radius
+        deepest = elements.deepest_wear(self.conventions.contact, *sizes)
+        if limit.name == "depth":
+            return deepest
+        return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
+
+    @property
+    def _deepest_words(self) -> str:
+        """Description of the greatest depth of wear."""
+        if self.conventions.contact == "foundation":
+            return elements.DEEPEST_WORDS
+        return "with wear as deep as the clearance; contact = 'foundation' allows more"
 
     @property
     def bearing_joints(self) -> tuple[str, ...]:

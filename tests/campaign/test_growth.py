@@ -425,7 +425,7 @@ def test_surface_worn_through_is_named(
     tenth = f"cycles_per_update = {2.0 * REPRESENTED:.1g} wears it by about a tenth"
     assert tenth in seen.message
     assert seen.message.startswith(f"joint A: {where} the bearing would lose")
-    assert "more than the clearance of 800 µm;" in seen.message
+    assert "more than 800 µm, with a clearance of 800 µm;" in seen.message
     stage = seen.stages[-1]
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")

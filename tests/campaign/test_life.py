@@ -24,7 +24,7 @@ from presswear.physics.wear import map_shape
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
-from presswear.scene.options import FOLLOWED, Limit, Service
+from presswear.scene.options import CLEARANCES, FOLLOWED, Limit, Service
 from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 
@@ -331,7 +331,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert names == FOLLOWED.keys()
 
 
-JOINTS = ("A", "B")
+JOINTS = {"A": 1e-4, "B": 2e-4}
 
 
 def scene_of(part: float = 0.02, share: float = 1.0, **life: Any) -> pw.Scene:
@@ -366,11 +366,26 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
         with pytest.raises(pw.InputError, match="is of the whole mechanism"):
             pw.Life(until=text).limits(JOINTS)
         return
+    if name in CLEARANCES and value <= CLEARANCES[name] * max(JOINTS.values()):
+        return
     limits = pw.Life(until=text).limits(JOINTS)
     joints = [joint] if joint else list(JOINTS) if of_joint else [""]
     assert [(limit.joint, limit.value) for limit in limits] == [
         (each, value) for each in joints
     ]
+
+
+def test_limits_in_the_words_of_makers() -> None:
+    text = "A.clearance > 0.30 mm, diametral_clearance > 2.5 x new, B.radial_clearance > 3×new"
+    limits = pw.Life(until=text).limits(JOINTS)
+    assert [limit.key for limit in limits] == [
+        "A.radial_clearance",
+        "A.diametral_clearance",
+        "B.diametral_clearance",
+        "B.radial_clearance",
+    ]
+    values = [limit.value for limit in limits]
+    assert values == pytest.approx([0.3e-3, 2.5 * 2e-4, 2.5 * 4e-4, 3 * 2e-4])
 
 
 def test_services_are_read_in_the_order_of_strokes() -> None:
@@ -380,7 +395,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         Service("A", 2e6, False),
         Service("B", 4e6, False),
     ]
-    assert list(life.services(JOINTS)) == expected
+    assert list(life.services(tuple(JOINTS))) == expected
 
 
 @pytest.mark.parametrize(
@@ -390,6 +405,12 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         ({"until": "dept > 5 um"}, "did you mean depth"),
         ({"until": "depth > 5 N"}, "until: depth"),
         ({"until": "D.depth > 5 um"}, "joint with clearance in until"),
+        (
+            {"until": "A.diametral_clearance > 0.19 mm"},
+            "allowed is above 0.2 mm, that of the new joint",
+        ),
+        ({"until": "A.clearance > 0.9 x new"}, "until: radial_clearance"),
+        ({"until": "A.depth > 2 x new"}, "'x new' is allowed for clearance, radial_c"),
         (
             {"replaced": "A2e6"},
             r"replaced = 'A2e6': JOINT@STROKES is expected, such as",
@@ -402,7 +423,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
 def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
     life = pw.Life(**settings)
     with pytest.raises(pw.InputError, match=message):
-        life.limits(JOINTS) and life.services(JOINTS)
+        life.limits(JOINTS) and life.services(tuple(JOINTS))
 
 
 def test_scenes_without_a_life_are_refused() -> None:
@@ -415,9 +436,11 @@ def test_scenes_without_a_life_are_refused() -> None:
     ):
         life_of_scene(scene_of(until="B.depth > 1 mm, force_max > 1 N"))
     with pytest.raises(
-        pw.InputError, match=r"'B.depth > 1.1 mm': allowed is below the clearance"
+        pw.InputError, match=r"'B.depth > 2.1 mm': allowed is below 2 mm, with wear"
     ):
-        scene_of(1.1)
+        scene_of(2.1)
+    with pytest.raises(pw.InputError, match=r"> 5.5 mm': allowed is below 5 mm, with"):
+        scene_of(until="B.clearance > 5.5 mm")
     says = r"joint B wears through its clearance after .* no limit is exceeded before .*; choose"
     with pytest.raises(pw.InputError, match=says):
         life_of_scene(scene_of(until="wear_volume > 1 m^3"))
@@ -617,17 +640,17 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
 
 
-@pytest.mark.parametrize("depth", [0.976, 0.98])
+@pytest.mark.parametrize("depth", [0.974, 0.978])
 def test_life_ends_with_the_cycle_that_wears_through_the_clearance(
     depth: float,
 ) -> None:
     """Strokes are counted up to that cycle, within a block: Archard's rate stays."""
     surfaces = {"B": (np.full(120, depth * GAP), None)}
-    life = life_of_scene(
-        replace(scene_of(until="wear_volume > 1 m^3"), surfaces=surfaces)
-    )
+    scene = scene_of(until="wear_volume > 1 m^3")
+    radial = replace(scene.conventions, contact="radial")
+    life = life_of_scene(replace(scene, conventions=radial, surfaces=surfaces))
     assert life.ended == "worn"
-    assert "more than the clearance" in life.message
+    assert "more than 1.00 mm, with a clearance of 1.00 mm" in life.message
     strokes, volume = life.curves["strokes"], life.curves["B.wear_volume"][:, 0]
     rates = np.diff(volume) / np.diff(strokes)
     assert rates[1:] == pytest.approx(rates[1], rel=1e-3, abs=0.0)

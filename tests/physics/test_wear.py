@@ -20,6 +20,7 @@ from presswear.physics.wear import (
     contact_area,
     deposit_in_bins,
     deposit_over_arc,
+    largest_play,
     spread_evenly,
     worn_volume,
 )
@@ -261,3 +262,25 @@ def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
         for dx, dy in (eccentricity, 0.0), (0.6 * eccentricity, -0.8 * eccentricity):
             place = place_of(joint, dx, dy, eccentricity, angle)
             integrate_overlap(surfaces, joint, place, angle)
+
+
+@pytest.mark.parametrize("count", [360, 97])
+def test_play_is_what_a_dial_gauge_measures(count: int) -> None:
+    """Across a lens of two circles, over a groove that the pin bridges, and all around."""
+    c = JOINT.clearance
+    angle = (np.arange(count) + 0.5) * TURN / count
+    assert largest_play(JOINT, np.zeros((2, count))) == pytest.approx(2.0 * c, rel=1e-3)
+    e = 1.7 * c
+    lens = np.maximum(e * np.cos(angle - angle[count // 3]) - c, 0.0)
+    worn = np.stack([lens, np.zeros(count)])
+    assert largest_play(JOINT, worn) == pytest.approx(c + e, rel=1e-3)
+    # The same lens on the pin faces that of the bearing, whose edges it meets.
+    both = np.stack([lens, np.roll(lens, 11)])
+    assert largest_play(JOINT, both) == pytest.approx(c + e, rel=3e-2)
+    smaller = np.stack([lens, np.full(count, 0.2 * c)])
+    assert largest_play(JOINT, smaller) == pytest.approx(1.4 * c + e, rel=2e-2)
+    groove = np.zeros((2, count))
+    groove[0, 40] = 0.5 * c
+    assert largest_play(JOINT, groove) == pytest.approx(2.0 * c, rel=5e-3)
+    even = np.full((2, count), 0.2 * c)
+    assert largest_play(JOINT, even) == pytest.approx(2.8 * c, rel=1e-3)

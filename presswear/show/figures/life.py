@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from presswear.results.life import LifeResult, LimitResult, words_of
+from presswear.results.life import LifeResult, LimitResult, in_diameter, words_of
 from presswear.results.result import Result
 from presswear.scene.options import FOLLOWED, Service
 from presswear.show.figures import style
@@ -128,4 +128,5 @@ def services_done(result: Result) -> list[Service]:
 def limit_text(limit: LimitResult) -> str:
     """Return the value of a limit in a unit that reads well."""
     factor, unit = unit_scale(limit.unit, limit.value)
-    return f"{short_number(factor * limit.value)} {unit}"
+    text = f"{short_number(factor * limit.value)} {unit}"
+    return text + in_diameter(limit.key, limit.value)
