@@ -519,6 +519,8 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
         arrays["clock"] = stacked("time")
     if recorder.torques.size:
         arrays["drive_torque"] = recorder.torques.copy()
+    if recorder.stretches.size:
+        arrays["stretch"] = recorder.stretches.copy()
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
     deviations = [deviation(scene, run) for run in recorders]

@@ -13,6 +13,7 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.equations.layout import ENERGIES
+from presswear.physics.interactions.elastic_guide import period_on
 from presswear.physics.interactions.spring import check_springs
 from presswear.physics.ledger import SETTLED
 from presswear.physics.loads import place_loads
@@ -26,6 +27,8 @@ from presswear.recording.observe import (
     CONTACTS_AT_MOST,
     DRIVE,
     FORCE_STEP,
+    FRAME_ROWS,
+    GUIDE,
     OUTPUT,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
@@ -39,6 +42,7 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State
+from presswear.tools.compile import Records
 
 Status = Literal["completed", "enough", "failed"]
 
@@ -139,7 +143,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     counters["fewest_steps"] = np.iinfo(np.int64).max
     output, point = np.zeros(1, OUTPUT), linkage.output
     output["room"] = np.iinfo(np.int64).max
-    output["interval"] = cycle / plan.rows_per_cycle
+    rows_per_cycle = _rows_per_cycle(linkage, plan)
+    output["interval"] = cycle / rows_per_cycle
     output["force_step"] = FORCE_STEP
     output["index"] = 3 * linkage.index(point.body)
     output["cos"], output["sin"] = math.cos(point.direction), math.sin(point.direction)
@@ -154,7 +159,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     output["stroke_end"] = plan.run_up + end - STROKE_NOISE * cycle
     output["stroke_begin"] = plan.run_up + max(first, 0.0) - STROKE_NOISE * cycle
     rows = plan.recorded_cycles + math.ceil(plan.run_up / cycle)
-    rows = min(rows * (ROWS_AT_MOST if count else 2 * plan.rows_per_cycle), ROWS_IN_ALL)
+    rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
     shape, has_leader = map_shape(linkage.clearances), linkage.leader is not None
     columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
     film, sampler = empty_film(len(linkage.bodies), count, cycle)
@@ -181,10 +186,30 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         drives=np.zeros(drives, DRIVE),
         energies=np.zeros(len(ENERGIES)),
         powers=np.zeros(len(ENERGIES)),
+        guides=_guides_of(linkage),
+        stretches=np.empty((rows, len(linkage.elastic_guides))),
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)
     return Recorder(records, MapBatches(shape), len(plan.sections))
+
+
+def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:
+    """Return the rows of a series in a cycle, at least; more for frames that swing fast."""
+    periods = [period_on(linkage, guide) for guide in linkage.elastic_guides]
+    needed = math.ceil(FRAME_ROWS * plan.cycle / min(periods, default=math.inf))
+    return max(plan.rows_per_cycle, min(needed, ROWS_AT_MOST // 2))
+
+
+def _guides_of(linkage: Linkage) -> Records:
+    """Return the guides with a spring as records of GUIDE."""
+    guides = np.zeros(len(linkage.elastic_guides), GUIDE)
+    for record, guide in zip(guides, linkage.elastic_guides, strict=True):
+        cosine, sine = math.cos(guide.direction), math.sin(guide.direction)
+        record["index"] = 3 * linkage.index(guide.body)
+        record["cos"], record["sin"] = cosine, sine
+        record["point"] = cosine * guide.x + sine * guide.y
+    return guides
 
 
 def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:

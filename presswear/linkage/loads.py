@@ -406,7 +406,7 @@ class Blanking(_Work):
         "of the elastic rise; default: force over rise",
     )
     rise: float = _depth(
-        1e-4, "depth over which the force rises, with the stretch of the frame"
+        1e-4, "depth over which the force rises; contains the stretch of a rigid frame"
     )
     plateau: float = quantity(
         0.4,

@@ -122,6 +122,19 @@ OUTPUT = np.dtype(
 )
 
 
+# A guide with a spring, whose stretch is recorded: the place of its body along it, less
+# that of its point
+GUIDE = np.dtype(
+    [
+        ("index", np.int64),  # of the x of the body in q
+        ("cos", np.float64),
+        ("sin", np.float64),
+        ("point", np.float64),  # m
+    ]
+)
+FRAME_ROWS = 40  # of a series, at least, in a period of an elastic frame
+
+
 class RecorderState(NamedTuple):
     """Recorder state: arrays that the kernels fill during one run."""
 
@@ -149,6 +162,8 @@ class RecorderState(NamedTuple):
     # state, W
     energies: Array
     powers: Array
+    guides: Records  # of GUIDE, with a spring
+    stretches: Array  # of the guides in the rows of the series, m
 
 
 @inlined
@@ -436,6 +451,15 @@ def write_row(records: RecorderState) -> None:
     state.last_time = state.now
 
 
+@compiled
+def note_stretches(guides: Records, stretches: Array, row: int, q: Array) -> None:
+    """Write the stretches of guides with a spring into a row."""
+    for k in range(guides.shape[0]):
+        guide = guides[k]
+        i = guide.index
+        stretches[row, k] = guide.cos * q[i] + guide.sin * q[i + 1] - guide.point
+
+
 @inlined
 def observe(
     records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
@@ -449,4 +473,6 @@ def observe(
     time = records.nominal[0].now
     take_frame(records.film, records.sampler, records.contacts, records.memory, time, q)
     if is_row_due(records, t):
+        row = records.output[0].rows
+        note_stretches(records.guides, records.stretches, row, q)
         write_row(records)

@@ -37,7 +37,10 @@ from presswear.recording.observe import RecorderState
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
-_KEPT = ("packed", "motions", "series", "stored_contacts", "film", "shares")
+_KEPT = (
+    *("packed", "motions", "series", "stored_contacts", "film", "shares"),
+    *("guides", "stretches"),
+)
 # saved whole
 _SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)
 
@@ -85,6 +88,11 @@ class Recorder:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
         first = SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size
         return self.rows[:, first : self.rows.shape[1] - self.has_leader]
+
+    @property
+    def stretches(self) -> Array:
+        """Recorded stretches of guides with a spring, shape (n, guides), m."""
+        return self.records.stretches[: len(self.rows)]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
@@ -247,6 +255,7 @@ class Recorder:
             **{name: getattr(records, name).copy() for name in _SMALL},
             **named("maps", self.maps.save()),
             "series": self.rows,
+            "stretches": self.stretches,
             "film": records.film[:frames],
             "frame": records.film[frames].copy(),
             "cycles": self.cycles,
@@ -268,6 +277,7 @@ class Recorder:
             getattr(records, name)[...] = saved[name]
         self.maps = MapBatches.load(part(saved, "maps"))
         records.series[: len(saved["series"])] = saved["series"]
+        records.stretches[: len(saved["series"])] = saved["stretches"]
         records.film[:frames], records.film[frames] = saved["film"], saved["frame"]
         self.cycles = np.array(saved["cycles"])
         self.growth = np.array(saved["growth"])

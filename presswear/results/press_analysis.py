@@ -265,18 +265,20 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     if force is not None:
         height = height_of(scene, stage)
         rows = [_rows(time, item.start, item.end) for item in strokes]
-        peak = _mean(float(force[part].max()) for part in rows)
+        peak = mean_of_strokes(float(force[part].max()) for part in rows)
         # The force is linear in height between two rows.
-        work = _mean(-float(np.trapezoid(force[part], height[part])) for part in rows)
+        work = mean_of_strokes(
+            -float(np.trapezoid(force[part], height[part])) for part in rows
+        )
         # To 1e-8 of the greatest acceleration, which is far below what contacts add.
         ideal = scene.ideal_slider(stage.time, closed=False)
         deviation = stage.acceleration - ideal[:, 2]
         window = SNAP_THROUGH_S
         broken = [item for item in strokes if not math.isnan(item.fracture)]
-        before = _mean(
+        before = mean_of_strokes(
             _rms(time, deviation, s.contact - window, s.contact) for s in broken
         )
-        after = _mean(
+        after = mean_of_strokes(
             _rms(time, deviation, s.fracture, s.fracture + window) for s in broken
         )
     return Tonnage(len(strokes), peak, work, joints, before, after)
@@ -313,11 +315,15 @@ def joint_tonnage(
     means = {
         name: mean
         for name, values in peaks.items()
-        if (mean := _mean(values)) is not None
+        if (mean := mean_of_strokes(values)) is not None
     }
     fraction = back[loaded] / working[loaded]
     return JointTonnage(
-        means, _mean(working), _mean(back), _mean(fraction), _mean(delay)
+        means,
+        mean_of_strokes(working),
+        mean_of_strokes(back),
+        mean_of_strokes(fraction),
+        mean_of_strokes(delay),
     )
 
 
@@ -361,7 +367,7 @@ def _rows(time: Array, start: float, end: float) -> slice:
     return slice(int(ends[0]), int(ends[1]))
 
 
-def _mean(values: Iterable[float]) -> Estimate | None:
+def mean_of_strokes(values: Iterable[float]) -> Estimate | None:
     """Return the mean over the values, from 0, that are numbers; None if there is none."""
     samples = np.array([float(value) for value in values if not math.isnan(value)])
     if not samples.size:
@@ -443,7 +449,8 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     for k, body in enumerate(ideal):
         columns = dict(zip(names_of(DRIVE_CYCLE), last[:, k].T, strict=True))
         peaks[body] = [
-            _mean(np.abs(columns[f"{name}_peak"])) for name in ("torque", "power")
+            mean_of_strokes(np.abs(columns[f"{name}_peak"]))
+            for name in ("torque", "power")
         ]
         if stage.statistics.high_bumps or (settling and settling.is_mixture):
             peaks[body] = [peak and peak.without_interval for peak in peaks[body]]

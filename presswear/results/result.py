@@ -15,6 +15,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
 from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
+from presswear.results.frame_load import FrameLoad, frame_loads
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
 from presswear.results.stage import StageResult
@@ -108,6 +109,10 @@ class Result:
     def tonnage(self, index: int) -> press.Tonnage | None:
         """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
         return press.tonnage_of(self.scene, self.stage(index))
+
+    def frame_loads(self, index: int) -> dict[str, FrameLoad]:
+        """Return the loads of elastic frames in a stage by guide; empty without a stroke."""
+        return frame_loads(self.scene, self.stage(index))
 
     def drives(self, index: int) -> dict[str, press.DriveResult]:
         """Return the drives in a stage by their bodies; empty if torques were not stored."""

@@ -50,6 +50,7 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     width = cycle_columns(joints, drives, linkage.leader is not None)
     width += sections + 8 + joints * (1 + 2 * bins)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives + 1
+    series += len(linkage.elastic_guides)
     return _HEADS + 8 * (rows * series + contacts + cycles * width + 8 * joints * bins)
 
 
@@ -66,6 +67,7 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
         "clock": ("time",),
         "slider": ("time", 3),
         "drive_torque": ("time", drives),
+        "stretch": ("time", len(linkage.elastic_guides)),
         "cycles": ("cycles", columns),
         "cycle_start": ("cycles",),
         "sections": ("sections", scene.recording.sections, section),

@@ -504,6 +504,11 @@ class Scene(Checked):
         return replace(ideal, joints=joints, clearances=clearances).released
 
     @property
+    def has_deviations(self) -> bool:
+        """True if clearance or an elastic joint lets the output leave its ideal motion."""
+        return bool(self.clearance_joints or self.linkage().elastic_joints)
+
+    @property
     def stroke(self) -> float:
         """Distance between the extremes of the output coordinate in the ideal motion, m."""
         dead_centre = bottom_of(self.ideal)

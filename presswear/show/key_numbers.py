@@ -6,6 +6,7 @@ from typing import Any
 
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
+from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.life import (
     QUICK,
     WITHOUT_CURVES,
@@ -304,9 +305,10 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     if tonnage is not None and tonnage.peak_force is not None:
         text = f"Greatest force of the work on {scene.output} in a stroke."
         result.append(measured("Working force", tonnage.peak_force, "N", text))
-    if bdc is None or not scene.clearance_joints:
+    result += _frame_numbers(scene, stage)
+    if bdc is None or not scene.has_deviations:
         return result
-    text = f"Lowest position of {scene.output} compared with joints without clearance; "
+    text = f"Lowest position of {scene.output} compared with rigid joints without clearance; "
     text += "negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
@@ -318,6 +320,22 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         *result,
         measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes),
     ]
+
+
+def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the stretch of each elastic frame, with its reverse force."""
+    result = []
+    for name, load in frame_loads(scene, stage).items():
+        if load.stretch is None or load.force is None:
+            continue
+        force = numbers.quantity_text(load.force.mean, "N")
+        text = f"Stretch of {name} at its greatest force, {force}."
+        if load.reverse_fraction is not None:
+            part = numbers.readable(100.0 * load.reverse_fraction.mean, 2)
+            text += f" The reverse force after the fracture is {part} % of it; press makers "
+            text += f"allow {100.0 * ALLOWED_REVERSE:.0f} %."
+        result.append(measured("Stretch of the frame", load.stretch, "m", text))
+    return result
 
 
 def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
@@ -460,6 +478,13 @@ def warnings(result: Result) -> list[str]:
                     " Figures over time show the first run before it came to rest."
                 )
     for stage in stages:
+        lines += [
+            f"{stage.name.capitalize()}: the reverse force of {name} after the fracture is "
+            f"{numbers.readable(100.0 * load.reverse_fraction.mean, 2)} % of its greatest force; "
+            f"press makers allow {100.0 * ALLOWED_REVERSE:.0f} %."
+            for name, load in frame_loads(scene, stage).items()
+            if load.is_excessive and load.reverse_fraction is not None
+        ]
         created_fraction = stage.statistics.energy_made_fraction
         if created_fraction > _MADE:
             part = numbers.readable(100.0 * created_fraction, 2)

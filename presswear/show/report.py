@@ -36,6 +36,7 @@ from presswear.recording.soundness import RESIDUAL
 from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
+from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.life import (
     WITHOUT_CURVES,
     LifeResult,
@@ -228,6 +229,8 @@ def _tables(result: Result, **names: Any) -> Record:
         "linkage": linkage,
         "joints": scene.clearance_joints,
         "drives": [drive.body for drive in linkage.drives],
+        "frames": [guide.name for guide in scene.linkage().elastic_guides],
+        "allowed_reverse": ALLOWED_REVERSE,
         "pull": statics.pull_of(scene.linkage()),
         "statics": statics,
         "press": press,
@@ -287,7 +290,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     for name, stage in zip(
         stage_names(result, result.stages), result.stages, strict=True
     ):
-        bdc = stage.statistics.bdc if scene.clearance_joints else None
+        bdc = stage.statistics.bdc if scene.has_deviations else None
         ending = endings.get(stage.status, stage.status)
         records.append(
             {
@@ -317,6 +320,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                     joint: _deepest(stage, joint) for joint in scene.clearance_joints
                 },
                 "tonnage": press.tonnage_of(scene, stage),
+                "frames": frame_loads(scene, stage),
                 "ideal_work": None if scene.process is None else scene.process.work,
                 "ending": f"failed: {stage.message}" if stage.failed else ending,
                 "represented": stage.cycles_per_update if stage.joints else None,
@@ -340,7 +344,7 @@ def _heights_at_rest(
     scene: Scene, surfaces: Mapping[str, tuple[Surface, Surface]] | None = None
 ) -> Record | None:
     """Return total clearance and rise under a static force at bottom dead centre, m."""
-    if not scene.clearance_joints or not all(
+    if not scene.has_deviations or not all(
         law.is_trusted for law in scene.user_laws.values()
     ):
         return None

@@ -88,6 +88,13 @@ def damping_of(linkage: Linkage, guide: Guide) -> float:
     return 2.0 * guide.damping * math.sqrt(guide.stiffness * mass)
 
 
+def period_on(linkage: Linkage, guide: Guide) -> float:
+    """Return the period of all that a guide with a spring carries, s: 2 pi sqrt(m / k)."""
+    assert guide.stiffness is not None
+    mass = carried_mass(linkage, guide.body)
+    return 2.0 * math.pi * math.sqrt(mass / guide.stiffness)
+
+
 def carried_mass(linkage: Linkage, body: str) -> float:
     """Return the mass of a body with all bodies that joints connect with it, kg."""
     joints = [bodies_of(joint) for joint in (*linkage.joints, *linkage.elastic_pins)]

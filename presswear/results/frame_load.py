@@ -1,0 +1,99 @@
+"""Loads of elastic frames, guides with a spring, in the sampled strokes of a stage."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.linkage.elements import Guide
+from presswear.linkage.linkage import Linkage
+from presswear.physics.interactions.elastic_guide import carried_mass
+from presswear.recording.statistics import Estimate
+from presswear.results.press_analysis import (
+    SNAP_THROUGH_S,
+    SampledStroke,
+    mean_of_strokes,
+    sampled_strokes,
+)
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+ALLOWED_REVERSE = 0.1  # reverse force over the greatest one that press makers allow
+
+
+@dataclass(frozen=True)
+class FrameLoad:
+    """Load of an elastic frame in the work, means over the sampled strokes.
+
+    The load is that of its spring, less the weight that the frame carries. It contains
+    the inertia of the moving parts. The reverse force acts against the greatest one,
+    within SNAP_THROUGH_S of the fracture; None if nothing breaks.
+    """
+
+    force: Estimate | None  # greatest in the work, N
+    stretch: Estimate | None  # at this force, m
+    reverse_force: Estimate | None  # N
+    reverse_fraction: Estimate | None  # reverse over greatest force, stroke by stroke
+
+    @property
+    def is_excessive(self) -> bool:
+        """True if the reverse force is more than press makers allow."""
+        part = self.reverse_fraction
+        return part is not None and part.mean > ALLOWED_REVERSE
+
+
+def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
+    """Return the loads of elastic frames by guide; empty without a stroke on the work."""
+    if "stretch" not in stage.arrays or stage.failed:
+        return {}
+    linkage = scene.linkage()
+    strokes = [
+        stroke
+        for stroke in sampled_strokes(scene, stage)
+        if not math.isnan(stroke.contact)
+    ]
+    if not strokes:
+        return {}
+    columns = zip(linkage.elastic_guides, stage.arrays["stretch"].T, strict=True)
+    return {
+        guide.name: _load_of(linkage, guide, stage.time, stretch, strokes)
+        for guide, stretch in columns
+    }
+
+
+def _load_of(
+    linkage: Linkage,
+    guide: Guide,
+    time: Array,
+    stretch: Array,
+    strokes: list[SampledStroke],
+) -> FrameLoad:
+    """Return the load of a frame from its stretches."""
+    stiffness = guide.stiffness or 0.0
+    weight = linkage.gravity * carried_mass(linkage, guide.body)
+    load = stiffness * stretch + weight * math.sin(guide.direction)
+    rows = [_forces_of(time, load, stroke) for stroke in strokes]
+    greatest, back = np.array(rows).T
+    return FrameLoad(
+        mean_of_strokes(greatest),
+        mean_of_strokes(greatest / stiffness),
+        mean_of_strokes(back),
+        mean_of_strokes(back[greatest > 0.0] / greatest[greatest > 0.0]),
+    )
+
+
+def _forces_of(time: Array, load: Array, stroke: SampledStroke) -> tuple[float, float]:
+    """Return the greatest force in the work and the reverse force, N; nan without a fracture."""
+    has_broken = not math.isnan(stroke.fracture)
+    worked = stroke.fracture if has_broken else stroke.done
+    within = load[(time >= stroke.contact) & (time <= worked)]
+    if not within.size:
+        return math.nan, math.nan
+    peak = float(within[np.abs(within).argmax()])
+    if not has_broken:
+        return abs(peak), math.nan
+    end = min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
+    after = load[(time >= stroke.fracture) & (time <= end)]
+    against = -math.copysign(1.0, peak) * after
+    return abs(peak), max(float(against.max(initial=0.0)), 0.0)

@@ -1,0 +1,81 @@
+"""Loads of an elastic frame: closed forms of a slow stop, reverse force, texts of the report."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.results.frame_load import frame_loads
+from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.report import stage_tables
+
+FRAME, STOP, WEIGHT = 0.5e9, 2e9, 9.81 * 1010.0
+
+
+def pressed(process: Any, **frame: Any) -> pw.Result:
+    """Run an upright slider-crank of 410 kg for a stroke, on a crown of 600 kg."""
+    crank = pw.SliderCrank(
+        crank_length=0.04,
+        rod_length=0.6,
+        crank_mass=60.0,
+        rod_mass=50.0,
+        slider_mass=300.0,
+        speed=2.0 * math.pi,
+        **frame,
+    )
+    return pw.run(pw.Scene(crank, joints="none", process=process, cycles=2))
+
+
+def on_frame(process: Any, damping: float) -> pw.Result:
+    frame = {"frame_mass": 600.0, "frame_stiffness": FRAME, "frame_damping": damping}
+    return pressed(process, **frame)
+
+
+def test_a_stop_stretches_the_frame() -> None:
+    """Within the inertia of the slide at the bottom, 0.6 kN, and what the frame swings."""
+    result = on_frame(pw.Coining(stiffness=STOP, height=2e-4), damping=0.5)
+    (load,) = frame_loads(result.scene, result.stages[0]).values()
+    force = (2e-4 + WEIGHT / FRAME) / (1.0 / STOP + 1.0 / FRAME)
+    assert load.force is not None
+    assert load.stretch is not None
+    assert load.force.mean == pytest.approx(force, rel=0.02)
+    assert load.stretch.mean == pytest.approx(load.force.mean / FRAME)
+    assert load.reverse_force is None
+    bottom = result.stages[0].statistics.bdc
+    assert bottom is not None
+    error = (force - WEIGHT) / FRAME
+    assert bottom.error.mean == pytest.approx(error, rel=0.05)
+
+
+def test_the_frame_swings_back_after_a_fracture() -> None:
+    """To the other side by the force at the fracture, less half a period of damping."""
+    sheet = pw.Blanking(
+        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=2e-5
+    )
+    result = on_frame(sheet, damping=0.05)
+    stage, strokes = result.stages[0], result.strokes(0)
+    (load,) = frame_loads(result.scene, stage).values()
+    assert strokes is not None
+    assert load.force is not None
+    assert load.reverse_force is not None
+    stretch = stage.arrays["stretch"]
+    assert stretch.shape == (stage.time.size, 1)
+    end = strokes.fracture[-1, 0]
+    at_break = FRAME * float(np.interp(end, stage.time, stretch[:, 0])) + WEIGHT
+    assert load.reverse_force.mean == pytest.approx(
+        math.exp(-0.05 * math.pi) * at_break, rel=0.1
+    )
+    assert load.is_excessive
+    texts = [f"{number}" for number in key_numbers(result)]
+    assert any("press makers allow 10 %" in text for text in texts)
+    assert any("the reverse force of frame" in line for line in warnings(result))
+    assert "reverse force over greatest force" in f"{stage_tables(result)['tonnage']}"
+
+
+def test_a_rigid_frame_has_no_load() -> None:
+    result = pressed(pw.Coining(stiffness=STOP, height=2e-4))
+    assert frame_loads(result.scene, result.stages[0]) == {}
+    assert "stretch" not in result.stages[0].arrays
+    assert "Elastic" not in f"{stage_tables(result)['tonnage']}"
