@@ -6,6 +6,8 @@ from operator import attrgetter
 
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage
+from presswear.physics.oil_film import NARROWEST, WIDEST
+from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import quantity_text, readable
 
@@ -24,6 +26,9 @@ USUAL = {
     "speed": (0.0, 2000.0, "rad/s"),
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
     "viscosity": (1e-3, 10.0, "Pa s"),  # water at 20 °C; ISO VG 1000 at 10 °C
+    # beyond them the film of oil is not that of the formulas
+    "oiled clearance": (1e-5, 5e-3, ""),
+    "oiled width": (NARROWEST, WIDEST, ""),
     "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
 }
 
@@ -72,8 +77,7 @@ def doubts(scene: Scene) -> list[str]:
             "relative clearance", bearing.clearance / bearing.bearing_radius, words
         )
         if bearing.viscosity is not None:
-            words = f"the viscosity of joint {name}"
-            lines += unusual("viscosity", bearing.viscosity, words)
+            lines += _oil_doubts(name, bearing)
     if scene.process is not None:
         # The body that is too light for the force of the process, as a bar.
         force = max(force for _, force in scene.process.curve)
@@ -84,6 +88,27 @@ def doubts(scene: Scene) -> list[str]:
         )
         words += f"{readable(body.mass)} kg, under the process force of {quantity_text(force, 'N')}"
         lines += unusual("stress", stress, words)
+    return lines
+
+
+def _oil_doubts(name: str, bearing: Bearing) -> list[str]:
+    """Return a sentence on each number of an oiled joint for which no film is known."""
+    numbers = (
+        ("viscosity", bearing.viscosity or 0.0, "the viscosity of"),
+        (
+            "oiled clearance",
+            bearing.clearance / bearing.bearing_radius,
+            "the clearance divided by the radius of the oiled bearing of",
+        ),
+        (
+            "oiled width",
+            0.5 * bearing.width / bearing.bearing_radius,
+            "the width divided by the diameter of the oiled bearing of",
+        ),
+    )
+    lines = list[str]()
+    for key, value, words in numbers:
+        lines += unusual(key, value, f"{words} joint {name}")
     return lines
 
 

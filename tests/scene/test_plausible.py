@@ -69,3 +69,20 @@ def test_clearances_and_process_forces() -> None:
     ]
     heavy = replace(scene_named("press-blanking"), process=pw.Blanking(force=250e3))
     assert "kg, under the process force of 250 kN is 6" in doubts(heavy)[0]
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"clearance": "0.3 mm"}, "the clearance divided by the radius of the oiled"),
+        ({"width": "60 mm"}, "the width divided by the diameter of the oiled bearing"),
+        ({"width": "2 mm"}, "(usual: at least 0.125)"),
+        ({"viscosity": "1e-4 Pa s"}, "the viscosity of joint B is"),
+        ({}, ""),
+    ],
+)
+def test_oil_for_which_no_film_is_known(values: dict[str, str], words: str) -> None:
+    oiled = {"clearance": "30 um", "viscosity": "0.1 Pa s", **values}
+    lines = doubts(pw.scenes.slider_crank(**oiled))
+    assert len(lines) == bool(words)
+    assert all(words in line for line in lines)
