@@ -27,7 +27,7 @@ def __getattr__(name: str) -> object:
     if name == "__version__":
         return import_module("importlib.metadata").version("presswear")
     if name not in _MODULES:
-        hint = import_module("presswear.tools.errors").nearest(name, __all__)
+        hint = import_module("presswear.tools.errors").remedy(name, __all__)
         raise AttributeError(f"module 'presswear' has no attribute {name!r}{hint}")
     value = getattr(import_module(_MODULES[name]), name)
     if hasattr(value, "__dataclass_fields__"):

@@ -18,6 +18,7 @@ from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
+from presswear.tools.not_modelled import not_modelled
 from presswear.tools.quantities import (
     NONE,
     SYMBOLS,
@@ -296,9 +297,9 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if first in scene.bearing_joints:
         names = [f"{first}.{name}" for name in (*inner, DIAMETRAL)]
     hint = nearest(key, [*names, DIAMETRAL, *SYMBOLS])
-    return InputError(
-        f"unknown key {shown(key)}{hint or '; presswear list SCENE shows all keys'}"
-    )
+    absent = not_modelled(key)
+    others = "." if absent else "; presswear list SCENE shows all keys"
+    return InputError(f"unknown key {shown(key)}{hint or others} {absent}".rstrip())
 
 
 def _changed(

@@ -7,6 +7,8 @@ shows its traceback.
 from collections.abc import Iterable
 from typing import Any
 
+from presswear.tools.not_modelled import not_modelled
+
 
 class InputError(ValueError):
     """Unknown name, value out of range, or values that do not fit together, in one line."""
@@ -46,15 +48,24 @@ def nearest(name: str, names: Iterable[str]) -> str:
     return f"; did you mean {lower[matches[0]]}?" if matches else ""
 
 
-def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
-    """Return the error for an unknown name, with the nearest known one and a few, or with all."""
+def remedy(name: str, names: Iterable[str]) -> str:
+    """Return the end of a message on an unknown name: the nearest known one, or all."""
     words = tuple(names)
-    listed = f"; known are {', '.join(words)}" if words else "; there is none"
-    if hint := nearest(f"{name}", words):
+    absent = not_modelled(name)
+    if hint := nearest(name, words):
         listed = hint + (
             f" Known are {', '.join(words)}." if 1 < len(words) <= FEW_NAMES else ""
         )
-    return InputError(f"unknown {kind} {shown(name)}{listed}")
+    elif absent:
+        listed = "."
+    else:
+        listed = f"; known are {', '.join(words)}" if words else "; there is none"
+    return f"{listed} {absent}".rstrip()
+
+
+def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
+    """Return the error for an unknown name, with the nearest known one and a few, or with all."""
+    return InputError(f"unknown {kind} {shown(name)}{remedy(f'{name}', names)}")
 
 
 def not_installed(what: str, package: str, extra: str) -> InputError:

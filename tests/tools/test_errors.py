@@ -1,7 +1,14 @@
 """Messages in one line."""
 
-from presswear.tools.errors import one_line
+from pathlib import Path
+
+import pytest
+
+from presswear.tools.errors import one_line, unknown
+from presswear.tools.not_modelled import NOT_MODELLED, PAGE
 from presswear.tools.numbers import large
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable() -> None:
@@ -11,3 +18,23 @@ def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable() -> No
     assert "27\u202f000 strokes" in words
     assert one_line(words) == words
     assert one_line("a\nb\x1b") == "a\\nb\\x1b"
+
+
+@pytest.mark.parametrize("name", ["gear_ratio", "Gears", "tool.temperature", "3D"])
+def test_a_word_for_what_is_not_modelled_is_answered(name: str) -> None:
+    message = f"{unknown('key', name, ['speed', 'motion'])}"
+    assert message.startswith(f"unknown key {name!r}. Not modelled: ")
+    assert message.endswith(f"; see {PAGE}")
+
+
+def test_a_name_of_the_user_that_is_such_a_word_is_found_first() -> None:
+    message = f"{unknown('body', 'beams', ['beam', 'crank', 'rod'])}"
+    assert "did you mean beam?" in message
+    assert "Not modelled" not in f"{unknown('key', 'spead', ['speed', 'motion'])}"
+
+
+def test_the_page_lists_all_that_is_not_modelled() -> None:
+    page = (ROOT / PAGE).read_text(encoding="utf-8")
+    for words, answer in NOT_MODELLED.items():
+        row = " | ".join((", ".join(words), answer.replace("; ", " | ")))
+        assert f"| {row} |" in page
