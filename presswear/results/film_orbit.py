@@ -45,6 +45,27 @@ class FilmOrbit:
         return f"after {_MAX_CYCLES} cycles"
 
 
+def film_power(load: FilmLoad, orbit: FilmOrbit, film: OilFilm) -> Array:
+    """Return the power that wedge and squeeze take, over the clearance, N/s, shape (n,).
+
+    The film takes -F . e' + (e x F) S / 2 with the sum S of the speeds, because half of
+    the couple of its forces acts on the pin and half on the bearing. In the film's own
+    rates that is c (F_t eps Omega / 2 - F_n eps').
+    """
+    size = np.abs(orbit.place)
+    direction = np.divide(
+        orbit.place, size, out=np.ones_like(orbit.place), where=size > 0.0
+    )
+    on_film = load.force * direction.conj()
+    power = np.zeros(load.time.size)
+    for i, (gap, force) in enumerate(zip(orbit.gap, on_film, strict=True)):
+        along, across = float(force.real), float(force.imag)
+        limited = max(float(gap), _THINNEST)
+        closing, wedge = film_velocity(limited, along, across, film)
+        power[i] = across * wedge - along * closing
+    return power
+
+
 class OrbitTooStiff(Exception):
     """The force changes much more slowly than a film of so little viscosity follows it."""
 

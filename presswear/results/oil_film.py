@@ -13,11 +13,13 @@ from functools import lru_cache
 import numpy as np
 
 from presswear.linkage.elements import GROUND, Revolute
+from presswear.physics.mixed_lubrication import shear_moment
 from presswear.physics.oil_film import NARROWEST, WIDEST, film_of
 from presswear.results.film_orbit import (
     FilmLoad,
     FilmOrbit,
     OrbitTooStiff,
+    film_power,
     periodic_orbit,
 )
 from presswear.results.press_analysis import ideal_forces
@@ -46,6 +48,7 @@ class JointFilm:
     orbit: FilmOrbit
     clearance: float  # m
     roughness: float  # R_q of both surfaces together, m
+    loss: float = 0.0  # mean power that the oil takes, W
 
     @property
     def thickness(self) -> Array:
@@ -117,16 +120,17 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     """Return the film of a joint."""
     time, forces = ideal_forces(scene)
     velocity, linkage = scene.ideal.at(time).velocity, scene.loaded
-    speeds = sum(
-        velocity[:, 3 * linkage.index(end.body) + 2]
+    first, second = (
+        np.zeros(time.size)
+        if end.body == GROUND
+        else velocity[:, 3 * linkage.index(end.body) + 2]
         for end in pin.ends
-        if end.body != GROUND
     )
     load = FilmLoad(
         np.append(time, time[0] + scene.mechanism.period),
         # The force is on the bearing, and each of parallel rods bears its part.
         _cycle(-forces[pin.name] / bearing.parallel_rods),
-        _cycle(speeds + np.zeros(time.size)),
+        _cycle(first + second),
     )
     film = film_of(
         bearing.width,
@@ -134,13 +138,28 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
         bearing.clearance,
         bearing.viscosity or 0.0,
     )
+    orbit = periodic_orbit(load, film)
+    sheared = _shear_power(bearing, orbit, _cycle(second - first))
+    power = sheared + bearing.clearance * film_power(load, orbit, film)
+    mean = float(np.trapezoid(power, load.time)) / scene.mechanism.period
     return JointFilm(
         360.0 * (load.time - load.time[0]) / scene.mechanism.period,
         np.abs(load.force),
-        periodic_orbit(load, film),
+        orbit,
         bearing.clearance,
         math.sqrt(2.0) * bearing.roughness,
+        bearing.parallel_rods * mean,
     )
+
+
+def _shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
+    """Return the power that shears the oil of one rod, W, at spins of the pin in its bearing."""
+    sizes = bearing.width, bearing.bearing_radius, bearing.clearance
+    moments = [
+        shear_moment(float(gap), float(one), bearing.viscosity or 0.0, sizes)
+        for gap, one in zip(orbit.gap, spin, strict=True)
+    ]
+    return np.array(moments) * spin
 
 
 def _cycle(values: Array) -> Array:
@@ -202,7 +221,8 @@ def _film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     text = (
         f"With {bearing.viscosity:g} Pa s the least film of the cycle is {least} µm, at "
         f"{place:.0f}° ({phase} since the start) under {readable(force)} kN; the roughness of both "
-        f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}."
+        f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}. The oil takes "
+        f"{readable(film.loss)} W on average, without the friction of asperities."
     )
     if not film.orbit.is_closed:
         text += (

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
+from presswear.physics.mixed_lubrication import shear_moment
 from presswear.physics.oil_film import film_force, film_of
 from presswear.results.film_orbit import FilmOrbit
 from presswear.results.oil_film import JointFilm, dry_contact, oil_films
@@ -99,6 +100,13 @@ def test_a_weight_on_a_turning_pin_has_the_film_of_steady_rotation() -> None:
         assert math.hypot(along, across) == pytest.approx(1e4, rel=2e-3)
         on_pin = (along + 1j * across) * place / abs(place)
         assert abs(on_pin - 1e4j) < 30.0
+    # The bearing turns at 5 rad/s and the pin at 10.
+    gap = float(film.orbit.gap[0])
+    sizes = BUSH.width, BUSH.bearing_radius, BUSH.clearance
+    _, across = film_force(gap, 0.0, 15.0, oil)
+    couple = BUSH.clearance * (1.0 - gap) * across
+    sheared = 5.0 * shear_moment(gap, 5.0, 0.1, sizes)
+    assert film.loss == pytest.approx(0.5 * couple * 15.0 + sheared, rel=3e-3)
 
 
 @pytest.mark.parametrize(
