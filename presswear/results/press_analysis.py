@@ -431,16 +431,10 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     """
     if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
-    start = stage.arrays["cycle_start"]
     ideal = ideal_drives(scene)
     rubbing = rubbing_drives(scene)
-    # The cycles of the second set of replicates are not used.
     settling = stage.statistics.settling
-    replicates = [
-        stage.arrays["cycles"][start == k][settling.skipped(k) if settling else 0 :]
-        for k in range(scene.replicate_count)
-    ]
-    cycles = np.concatenate([statistics.after_startup(rows) for rows in replicates])
+    cycles = sampled_cycles(scene, stage)
     last = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(
         len(cycles), len(ideal), -1
     )
@@ -463,6 +457,18 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         body: DriveResult(duties[body], ideal[body], rubbing.get(body), *peaks[body])
         for body in ideal
     }
+
+
+def sampled_cycles(scene: Scene, stage: StageResult) -> Array:
+    """Return the rows of the cycles after the start-up, of all replicates, as stored."""
+    # The cycles of the second set of replicates are not used.
+    start = stage.arrays["cycle_start"]
+    settling = stage.statistics.settling
+    replicates = [
+        stage.arrays["cycles"][start == k][settling.skipped(k) if settling else 0 :]
+        for k in range(scene.replicate_count)
+    ]
+    return np.concatenate([statistics.after_startup(rows) for rows in replicates])
 
 
 def _mean_duration(scene: Scene, stage: StageResult, cycles: Array) -> float:

@@ -16,6 +16,7 @@ from presswear.results.life import (
     words_of,
 )
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
+from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, StageResult
@@ -98,6 +99,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         *explained(_joint_numbers(scene, stages)),
         *([] if life else _wear_depth(scene, stages)),
         *_stroke_numbers(scene, last),
+        *_motor_numbers(scene, last),
         *explained(_drive_numbers(scene, stages)),
         *_improvement(scene, last, result.life),
     ]
@@ -338,6 +340,44 @@ def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     return result
 
 
+def _motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the strokes a minute that the motor reaches, with its drop and its torque."""
+    speed = leader_speed(scene, stage)
+    if speed is None:
+        return []
+    text = "Strokes a minute, on average."
+    if speed.drop is not None:
+        part = numbers.readable(100.0 * speed.drop.mean, 2)
+        text += f" The work slows the motor by {part} %; press makers allow "
+        text += f"{100.0 * ALLOWED_DROP:.0f} %."
+    for body, load in motor_loads(scene, stage).items():
+        part = numbers.readable(100.0 * load.rms_fraction.mean, 3)
+        text += f" The rms torque of the motor of {body} is {part} % of the rated one."
+    rate = speed.stroke_rate.scaled(60.0)
+    return [measured("Speed reached", rate, "strokes a minute", text)]
+
+
+def _motor_warnings(scene: Scene, stage: StageResult) -> list[str]:
+    """Return sentences on a motor that is slowed too much or overloaded."""
+    name = stage.name.capitalize()
+    speed = leader_speed(scene, stage)
+    lines = []
+    if speed is not None and speed.drop is not None and speed.is_excessive:
+        part = numbers.readable(100.0 * speed.drop.mean, 2)
+        lines.append(
+            f"{name}: the work slows the motor by {part} %; press makers allow "
+            f"{100.0 * ALLOWED_DROP:.0f} %. A larger flywheel reduces the drop."
+        )
+    for body, load in motor_loads(scene, stage).items():
+        if load.is_overloaded:
+            part = numbers.readable(100.0 * load.rms_fraction.mean, 3)
+            lines.append(
+                f"{name}: the rms torque of the motor of {body} is {part} % of its rated "
+                "torque, so that the motor overheats."
+            )
+    return lines
+
+
 def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
     """Return where the equal bottoms of a stroke are; empty if it has one bottom."""
     if not bdc.equal_bottoms:
@@ -485,6 +525,7 @@ def warnings(result: Result) -> list[str]:
             for name, load in frame_loads(scene, stage).items()
             if load.is_excessive and load.reverse_fraction is not None
         ]
+        lines += _motor_warnings(scene, stage)
         created_fraction = stage.statistics.energy_made_fraction
         if created_fraction > _MADE:
             part = numbers.readable(100.0 * created_fraction, 2)

@@ -45,6 +45,12 @@ from presswear.results.life import (
     span_of,
     words_of,
 )
+from presswear.results.motor_load import (
+    ALLOWED_DROP,
+    RECOVERED,
+    leader_speed,
+    motor_loads,
+)
 from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
@@ -231,6 +237,14 @@ def _tables(result: Result, **names: Any) -> Record:
         "drives": [drive.body for drive in linkage.drives],
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
         "allowed_reverse": ALLOWED_REVERSE,
+        "leader": scene.linkage().leader,
+        "motors": [
+            drive.body
+            for drive in linkage.drives
+            if drive.motor is not None and drive.motor.has_slip
+        ],
+        "allowed_drop": ALLOWED_DROP,
+        "recovered": RECOVERED,
         "pull": statics.pull_of(scene.linkage()),
         "statics": statics,
         "press": press,
@@ -291,6 +305,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
         stage_names(result, result.stages), result.stages, strict=True
     ):
         bdc = stage.statistics.bdc if scene.has_deviations else None
+        speed = leader_speed(scene, stage)
         ending = endings.get(stage.status, stage.status)
         records.append(
             {
@@ -321,14 +336,20 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                 },
                 "tonnage": press.tonnage_of(scene, stage),
                 "frames": frame_loads(scene, stage),
+                "motors": motor_loads(scene, stage),
+                "speed": speed,
+                "strokes_per_minute": speed and speed.stroke_rate.scaled(60.0),
                 "ideal_work": None if scene.process is None else scene.process.work,
                 "ending": f"failed: {stage.message}" if stage.failed else ending,
                 "represented": stage.cycles_per_update if stage.joints else None,
             }
         )
     sound = [record for record in records if not record["stage"].failed]
-    names = ("joints", "bottom", "tonnage")
+    names: tuple[str, ...] = ("joints", "bottom", "tonnage")
+    if scene.linkage().leader is not None:
+        names = (*names, "motor")
     tables = {name: _result_table(name, result, sound) for name in names}
+    tables.setdefault("motor", None)
     tables["endings"] = _line_table("endings", result, records)
     return {**tables, "diagnostics": _result_table("diagnostics", result, records)}
 

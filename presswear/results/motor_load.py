@@ -1,0 +1,153 @@
+"""Loads of motors in the sampled cycles of a stage: speed, torque and energy."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.linkage.drives import Drive
+from presswear.recording.columns import (
+    DRIVE_CYCLE,
+    DURATION,
+    GIVEN,
+    RETURNED,
+    TORQUE,
+    TORQUE_PEAK,
+    TORQUE_SQUARE,
+    first_leader_column,
+)
+from presswear.recording.statistics import Estimate
+from presswear.results.press_analysis import (
+    SampledStroke,
+    mean_of_strokes,
+    sampled_cycles,
+    sampled_strokes,
+)
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+ALLOWED_DROP = 0.2  # of the speed by the work, that press makers allow
+CLOSE_ROWS = 1e-5  # s, between rows of which only the later one has a speed
+RECOVERED = 0.99  # part of the speed before the work from which it counts as back
+
+
+@dataclass(frozen=True)
+class MotorLoad:
+    """Load of a motor with a rated torque, means over the sampled cycles and strokes.
+
+    The slip loss is the integral of (T / i) (W_0 - i omega), which heats the rotor.
+    """
+
+    work: Estimate  # on its body in a cycle, J
+    slip_loss: Estimate  # in a cycle, J
+    rms_fraction: Estimate  # rms torque over the rated torque
+    # peak over breakdown torque; None: no breakdown torque
+    peak_fraction: Estimate | None
+
+    @property
+    def is_overloaded(self) -> bool:
+        """True if the rms torque is above the rated torque."""
+        return self.rms_fraction.mean > 1.0
+
+
+@dataclass(frozen=True)
+class LeaderSpeed:
+    """Speed of the first motor, means over the sampled cycles and strokes."""
+
+    stroke_rate: Estimate  # cycles in a second, 1/s
+    # greatest drop from the touch until the force of the work has vanished, part of the
+    # speed at the touch; None: no work
+    drop: Estimate | None
+    # angle of the leader from the touch until RECOVERED of the speed is back, rad; None:
+    # it does not fall below, or is not back in the recorded strokes
+    recovery: Estimate | None
+
+    @property
+    def is_excessive(self) -> bool:
+        """True if the speed drops by more than press makers allow."""
+        return self.drop is not None and self.drop.mean > ALLOWED_DROP
+
+
+def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
+    """Return the speed of the first motor; None without a motor or a complete cycle."""
+    if not stage.has_clock or stage.failed or not stage.arrays["cycles"].size:
+        return None
+    leader = scene.linkage().leader
+    assert leader is not None, "only a leader has a clock"
+    duration = _durations(stage, sampled_cycles(scene, stage))
+    rate = mean_of_strokes(1.0 / duration)
+    assert rate is not None
+    rows = [
+        _drop_of(stage, stroke)
+        for stroke in sampled_strokes(scene, stage)
+        if not math.isnan(stroke.contact)
+    ]
+    drops, recoveries = np.array(rows).reshape(-1, 2).T
+    recovery = mean_of_strokes(abs(leader.speed) * recoveries)
+    return LeaderSpeed(rate, mean_of_strokes(drops), recovery)
+
+
+def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float]:
+    """Return the drop of the speed by the work, and the nominal time until it is back, s.
+
+    The drop is a part of the speed at the touch. Speeds are means between rows of the
+    series, so that the drop is too small by half a row in the time of the work.
+    """
+    # Of rows at nearly the same time the last is used: their slope is round-off.
+    rows = np.flatnonzero(np.diff(stage.clock, append=math.inf) > CLOSE_ROWS)
+    time, clock = stage.time[rows], stage.clock[rows]
+    speed, start, end = np.diff(time) / np.diff(clock), clock[:-1], clock[1:]
+    before = speed[end <= stroke.contact + CLOSE_ROWS][-1:]
+    during = speed[
+        (start >= stroke.contact - CLOSE_ROWS) & (end <= stroke.done + CLOSE_ROWS)
+    ]
+    if not before.size or not during.size:
+        return math.nan, math.nan
+    drop = max(1.0 - float(during.min() / before[0]), 0.0)
+    is_back = (start >= stroke.done) & (speed >= RECOVERED * before[0])
+    if drop <= 1.0 - RECOVERED or not is_back.any():
+        return drop, math.nan
+    touch = float(np.interp(stroke.contact, clock, time))
+    return drop, float(time[1:][is_back][0]) - touch
+
+
+def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:
+    """Return the loads of motors with a rated torque by body; empty without one."""
+    if not stage.has_clock or stage.failed or not stage.arrays["cycles"].size:
+        return {}
+    drives = scene.linkage().drives
+    cycles = sampled_cycles(scene, stage)
+    duration = _durations(stage, cycles)
+    numbers = cycles[:, -len(DRIVE_CYCLE) * len(drives) :]
+    numbers = numbers.reshape(len(cycles), len(drives), -1)
+    return {
+        drive.body: _load_of(drive, numbers[:, k], duration)
+        for k, drive in enumerate(drives)
+        if drive.motor is not None and drive.motor.has_slip
+    }
+
+
+def _durations(stage: StageResult, cycles: Array) -> Array:
+    """Return the durations of cycles, rows of a stage, s."""
+    return cycles[:, first_leader_column(len(stage.joint_names)) + DURATION]
+
+
+def _load_of(drive: Drive, numbers: Array, duration: Array) -> MotorLoad:
+    """Return the load of a motor from its numbers of each cycle."""
+    motor = drive.motor
+    assert motor is not None
+    assert motor.torque is not None
+    rated = motor.ratio * motor.torque
+    work = numbers[:, GIVEN] - numbers[:, RETURNED]
+    loss = drive.no_load_speed * numbers[:, TORQUE] - work
+    mean_work, mean_loss = mean_of_strokes(work), mean_of_strokes(loss)
+    rms = mean_of_strokes(np.sqrt(numbers[:, TORQUE_SQUARE] / duration) / rated)
+    assert mean_work is not None
+    assert mean_loss is not None
+    assert rms is not None
+    peak = None
+    if motor.breakdown is not None:
+        greatest = np.abs(numbers[:, TORQUE_PEAK])
+        peak = mean_of_strokes(greatest / (rated * motor.breakdown))
+    return MotorLoad(mean_work, mean_loss, rms, peak)

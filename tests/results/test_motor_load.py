@@ -1,0 +1,97 @@
+"""Loads of motors: closed forms of a braked rotor, and stored series of a press."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.results.motor_load import leader_speed, motor_loads
+from presswear.results.press_analysis import sampled_strokes
+from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.report import stage_tables
+
+TURN = 2.0 * math.pi
+SHEET = pw.Blanking(
+    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
+)
+UP = 0.5 * math.pi
+
+
+def press(inertia: float, **settings: Any) -> pw.Result:
+    """Run an upright slider-crank with a line motor of 480 N m at a slip of 0.08."""
+    bodies = [
+        pw.Bar("crank", 0.04, 60.0, 0.5),
+        pw.Bar("rod", 0.6, 50.0),
+        pw.Body("slide", 300.0),
+    ]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "crank.tail"),
+        pw.Pin("A", "crank.head", "rod.tail"),
+        pw.Pin("B", "rod.head", "slide"),
+        pw.Guide("guide", "slide", direction=UP),
+    ]
+    motor = pw.Motor(20.0, slip=0.08, ratio=24, inertia=inertia, **settings)
+    drives = [pw.Drive("crank", TURN, UP, motor=motor)]
+    linkage = pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
+    return pw.run(
+        pw.Scene(linkage, process=SHEET, cycles=4, drive_torque="on"), engine="dae"
+    )
+
+
+def drop_on_the_line(result: pw.Result) -> float:
+    """Return the drop of the speed in the last stroke, from torques on the line of the motor."""
+    stage = result.stages[0]
+    stroke = sampled_strokes(result.scene, stage)[-1]
+    works = (stage.clock >= stroke.contact) & (stage.clock <= stroke.done)
+    omega = 1.0 - 0.08 / 480.0 * stage.arrays["drive_torque"][works, 0]
+    return 1.0 - float(omega.min() / omega[0])
+
+
+def test_loads_are_those_of_the_stored_series() -> None:
+    result = press(0.25, breakdown=None)
+    scene, stage = result.scene, result.stages[0]
+    (load,) = motor_loads(scene, stage).values()
+    speed = leader_speed(scene, stage)
+    assert speed is not None
+    assert speed.drop is not None
+    # Of the last two of four cycles, from the series: T = 480 N m s / 0.08 on a line.
+    rows = stage.time >= 2.0 - 1e-9
+    clock, torque = stage.clock[rows], stage.arrays["drive_torque"][rows, 0]
+    omega = TURN * (1.0 - 0.08 * torque / 480.0)
+    length = clock[-1] - clock[0]
+    assert speed.stroke_rate.mean == pytest.approx(2.0 / length, rel=1e-4)
+    work = np.trapezoid(torque * omega, clock) / 2.0
+    assert load.work.mean == pytest.approx(work, rel=1e-3)
+    loss = np.trapezoid(torque * (TURN - omega), clock) / 2.0
+    assert load.slip_loss.mean == pytest.approx(loss, rel=1e-3)
+    rms = math.sqrt(np.trapezoid(torque**2, clock) / length)
+    assert load.rms_fraction.mean == pytest.approx(rms / 480.0, rel=1e-3)
+    assert load.peak_fraction is None
+    least = drop_on_the_line(result)
+    assert speed.drop.mean == pytest.approx(least, rel=0.03)
+    assert speed.recovery is not None
+    assert "slip loss per cycle" in f"{stage_tables(result)['motor']}"
+    assert any("strokes a minute" in f"{one}" for one in key_numbers(result))
+    assert not any("overheats" in line for line in warnings(result))
+
+
+def test_a_light_flywheel_is_slowed_too_much() -> None:
+    result = press(0.01)
+    (load,) = motor_loads(result.scene, result.stages[0]).values()
+    speed = leader_speed(result.scene, result.stages[0])
+    assert speed is not None
+    assert speed.is_excessive
+    peak = np.abs(result.stages[0].arrays["drive_torque"][:, 0]).max()
+    assert load.peak_fraction is not None
+    assert load.peak_fraction.mean == pytest.approx(peak / (480.0 * 2.75), rel=1e-3)
+    assert any("the work slows the motor by" in line for line in warnings(result))
+
+
+def test_a_linkage_without_a_motor_has_no_load() -> None:
+    scene = pw.Scene(pw.SliderCrank(), joints="none", cycles=1)
+    result = pw.run(scene, engine="dae")
+    assert motor_loads(result.scene, result.stages[0]) == {}
+    assert leader_speed(result.scene, result.stages[0]) is None
+    assert stage_tables(result)["motor"] is None
