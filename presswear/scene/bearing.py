@@ -494,7 +494,10 @@ _TURN = 2.0 * math.pi
 
 
 def initial_surfaces(
-    surfaces: Any, joints: tuple[str, ...], bearing: Callable[[str], Bearing]
+    surfaces: Any,
+    joints: tuple[str, ...],
+    bearing: Callable[[str], Bearing],
+    contact: elements.SurfaceContact,
 ) -> dict[str, tuple[Surface, Surface]]:
     """Return initial surfaces on the bins of the wear maps, without joints that are round."""
     if not isinstance(surfaces, Mapping):
@@ -512,7 +515,7 @@ def initial_surfaces(
                 f"surfaces of {name}: a pair, bearing and pin, is expected"
             )
         first, second = (
-            _surface(f"{side} at {name}", value, bearing(name))
+            _surface(f"{side} at {name}", value, bearing(name), contact)
             for side, value in zip(SIDES, pair, strict=True)
         )
         if first.is_worn or second.is_worn:
@@ -520,7 +523,9 @@ def initial_surfaces(
     return result
 
 
-def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
+def _surface(
+    where: str, value: Any, bearing: Bearing, contact: elements.SurfaceContact
+) -> Surface:
     """Return one side on the bins of its joint; empty where it is round."""
     if value is None:
         return Surface()
@@ -548,9 +553,11 @@ def _surface(where: str, value: Any, bearing: Bearing) -> Surface:
     if not depth.any():
         return Surface()
     angle = angle % _TURN
-    for k in np.flatnonzero((depth < 0.0) | (depth > bearing.clearance))[:1]:
+    sizes = bearing.clearance, bearing.bearing_radius
+    deepest = elements.deepest_wear(contact, *sizes)
+    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
         place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
-        allowed = f"allowed is 0 to {written(bearing.clearance, 'm')}, the clearance"
+        allowed = f"allowed is 0 to {written(deepest, 'm')}"
         raise InputError(f"{where}: {place}: {allowed}")
     _check_angles(where, angle)
     bins = bin_centres(bearing.angles)

@@ -214,7 +214,10 @@ class Scene(Checked):
                 k: b for k, b in self.joint_bearings.items() if b != self.bearings
             },
             surfaces=initial_surfaces(
-                self.surfaces, self.clearance_joints, self.bearing
+                self.surfaces,
+                self.clearance_joints,
+                self.bearing,
+                self.conventions.contact,
             ),
         )
         if self.life is None and not self.clearance_joints:

@@ -191,7 +191,7 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
         ),
         (text.replace('"AC"', '"A"'), "worn.csv: unknown joint in surfaces 'C'"),
         (
-            f'{text}clearance = "2 um"\n',
+            f'{text}clearance = "0.2 um"\n',
             "worn.csv: bearing at C: depth 0.003 mm at 0 deg",
         ),
     ):
