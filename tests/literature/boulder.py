@@ -1,0 +1,192 @@
+"""Motor-driven slider-crank of the University of Colorado: model, fit and prediction.
+
+The measured curves are mean speeds of the wheel over bins of 10 degrees. Speeds tell
+only ratios to the inertia of the wheel, which is set to INERTIA; torques and masses
+below are those of this wheel. The rod is light: its mass is part of the collar and of
+the imbalance.
+"""
+
+import math
+from dataclasses import astuple, dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+import presswear as pw
+from presswear.linkage.linkage import Linkage
+from presswear.tools.arrays import Array
+
+DATA = Path(__file__).parent / "data" / "boulder_slider_crank.csv"
+CRANK, ROD, OFFSET = 0.07745, 0.2521, 0.1495  # m
+INERTIA = 0.01  # of the wheel about its axis, kg m^2
+WHEEL_MASS = 10.0  # kg; it only places the mass centre of a given imbalance
+ROD_MASS = 1e-4  # kg
+SLIP = 0.5  # of the motor, at which its torque is stated
+BINS = 36
+CYCLES = 4  # turns until the last repeats
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Fitted quantities of the rig, SI; the defaults are those of the fit to all voltages."""
+
+    zero: float = 1.4962  # angle of the crank at wheel angle 0, rad
+    torque_per_volt: float = 0.46087  # of the motor at rest, N m/V
+    torque_per_speed: float = 0.188593  # slope of the motor line, N m s/rad
+    bearing_friction: float = 0.85088  # moment, N m
+    collar_mass: float = 0.469994  # kg
+    collar_friction: float = 5.11599  # force on the guide, N
+    imbalance_along: float = (
+        0.0271874  # mass times distance, towards the crank pin, kg m
+    )
+    imbalance_across: float = -0.0099227  # 90 degrees ahead of the crank pin, kg m
+
+    @classmethod
+    def of(cls, values: Array) -> Self:
+        """Return the rig with the fitted quantities in their order."""
+        return cls(*map(float, values))
+
+    @property
+    def values(self) -> Array:
+        """Fitted quantities in their order."""
+        return np.array(astuple(self))
+
+
+def measured() -> dict[float, Array]:
+    """Return the measured mean speeds in the bins, rad/s, by voltage."""
+    rows = [
+        line for line in DATA.read_text("utf-8").splitlines() if line[:1].isnumeric()
+    ]
+    table = np.array([[float(value) for value in line.split(",")] for line in rows])
+    return dict(zip((5.5, 8.5, 10.5), table.T[1:], strict=True))
+
+
+def against(force: float) -> list[pw.Force]:
+    """Return Coulomb friction of the collar: a constant force against either motion, N."""
+    return [
+        pw.Force(
+            "collar",
+            0.5 * math.pi,
+            pw.OverPosition([(-1.0, size), (1.0, size)], sense=sense, outside="hold"),
+            name=f"friction {sense}",
+        )
+        for sense, size in (("against", force), ("along", -force))
+    ]
+
+
+def linkage(rig: Rig, voltage: float) -> Linkage:
+    """Return the linkage; the collar slides upright below the wheel, beside its axis."""
+    no_load = rig.torque_per_volt * voltage / rig.torque_per_speed
+    motor = pw.Motor(
+        rig.torque_per_volt * voltage * SLIP,
+        slip=SLIP,
+        breakdown=None,
+        no_load_speed=no_load,
+    )
+    centre = (rig.imbalance_along / WHEEL_MASS, rig.imbalance_across / WHEEL_MASS)
+    steiner = WHEEL_MASS * math.hypot(*centre) ** 2
+    points = {
+        "axis": (-centre[0], -centre[1]),
+        "pin": (CRANK - centre[0], -centre[1]),
+    }
+    return pw.assemble(
+        bodies=[
+            pw.Body("wheel", WHEEL_MASS, INERTIA - steiner, points=points),
+            pw.Bar("rod", ROD, ROD_MASS),
+            pw.Body("collar", rig.collar_mass),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "wheel.axis"),
+            pw.Pin("A", "wheel.pin", "rod.tail"),
+            pw.Pin("B", "rod.head", "collar"),
+            pw.Guide("guide", "collar", x=-OFFSET, y=0.0, direction=0.5 * math.pi),
+        ],
+        drives=[pw.Drive("wheel", 0.85 * no_load, rig.zero, motor=motor)],
+        output="collar",
+        guess={"rod": -0.5 * math.pi},
+        loads=[
+            pw.Load("wheel", moment=-rig.bearing_friction),
+            *against(rig.collar_friction),
+        ],
+    )
+
+
+def speeds(rig: Rig, voltage: float) -> Array:
+    """Return the mean speeds in the bins of the last turn, rad/s."""
+    parts = linkage(rig, voltage)
+    recording = pw.Recording(recorded_cycles=CYCLES, rows_per_cycle=500)
+    scene = pw.Scene(parts, cycles=CYCLES, recording=recording, replicates=1)
+    stage = pw.run(scene, engine="dae").stages[0]
+    period = 2.0 * math.pi / parts.drives[0].speed
+    edges = (CYCLES - 1 + np.arange(BINS + 1) / BINS) * period
+    return 2.0 * math.pi / BINS / np.diff(stage.clock_of(edges))
+
+
+def residuals(rig: Rig, voltages: tuple[float, ...]) -> Array:
+    """Return model less measurement, part of the mean speed of each voltage."""
+    curves = measured()
+    return np.concatenate(
+        [(speeds(rig, v) - curves[v]) / curves[v].mean() for v in voltages]
+    )
+
+
+def fitted(voltages: tuple[float, ...]) -> tuple[Rig, Array, float]:
+    """Fit the rig; return it, the covariance of its quantities and the scatter."""
+    first = Rig().values
+    found = least_squares(
+        lambda scale: residuals(Rig.of(scale * first), voltages),
+        np.ones(first.size),
+        diff_step=1e-3,
+        max_nfev=6,
+    )
+    variance = float(found.fun @ found.fun) / (found.fun.size - first.size)
+    covariance = variance * np.linalg.inv(found.jac.T @ found.jac)
+    covariance *= np.outer(first, first)
+    return Rig.of(found.x * first), covariance, math.sqrt(variance)
+
+
+def numbers(curve: Array) -> Array:
+    """Return the mean over the bins and the range over them, rad/s."""
+    return np.array([curve.mean(), np.ptp(curve)])
+
+
+def predicted(
+    rig: Rig, covariance: Array, scatter: float, voltage: float
+) -> tuple[Array, Array]:
+    """Return mean and range at a voltage and their standard deviations, rad/s.
+
+    The deviations are those of the parameters and of independent errors of the bins.
+    """
+    best, steps = numbers(speeds(rig, voltage)), 1e-3 * rig.values
+    slopes = [
+        (numbers(speeds(Rig.of(rig.values + step), voltage)) - best) / step.sum()
+        for step in np.diag(steps)
+    ]
+    gradient = np.array(slopes).T
+    bins = (scatter * best[0]) ** 2 * np.array([1.0 / BINS, 2.0])
+    return best, np.sqrt(np.diag(gradient @ covariance @ gradient.T) + bins)
+
+
+def main() -> None:
+    """Print the fit, the voltages left out and the predictions."""
+    curves, errors = measured(), []
+    for voltage, curve in curves.items():
+        others = tuple(one for one in curves if one != voltage)
+        best, deviation = predicted(*fitted(others), voltage)
+        errors.append((numbers(curve) - best) / deviation)
+        print("left out", voltage, best, deviation, numbers(curve), flush=True)
+    factor = np.sqrt(np.mean(np.square(errors), axis=0)).clip(min=1.0)
+    width = student.ppf(0.975, len(curves)) * factor
+    print("factor", factor, "half widths", width, flush=True)
+    rig, covariance, scatter = fitted(tuple(curves))
+    print(rig, np.sqrt(np.diag(covariance)), scatter, flush=True)
+    for voltage in (6.5, 7.5, 9.5):
+        best, deviation = predicted(rig, covariance, scatter, voltage)
+        print(voltage, best, width * deviation, flush=True)
+
+
+if __name__ == "__main__":
+    main()
