@@ -278,7 +278,10 @@ class Scene(Checked):
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
         loaded = self.loaded
-        is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
+        is_limited = any(
+            drive.torque_limit is not None and drive.motor is None
+            for drive in loaded.drives
+        )
         if is_limited and not self.has_untrusted_loads:
             from presswear.physics.statics import check_drives  # slow import
 
@@ -389,7 +392,7 @@ class Scene(Checked):
         for joint in self.rigid_bearings:
             self.bearing(joint).check_user_friction(joint)
         for key, law in self.user_laws.items():
-            if key.startswith("loads["):
+            if key.startswith(("loads[", "drives[")):
                 loads.check_load(key, law)
                 law.check_compiles(key, loads.LOAD_PARAMETERS)
 
@@ -407,6 +410,11 @@ class Scene(Checked):
         }
         applied = enumerate(self.mechanism.linkage().loads)
         laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
+        drives = enumerate(self.mechanism.linkage().drives)
+        laws |= {
+            f"drives[{k}].motor.law": getattr(drive.motor, "law", None)
+            for k, drive in drives
+        }
         return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
 
     @property

@@ -1,0 +1,87 @@
+"""Speed at which a motor settles, from which a run starts."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Bushing
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.motor import Motor
+from presswear.physics.ideal import IdealMotion
+from presswear.physics.statics import load_corners, needed_torques
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+
+_INSTANTS = 720  # of a cycle at which a torque is averaged, beside corners of loads
+
+
+def settled_rate(
+    linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing] = ()
+) -> float:
+    """Return the settled speed of the leader over its nominal speed.
+
+    At the settled speed the motor gives the mean torque of the ideal inverse dynamics,
+    so that T omega equals the mean power at this speed. A free crank and a user law
+    start at the nominal speed.
+
+    Parameters
+    ----------
+    bushings : sequence of ClearanceJoint or Revolute
+        Bearings whose friction acts in the rigid joints.
+
+    Raises
+    ------
+    InputError
+        If the motor is too weak.
+    """
+    leader = linkage.leader
+    if leader is None or leader.motor is None or not leader.motor.has_slip:
+        return 1.0
+    sense = math.copysign(1.0, leader.speed)
+    torque = sense * mean_torque(linkage, ideal, linkage.drives.index(leader), bushings)
+    slip = slip_at(leader.motor, torque, leader)
+    return (1.0 - slip) * leader.no_load_speed / leader.speed
+
+
+def mean_torque(
+    linkage: Linkage,
+    ideal: IdealMotion,
+    number: int,
+    bushings: Sequence[Bushing] = (),
+) -> float:
+    """Return the torque of a drive in the second cycle of the ideal motion, N m, its mean."""
+    start = linkage.run_up_time
+    time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
+    time = np.union1d(time, load_corners(linkage, ideal, time))
+    torque = needed_torques(linkage, ideal, time, bushings)[:, number]
+    is_second = time >= start + ideal.period
+    return _mean(time[is_second], torque[is_second])
+
+
+def _mean(time: Array, value: Array) -> float:
+    return float(np.trapezoid(value, time) / (time[-1] - time[0]))
+
+
+def slip_at(motor: Motor, torque: float, drive: Drive) -> float:
+    """Return the slip at which a motor gives a torque on the body of its drive, N m.
+
+    Of the two slips of Kloss's equation the one below breakdown, at which the motor
+    runs stably. InputError beyond the greatest torque.
+    """
+    assert motor.torque is not None
+    rated = motor.ratio * motor.torque
+    part, greatest = torque / rated, motor.breakdown or 1.0 / motor.slip
+    if abs(part) >= greatest:
+        raise InputError(
+            f"torque of the motor of {drive.body} = {written(motor.torque, 'N m')}: the ideal "
+            f"motion needs {written(torque, 'N m')} in the mean at {drive.body}, and the motor "
+            f"gives {written(greatest * rated, 'N m')} there at most; a larger torque or ratio "
+            "is needed"
+        )
+    if motor.breakdown_slip is None:
+        return motor.slip * part
+    root = greatest + math.sqrt(greatest * greatest - part * part)
+    return motor.breakdown_slip * part / root
