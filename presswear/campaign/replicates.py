@@ -52,8 +52,11 @@ def start_of(scene: Scene, index: int = 0) -> Start:
 
     The first replicate of seed 0 has its pins centred in their bearings, with positions
     and velocities of the ideal mechanism. All others are moved along a free direction.
+    With a motor the velocities are those at its settled speed, unless it runs up from
+    rest.
     """
     start = _ideal_start(scene.ideal)
+    start = replace(start, velocity=_start_rate(scene) * start.velocity)
     # Multiples of two independent irrational numbers leave no two replicates close
     # together.
     fraction = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
@@ -77,6 +80,18 @@ def start_of(scene: Scene, index: int = 0) -> Start:
 def _ideal_start(ideal: IdealMotion) -> Start:
     motion = ideal.at(np.zeros(1))
     return Start(motion.position[0], motion.velocity[0])
+
+
+@lru_cache(maxsize=64)
+def _start_rate(scene: Scene) -> float:
+    """Return the speed of a scene's motor at the start over its nominal speed."""
+    if scene.mechanism.linkage().leader is None:
+        return 1.0
+    if scene.run_up > 0.0:
+        return 0.0
+    from presswear.physics.settled_speed import settled_rate  # slow to import
+
+    return settled_rate(scene.loaded, scene.ideal, scene.linkage().bushings)
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:

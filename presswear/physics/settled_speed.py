@@ -11,11 +11,11 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.motor import Motor
 from presswear.physics.ideal import IdealMotion
 from presswear.physics.statics import load_corners, needed_torques
-from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
-_INSTANTS = 720  # of a cycle at which a torque is averaged, beside corners of loads
+_INSTANTS = 2880  # of a cycle at which a torque is averaged, beside corners of loads
+_INSTANTS_BEFORE = 360  # of the cycle before, in which laws of loads follow the motion
 
 
 def settled_rate(
@@ -25,7 +25,8 @@ def settled_rate(
 
     At the settled speed the motor gives the mean torque of the ideal inverse dynamics,
     so that T omega equals the mean power at this speed. A free crank and a user law
-    start at the nominal speed.
+    start at the nominal speed. Where friction blocks the motion of rigid joints, the
+    torque is that without friction.
 
     Parameters
     ----------
@@ -40,8 +41,12 @@ def settled_rate(
     leader = linkage.leader
     if leader is None or leader.motor is None or not leader.motor.has_slip:
         return 1.0
-    sense = math.copysign(1.0, leader.speed)
-    torque = sense * mean_torque(linkage, ideal, linkage.drives.index(leader), bushings)
+    number = linkage.drives.index(leader)
+    try:
+        torque = mean_torque(linkage, ideal, number, bushings)
+    except RunFailed:
+        torque = mean_torque(linkage, ideal, number)
+    torque *= math.copysign(1.0, leader.speed)
     slip = slip_at(leader.motor, torque, leader)
     return (1.0 - slip) * leader.no_load_speed / leader.speed
 
@@ -52,28 +57,28 @@ def mean_torque(
     number: int,
     bushings: Sequence[Bushing] = (),
 ) -> float:
-    """Return the torque of a drive in the second cycle of the ideal motion, N m, its mean."""
+    """Return the mean torque of a drive in the second cycle of the ideal motion, N m."""
     start = linkage.run_up_time
-    time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
+    second = start + ideal.period
+    before = np.linspace(start, second, _INSTANTS_BEFORE, endpoint=False)
+    time = np.append(before, np.linspace(second, second + ideal.period, _INSTANTS + 1))
     time = np.union1d(time, load_corners(linkage, ideal, time))
     torque = needed_torques(linkage, ideal, time, bushings)[:, number]
-    is_second = time >= start + ideal.period
-    return _mean(time[is_second], torque[is_second])
-
-
-def _mean(time: Array, value: Array) -> float:
-    return float(np.trapezoid(value, time) / (time[-1] - time[0]))
+    is_second = time >= second
+    work = np.trapezoid(torque[is_second], time[is_second])
+    return float(work / ideal.period)
 
 
 def slip_at(motor: Motor, torque: float, drive: Drive) -> float:
     """Return the slip at which a motor gives a torque on the body of its drive, N m.
 
-    Of the two slips of Kloss's equation the one below breakdown, at which the motor
-    runs stably. InputError beyond the greatest torque.
+    Of the two slips of Kloss's equation it is the one below breakdown, at which the
+    motor runs stably. InputError at and beyond the greatest torque.
     """
     assert motor.torque is not None
     rated = motor.ratio * motor.torque
-    part, greatest = torque / rated, motor.breakdown or 1.0 / motor.slip
+    part = torque / rated
+    greatest = motor.breakdown or 1.0 / motor.slip
     if abs(part) >= greatest:
         raise InputError(
             f"torque of the motor of {drive.body} = {written(motor.torque, 'N m')}: the ideal "

@@ -286,6 +286,11 @@ class Scene(Checked):
             from presswear.physics.statics import check_drives  # slow import
 
             check_drives(loaded, self.ideal, self.linkage().bushings)
+        leader = loaded.leader
+        if leader is not None and self.run_up == 0.0 and not self.has_untrusted_loads:
+            from presswear.physics.settled_speed import settled_rate  # slow import
+
+            settled_rate(loaded, self.ideal, self.linkage().bushings)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)

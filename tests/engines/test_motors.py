@@ -8,9 +8,10 @@ import math
 
 import numpy as np
 import pytest
-from upright_press import blanked, upright_press
+from upright_press import SHEET, blanked, upright_press
 
 import presswear as pw
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
@@ -171,6 +172,19 @@ def test_a_press_with_a_flywheel(engine: Engine) -> None:
     assert turn.time == pytest.approx(1.0020207682972, rel=within(engine))
     assert float(turn.diagnostics["load_work_J"]) == pytest.approx(-137.5, rel=1e-8)
     assert abs(float(turn.diagnostics["energy_residual_J"])) < 10.0 * within(engine)
+
+
+def test_a_press_starts_at_its_settled_speed() -> None:
+    """Mean torque 137.5 J / 2 pi; the turns behind the first last equally long."""
+    scene = pw.Scene(upright_press(LINE), process=SHEET, cycles=3)
+    start = start_of(scene)
+    settled = 1.0 - 0.08 * 137.5 / TURN / 480.0
+    assert start.velocity[2] / TURN == pytest.approx(settled, abs=1e-8)
+    engine = InHouse(integration_tolerance=1e-10).for_cycle(1.0)
+    run = engine.simulate(scene.linkage(), start, Plan(1.0, 3))
+    first, second, third = run.recorder.each_cycle("duration")
+    assert first == pytest.approx(1.0 / settled, rel=3e-3)
+    assert third == pytest.approx(second, rel=1e-5)
 
 
 def test_the_least_speed_of_a_press_in_its_third_turn() -> None:

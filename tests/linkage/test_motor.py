@@ -1,6 +1,7 @@
 """Motors as data: their ranges, the leader, the ideal and the released linkage, files."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -101,3 +102,21 @@ def test_motors_are_stored_with_the_linkage() -> None:
         assert linkage_from(linkage.as_plain(), "file") == linkage
     drive: Any = {"body": "crank", "speed": "60 spm", "motor": {"torque": "20 N m"}}
     assert pw.Drive(**drive).motor == pw.Motor(20.0)
+
+
+def law(time: float) -> float:
+    return 1.0
+
+
+def test_scenes_of_motors() -> None:
+    """A servo may saturate, and user laws are found by their keys."""
+    servo = pw.Motor(stiffness=1e3)
+    beside = pw.Drive("two", TURN, motor=pw.Motor(0))
+    linkage = two_cranks(INDUCTION, SERVO)
+    limited = pw.Drive("one", TURN, torque_limit=1e-3, motor=servo)
+    pw.Scene(linkage.changed(drives=[limited, beside])).check()
+    fixed = [replace(limited, motor=None), replace(beside, motor=None)]
+    with pytest.raises(pw.InputError, match="torque_limit of one"):
+        pw.Scene(linkage.changed(drives=fixed)).check()
+    scene = pw.Scene(two_cranks(pw.Motor(law=law), SERVO))
+    assert list(scene.user_laws) == ["drives[0].motor.law"]
