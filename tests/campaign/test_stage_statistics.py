@@ -1,5 +1,6 @@
 """Statistics of a stage from the rows of its cycles."""
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -66,7 +67,7 @@ def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
     )
     steps = stage.each_cycle("steps")
     assert stage.statistics.means["steps"] == pooled([steps])[0]
-    misspelt = {
+    misspelt: dict[str, Callable[[], Any]] = {
         "quantity of a cycle 'step'": lambda: stage.each_cycle("step"),
         "quantity of a joint's cycle 'contact'": lambda: joint.each_cycle("contact"),
         "quantity of a contact 'touch'": lambda: joint.contact("touch"),
