@@ -18,6 +18,8 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.results.frame_load import frame_loads
+from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.results.press_analysis import rise
 from presswear.results.result import Result
 from presswear.results.stage import JointResult, JointStatistics, StageResult
@@ -105,6 +107,30 @@ def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
     return Response(total_clearance(result.scene.linkage(stage.surfaces)))
 
 
+def _of_speed(name: str, factor: float = 1.0) -> Callable[..., Response | None]:
+    """Return the function that reads a number of the first motor's speed."""
+
+    def read(result: Result, stage: StageResult, joint: None) -> Response | None:
+        speed = leader_speed(result.scene, stage)
+        estimate = speed and getattr(speed, name)
+        return _response(estimate and estimate.scaled(factor))
+
+    return read
+
+
+def _greatest_of(
+    loads: Callable[[Scene, StageResult], Any], name: str
+) -> Callable[..., Response | None]:
+    """Return the function that reads the greatest number of the motors, or of the frames."""
+
+    def read(result: Result, stage: StageResult, joint: None) -> Response | None:
+        each = (getattr(load, name) for load in loads(result.scene, stage).values())
+        numbers = [number for number in each if number is not None]
+        return _response(max(numbers, key=lambda one: one.mean, default=None))
+
+    return read
+
+
 def _settled(result: Result, stage: StageResult, joint: None) -> Response | None:
     settling = stage.statistics.settling
     return None if settling is None else Response(settling.settled / settling.runs)
@@ -146,6 +172,12 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
         "J",
         "work of all drives in a cycle, less the change of stored energy",
     ),
+    "strokes_per_minute": ("", "strokes a minute that the motor reaches"),
+    "speed_drop": ("", "drop of the motor's speed by the work, part of the speed"),
+    "motor_rms": ("", "rms over rated torque of the motor, the greatest"),
+    "slip_loss": ("J", "slip loss of the motor in a cycle, the greatest"),
+    "frame_stretch": ("m", "stretch of the frame at its greatest force in the work"),
+    "reverse_force": ("", "reverse force of the frame over its greatest force"),
     "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }
@@ -160,9 +192,17 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "repeatability": ("stage", _at("statistics.bdc.standard_deviation")),
     "total_clearance": ("stage", _clearance, True),
     "drive_work": ("stage", _at("statistics.drive_work_per_cycle")),
+    "strokes_per_minute": ("stage", _of_speed("stroke_rate", 60.0)),
+    "speed_drop": ("stage", _of_speed("drop")),
+    "motor_rms": ("stage", _greatest_of(motor_loads, "rms_fraction")),
+    "slip_loss": ("stage", _greatest_of(motor_loads, "slip_loss")),
+    "frame_stretch": ("stage", _greatest_of(frame_loads, "stretch")),
+    "reverse_force": ("stage", _greatest_of(frame_loads, "reverse_fraction")),
     "settled": ("stage", _settled),
     "life": ("result", _life),
 }
+OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
+OF_FRAMES = ("frame_stretch", "reverse_force")
 RESPONSES = {
     name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()
 }
@@ -182,12 +222,16 @@ class Requested:
 def available(scene: Scene) -> dict[str, Definition]:
     """Return all responses of a scene by name, those of joints first."""
     responses: dict[str, Definition] = {}
+    linkage = scene.linkage()
+    absent = {"life"} if scene.life is None else set()
+    absent |= set() if linkage.leader else set(OF_MOTORS)
+    absent |= set() if linkage.elastic_guides else set(OF_FRAMES)
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
             responses |= {
                 f"{joint}.{name}": definition for joint in scene.clearance_joints
             }
-        elif name != "life" or scene.life is not None:
+        elif name not in absent:
             responses[name] = definition
     return responses
 

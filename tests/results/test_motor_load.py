@@ -11,6 +11,7 @@ from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.results.press_analysis import sampled_strokes
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.report import stage_tables
+from presswear.sweeps.responses import available, request, responses_of
 
 TURN = 2.0 * math.pi
 SHEET = pw.Blanking(
@@ -74,6 +75,11 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert speed.recovery is not None
     assert "slip loss per cycle" in f"{stage_tables(result)['motor']}"
     assert any("strokes a minute" in f"{one}" for one in key_numbers(result))
+    requested = request(scene, ["strokes_per_minute", "speed_drop", "slip_loss"])
+    values = responses_of(result, requested)
+    assert values["strokes_per_minute"].value == pytest.approx(120.0 / length, rel=1e-4)
+    assert values["slip_loss"].value == load.slip_loss.mean
+    assert "frame_stretch" not in available(scene)
     assert not any("overheats" in line for line in warnings(result))
 
 
@@ -95,3 +101,4 @@ def test_a_linkage_without_a_motor_has_no_load() -> None:
     assert motor_loads(result.scene, result.stages[0]) == {}
     assert leader_speed(result.scene, result.stages[0]) is None
     assert stage_tables(result)["motor"] is None
+    assert "speed_drop" not in available(scene)
