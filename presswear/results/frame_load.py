@@ -57,7 +57,7 @@ def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
         return {}
     columns = zip(linkage.elastic_guides, stage.arrays["stretch"].T, strict=True)
     return {
-        guide.name: _load_of(linkage, guide, stage.time, stretch, strokes)
+        guide.name: _load_of(linkage, guide, stage.clock, stretch, strokes)
         for guide, stretch in columns
     }
 

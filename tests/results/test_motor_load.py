@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
+from presswear.results.frame_load import frame_loads
 from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.results.press_analysis import sampled_strokes
 from presswear.show.key_numbers import key_numbers, warnings
@@ -17,11 +18,11 @@ TURN = 2.0 * math.pi
 SHEET = pw.Blanking(
     force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
 )
-UP = 0.5 * math.pi
+UP, FRAME, WEIGHT = 0.5 * math.pi, 0.5e9, 9.81 * 1010.0
 
 
-def press(inertia: float, **settings: Any) -> pw.Result:
-    """Run an upright slider-crank with a line motor of 480 N m at a slip of 0.08."""
+def press(inertia: float, on_frame: bool = False, **settings: Any) -> pw.Result:
+    """Run an upright slider-crank with a motor of 480 N m at a slip of 0.08."""
     bodies = [
         pw.Bar("crank", 0.04, 60.0, 0.5),
         pw.Bar("rod", 0.6, 50.0),
@@ -33,6 +34,10 @@ def press(inertia: float, **settings: Any) -> pw.Result:
         pw.Pin("B", "rod.head", "slide"),
         pw.Guide("guide", "slide", direction=UP),
     ]
+    if on_frame:
+        bodies = [pw.Body("crown", 600.0), *bodies]
+        frame = pw.Guide("frame", "crown", direction=UP, stiffness=FRAME, damping=0.05)
+        joints = [frame, pw.Pin("O", "crown", "crank.tail"), *joints[1:]]
     motor = pw.Motor(20.0, slip=0.08, ratio=24, inertia=inertia, **settings)
     drives = [pw.Drive("crank", TURN, UP, motor=motor)]
     linkage = pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
@@ -93,6 +98,15 @@ def test_a_light_flywheel_is_slowed_too_much() -> None:
     assert load.peak_fraction is not None
     assert load.peak_fraction.mean == pytest.approx(peak / (480.0 * 2.75), rel=1e-3)
     assert any("the work slows the motor by" in line for line in warnings(result))
+
+
+def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
+    """The work lasts by the clock, which lags behind the nominal time."""
+    result = press(0.02, on_frame=True)
+    (load,) = frame_loads(result.scene, result.stages[0]).values()
+    stretch = result.stages[0].arrays["stretch"][:, 0]
+    assert load.force is not None
+    assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
 
 
 def test_a_linkage_without_a_motor_has_no_load() -> None:
