@@ -22,7 +22,7 @@ from presswear.linkage.elements import (
     OutputPoint,
     angle,
 )
-from presswear.linkage.motor import Motor
+from presswear.linkage.motor import MAX_STIFFNESS, Motor
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, choice, quantity, written
@@ -436,8 +436,41 @@ _BOTTOM = "angle of crank 2 from the start to bottom dead centre"
 _START = "initial angle of crank 7, which determines the height of the slider"
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Servo(Checked):
+    """Servo motor of crank 7, which is exact without a stiffness."""
+
+    stiffness: float | None = quantity(
+        *(None, "N m/rad", 0.0, MAX_STIFFNESS, "assumed"),
+        "stiffness of the servo, which then follows the angle of crank 2; default: exact",
+    )
+    damping: float = quantity(
+        *(0.0, "N m s/rad", 0.0, MAX_STIFFNESS, "assumed"),
+        "damping of a servo with a stiffness",
+    )
+    torque_limit: float | None = quantity(
+        *(None, "N m", 1e-6, 1e12, "chosen"),
+        "torque at which a servo with a stiffness saturates; default: torque_limit",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.damping and self.stiffness is None:
+            raise InputError(
+                f"damping = {self.damping:g} N m s/rad: it needs a stiffness of the servo, such as "
+                "1e5 N m/rad"
+            )
+
+    @property
+    def motor(self) -> Motor | None:
+        """Law of the torque of crank 7; None: the servo is exact."""
+        if self.stiffness is None:
+            return None
+        return Motor(stiffness=self.stiffness, damping=self.damping)
+
+
 @dataclass(frozen=True)
-class Dwell(Checked):
+class Dwell(_Servo):
     """Slider at rest around bottom dead centre; half a cycle later it is at the top."""
 
     kind: ClassVar[str] = "dwell"
@@ -467,7 +500,7 @@ class Dwell(Checked):
 
 
 @dataclass(frozen=True)
-class Forming(Checked):
+class Forming(_Servo):
     """Slider that comes down fast, works at a constant speed, stops smoothly, and goes back.
 
     In between it moves by polynomials of degree 5 without acceleration at their ends.
@@ -526,7 +559,7 @@ class Forming(Checked):
 
 
 @dataclass(frozen=True)
-class Pendulum(Checked):
+class Pendulum(_Servo):
     """Crank that swings as a sine: middle + amplitude sin(turn of crank 2 - phase)."""
 
     kind: ClassVar[str] = "pendulum"
@@ -548,7 +581,20 @@ class Pendulum(Checked):
         )
 
 
-Servo = Dwell | Forming | Pendulum
+@dataclass(frozen=True)
+class ConstantSpeed(_Servo):
+    """Crank that turns as fast as crank 2, in the opposite sense."""
+
+    kind: ClassVar[str] = "constant-speed"
+
+    angle: float = _servo_angle(-51.18, _START)
+
+    def drive(self, body: str, frequency: float, slider: str) -> Drive:
+        """Return the drive of a body at a speed, rad/s; slider not used."""
+        return Drive(body, frequency, self.angle)
+
+
+Servo = Dwell | Forming | Pendulum | ConstantSpeed
 SERVOS: Mapping[str, type[Servo]] = {
-    servo.kind: servo for servo in (Dwell, Forming, Pendulum)
+    servo.kind: servo for servo in (Dwell, Forming, Pendulum, ConstantSpeed)
 }

@@ -15,7 +15,13 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar, NamedTuple
 
-from presswear.linkage.drives import SERVOS, Drive, Servo, torque_limit
+from presswear.linkage.drives import (
+    SERVOS,
+    ConstantSpeed,
+    Drive,
+    Servo,
+    torque_limit,
+)
 from presswear.linkage.elements import (
     DAMPING,
     MAX_STIFFNESS,
@@ -30,8 +36,16 @@ from presswear.linkage.elements import (
     Place,
 )
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
+from presswear.linkage.motor import Motor
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import choice, named_set, one_of, quantity, written
+from presswear.tools.quantities import (
+    choice,
+    named_set,
+    one_of,
+    optional,
+    quantity,
+    written,
+)
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
@@ -96,6 +110,14 @@ _frame_damping = partial(
 )
 
 
+_motor = partial(
+    optional,
+    Motor,
+    {"torque": 0.0},
+    "motor of the crank; none: the crank turns at its nominal speed",
+)
+
+
 class _Crown(NamedTuple):
     """Part of an elastic frame in which cranks turn; without bodies on a rigid frame."""
 
@@ -112,10 +134,12 @@ class Mechanism(Checked, ABC):
     default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
     origin: ClassVar[str]  # of its values, in a sentence
     speed: float  # of the driven crank, rad/s
+    torque_limit: float | None  # N m
     # Elastic frame; None: rigid
     frame_mass: float | None = None  # kg
     frame_stiffness: float | None = None  # N/m
     frame_damping: float = DAMPING
+    motor: Motor | None = None  # of the driven crank; None: it turns at its speed
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -123,6 +147,11 @@ class Mechanism(Checked, ABC):
             stiffness = written(self.frame_stiffness, "N/m")
             raise InputError(
                 f"frame_stiffness = {stiffness}: it needs a frame_mass, such as 600 kg"
+            )
+        if self.motor is not None and self.motor.is_servo:
+            raise InputError(
+                "motor: a torque or a user law is expected, not a stiffness, which only a servo "
+                "has; 0 N m is a free crank"
             )
 
     def _crown(self, direction: float, pivots: Mapping[str, Place]) -> _Crown:
@@ -148,6 +177,11 @@ class Mechanism(Checked, ABC):
     def period(self) -> float:
         """Time of one cycle, s."""
         return 2.0 * math.pi / self.speed
+
+    def _drive(self, crank: str, start: float = 0.0) -> Drive:
+        """Return the drive of the only driven crank, from an angle, rad."""
+        limit = self.torque_limit
+        return Drive(crank, self.speed, start, torque_limit=limit, motor=self.motor)
 
     def linkage(self) -> Linkage:
         """Return the ideal linkage, every joint closed."""
@@ -263,9 +297,20 @@ class Press(Mechanism):
     frame_mass: float | None = _frame_mass()
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
+    motor: Motor | None = _motor()
     servo: Servo | None = one_of(
         SERVOS, "servo motion of crank 7; none: it turns at constant speed, as crank 2"
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        has_servo = self.servo is not None and self.servo.motor is not None
+        if self.motor is not None and not has_servo:
+            raise InputError(
+                "motor: crank 7 follows the time, but the motor of crank 2 does not; give crank 7 "
+                "a servo, which follows the angle of crank 2, such as servo.stiffness = "
+                "1e5 N m/rad"
+            )
 
     def plate_corners(self) -> dict[str, Attachment]:
         """Return B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""
@@ -321,8 +366,9 @@ class Press(Mechanism):
                     -self.speed,
                     CRANK_2_START,
                     torque_limit=self.torque_limit,
+                    motor=self.motor,
                 ),
-                replace(self._drive_7, torque_limit=self.torque_limit),
+                self._drive_7,
             ),
             output=OutputPoint("slider 6", 0.5 * math.pi),
             guess=self.guess,
@@ -332,9 +378,10 @@ class Press(Mechanism):
 
     @property
     def _drive_7(self) -> Drive:
-        if self.servo is None:
-            return Drive("crank 7", self.speed, CRANK_7_START)
-        return self.servo.drive("crank 7", self.speed, "slider 6.centre")
+        servo = self.servo or ConstantSpeed()
+        drive = servo.drive("crank 7", self.speed, "slider 6.centre")
+        limit = servo.torque_limit or self.torque_limit
+        return replace(drive, torque_limit=limit, motor=servo.motor)
 
     @property
     def guess(self) -> Mapping[str, float]:
@@ -407,6 +454,7 @@ class SliderCrank(Mechanism):
     frame_mass: float | None = _frame_mass()
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
+    motor: Motor | None = _motor()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -433,7 +481,7 @@ class SliderCrank(Mechanism):
                 Pin("B", "rod.head", "slider"),
                 Guide("guide", "slider", direction=upward),
             ),
-            drives=(Drive("crank", self.speed, along, torque_limit=self.torque_limit),),
+            drives=(self._drive("crank", along),),
             guess={"rod": along},
             gravity=self.gravity,
             run_up=self.run_up,
@@ -475,6 +523,7 @@ class FourBar(Mechanism):
     frame_mass: float | None = _frame_mass()
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
+    motor: Motor | None = _motor()
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the coupler from A to B, the rocker from P to B.
@@ -492,7 +541,7 @@ class FourBar(Mechanism):
                 Pin("B", "coupler.head", "rocker.head"),
                 Pin("P", crown.ends["P"], "rocker.tail"),
             ),
-            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
+            drives=(self._drive("crank"),),
             guess={"coupler": cmath.phase(b - a), "rocker": cmath.phase(b - p)},
             output="rocker.head",
             gravity=self.gravity,
@@ -540,6 +589,7 @@ class SixBar(Mechanism):
     frame_mass: float | None = _frame_mass()
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
+    motor: Motor | None = _motor()
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the rod from A to B, the links from P to B and C
@@ -570,7 +620,7 @@ class SixBar(Mechanism):
                 Pin("D", "lower link.head", "slider"),
                 Guide("guide", "slider", direction=0.5 * math.pi),
             ),
-            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
+            drives=(self._drive("crank"),),
             guess={
                 "rod": cmath.phase(b - a),
                 "upper link": cmath.phase(b),

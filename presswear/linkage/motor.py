@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from presswear.linkage.loads import LOAD_PARAMETERS
 from presswear.tools.errors import InputError
@@ -40,6 +40,9 @@ class Motor(Checked):
         User law of the torque on the body, N m, counterclockwise: a function of time, s,
         position, the angle of the body, rad, and speed, rad/s, also as ``FILE.py:NAME``.
     """
+
+    # fields that the motor of a crank of a mechanism does not have as settings
+    unset: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     torque: float | None = quantity(
         *(None, "N m", 0.0, 1e7, "chosen"),

@@ -18,6 +18,8 @@ from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import (
     DEFAULT,
     IN_FILE,
+    MOTOR,
+    SERVO,
     TABLES,
     Setting,
     changed,
@@ -35,7 +37,8 @@ SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles
 # table of the values that a sweep of the scene varies, which the scene ignores
 SWEEP = "sweep"
-_PARTS = "process", "servo", "life"
+_PARTS = "process", MOTOR, SERVO, "life"
+_WITHOUT_KIND = MOTOR, SERVO  # tables whose kind may be left out
 _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
@@ -192,7 +195,11 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     for table in (name for name in (*TABLES, *_PARTS) if name in data):
         if not isinstance(data[table], Mapping):
             raise InputError(f"{table} = {shown(data[table])}: a table is expected")
-        if table in _PARTS and "kind" not in data[table]:
+        needs_kind = table in _PARTS and (
+            table not in _WITHOUT_KIND
+            or (table == SERVO and "stiffness" not in data[table])
+        )
+        if needs_kind and "kind" not in data[table]:
             raise InputError(
                 f"{table}: a kind is missing; presswear list SCENE shows the kinds"
             )

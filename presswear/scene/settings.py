@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from presswear.linkage.drives import ConstantSpeed
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
 from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
@@ -21,6 +22,7 @@ from presswear.tools.files import digest
 from presswear.tools.not_modelled import not_modelled
 from presswear.tools.quantities import (
     NONE,
+    ON,
     SYMBOLS,
     Choice,
     Quantity,
@@ -33,6 +35,9 @@ from presswear.tools.user_function import UserFunction, is_stored_function
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
+# of a file, too: the settings of a drive, which a file may have without a kind
+MOTOR, SERVO = "motor", "servo"
+MOTOR_LIMIT = f"{MOTOR}.torque_limit"  # in a file; the torque limit of the mechanism
 _COMMON = "bearings"  # field of a scene with the bearing that joints share
 DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
@@ -117,6 +122,8 @@ def name_of_key(key: str) -> str:
     The name of the table that holds it in a file may stand before it.
     """
     table, _, rest = key.partition(".")
+    if key == MOTOR_LIMIT:
+        return rest
     first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
     return f"{first}{dot}{SYMBOLS.get(last, last)}"
 
@@ -167,6 +174,8 @@ def _has_settings(value: Any) -> bool:
 def _fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, str]]:
     """Yield name, key, value and meaning of each field, and the prefix of the keys in it."""
     for item in fields(owner):
+        if item.name in getattr(owner, "unset", ()):
+            continue
         key = f"{prefix}{item.name}"
         meaning = meaning_of(item, owner)
         is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
@@ -202,6 +211,7 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
         raise InputError(f"{both} are the same setting; set one of them")
     if scene.life is not None and f"{named.get('wear_updates')}".strip() == "0":
         named.setdefault("life", NONE)  # without wear there is no life
+    _add_motor_and_servo(scene, named)
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
     for key, value in named.items():
@@ -256,6 +266,29 @@ def _release_elastic(
         common["joints"] = allowed.combine((*allowed.split(joints), *elastic))
 
 
+def _add_motor_and_servo(scene: Scene, settings: dict[str, Any]) -> None:
+    """Add the words with which a motor or a servo that only has values begins, in place.
+
+    A motor is there once it has a torque, and a servo with a stiffness alone turns its
+    crank at a constant speed. InputError for values of a motor without a torque.
+    """
+    mechanism = scene.mechanism
+    has_no_servo = getattr(mechanism, SERVO, NONE) is None
+    if has_no_servo and f"{SERVO}.stiffness" in settings:
+        settings.setdefault(SERVO, ConstantSpeed.kind)
+    keys = [key for key in settings if key.partition(".")[0] == MOTOR]
+    has_none = getattr(mechanism, MOTOR, NONE) is None
+    if not keys or not has_none or f"{settings.get(MOTOR)}".strip() == NONE:
+        return
+    if f"{MOTOR}.torque" not in settings and MOTOR in vars(mechanism):
+        raise InputError(
+            f"{keys[0]}: a motor needs a torque, such as {MOTOR}.torque = 20 N m, or 0 N m for a "
+            "free crank"
+        )
+    if MOTOR in vars(mechanism):
+        settings.setdefault(MOTOR, ON)
+
+
 def _radial(key: str, value: Any) -> tuple[str, Any]:
     """Return a setting; of a diametral clearance that of the radial one, m."""
     name = _RADIAL.sub("clearance", key)
@@ -267,6 +300,15 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if last == DIAMETRAL:
         radial = _RADIAL.sub("clearance", key)
         return InputError(f"{key}: use {radial}, which is half the diametral clearance")
+    if first in (MOTOR, SERVO) and first not in allowed:
+        drives = (
+            f"; specify the {MOTOR} of a drive in mechanism.drives"
+            if isinstance(scene.mechanism, Linkage)
+            else ""
+        )
+        return InputError(
+            f"{key}: mechanism {scene.mechanism.kind} has no {first}{drives}"
+        )
     if not first and last in SINGLE:
         joint = scene.mechanism.allowed_joints[-1]
         return InputError(f"{key}: name the joint, for example {joint}.{last}")
@@ -327,7 +369,9 @@ def _changed(
     try:
         return replace(owner, **updates)
     except InputError as error:
-        raise InputError(f"{message_prefix}{prefix}{error}") from None
+        is_named = prefix and f"{error}".startswith(f"{prefix[:-1]}: ")
+        label = message_prefix if is_named else f"{message_prefix}{prefix}"
+        raise InputError(f"{label}{error}") from None
 
 
 def values_of(key: str, text: str, meaning: Quantity) -> list[float]:

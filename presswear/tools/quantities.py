@@ -18,6 +18,7 @@ from presswear.tools.numbers import short_number
 from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
+ON = "on"  # word for an optional part of the only kind there is
 SYMBOLS = {  # of the paper and of the contact laws, by which settings are named, too
     **{"omega": "speed", "c": "clearance", "R_i": "bearing_radius", "b": "width"},
     **{"E": "youngs_modulus", "nu": "poisson_ratio", "K_d": "wear_coefficient"},
@@ -94,6 +95,15 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),
     "N": {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
     "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
+    "N m/rad": {
+        **dict.fromkeys(("N m/rad", "Nm/rad"), 1.0),
+        **dict.fromkeys(("kN m/rad", "kNm/rad"), 1e3),
+        **dict.fromkeys(("MN m/rad", "MNm/rad"), 1e6),
+    },
+    "N m s/rad": {
+        **dict.fromkeys(("N m s/rad", "Nms/rad"), 1.0),
+        **dict.fromkeys(("kN m s/rad", "kNms/rad"), 1e3),
+    },
     "1/m": {"1/m": 1.0, "/m": 1.0, "1/mm": 1e3, "/mm": 1e3},
     "s/m": {"s/m": 1.0, "s/mm": 1e3},
     "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
@@ -300,6 +310,8 @@ class Choice:
     instances: Mapping[str, Any] | None = None
     # classes by kind; the field holds an instance, or None
     kinds: Mapping[str, Any] | None = None
+    # first values of a part that is either ``on`` or absent: those without a default
+    needed: Mapping[str, Any] = field(default_factory=dict, hash=False)
     example: str = ""  # of a free text that its owner reads
 
     unit: ClassVar[str] = ""
@@ -346,7 +358,7 @@ class Choice:
                 (name for name, one in self.instances.items() if one == value), "custom"
             )
         if self.kinds is not None:
-            return NONE if value is None else value.kind
+            return NONE if value is None else getattr(value, "kind", ON)
         return value
 
     def convert(self, name: str, value: Any) -> Any:
@@ -355,7 +367,9 @@ class Choice:
             if isinstance(value, tuple(self.kinds.values())):
                 return value
             data = {**value} if isinstance(value, Mapping) else {"kind": value}
-            kind = data.pop("kind", None)
+            if value == ON:
+                data |= self.needed
+            kind = data.pop("kind", ON if self.needed else None)
             self.check(name, kind)
             return None if kind == NONE else self.kinds[kind](**data)
         if self.instances is not None:
@@ -436,6 +450,14 @@ def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
 def one_of(kinds: Mapping[str, Any], text: str) -> Any:
     """Return a data class field for an instance of one of some data classes, or None."""
     return _field(None, Choice((NONE, *kinds), text, kinds=kinds))
+
+
+def optional(kind: Any, needed: Mapping[str, Any], text: str) -> Any:
+    """Return a data class field for an instance of a data class, or None.
+
+    ``needed`` are first values of the fields that have no default.
+    """
+    return _field(None, Choice((NONE, ON), text, kinds={ON: kind}, needed=needed))
 
 
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:

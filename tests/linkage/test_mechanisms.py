@@ -49,7 +49,7 @@ PARTS += [Forming(), Pendulum()]
 def test_every_quantity_is_checked(part: Any) -> None:
     quantities = {item.name: meaning_of(item) for item in fields(part)}
     others = {name for name, own in quantities.items() if not isinstance(own, Quantity)}
-    assert others <= {"geometry", "servo", "side", "bottom", "law"}
+    assert others <= {"geometry", "motor", "servo", "side", "bottom", "law"}
     for name in quantities.keys() - others:
         meaning: Any = quantities[name]
         for value in (meaning.low - 1.0, meaning.high + 1.0, math.nan, "x"):

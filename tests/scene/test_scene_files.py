@@ -116,7 +116,9 @@ def test_a_table_that_is_switched_on_works(
     elif block.startswith("#["):
         part = block[2:].partition("]")[0]
         data = scene.as_dict()
-        assert (data["mechanism"] if part == "servo" else data)[part] is not None
+        assert (data["mechanism"] if part in ("motor", "servo") else data)[
+            part
+        ] is not None
 
 
 def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:

@@ -479,3 +479,30 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
         pw.InputError, match=r"use A\.clearance, which is half the diametral"
     ):
         setting_of(scene, "A.diametral_clearance")
+
+
+def test_a_motor_begins_with_its_torque() -> None:
+    """The servo of crank 7 beside it turns at a constant speed."""
+    keys = {
+        "motor.torque": "20 N m",
+        "motor.inertia": "0.25 kg m^2",
+        "servo.stiffness": "100 kN m/rad",
+    }
+    scene = changed(pw.scenes.ideal(), keys)
+    leader, follower = scene.linkage().drives
+    assert leader.motor == pw.Motor(20.0, inertia=0.25)
+    assert follower.motor == pw.Motor(stiffness=1e5)
+    assert pw.Scene.from_dict(scene.as_dict()) == scene
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"motor.inertia": "1 kg m^2"}, "motor.inertia: a motor needs a torque"),
+        ({"motor.torque": "20 N m"}, "motor: crank 7 follows the time"),
+        ({"servo.damping": "1 N m s/rad"}, "servo.damping: servo = none"),
+    ],
+)
+def test_incomplete_motors_are_refused(keys: dict[str, str], message: str) -> None:
+    with pytest.raises(pw.InputError, match=message):
+        changed(pw.scenes.ideal(), keys)
