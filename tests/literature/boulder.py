@@ -13,7 +13,6 @@ from typing import Self
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import t as student
 
 import presswear as pw
 from presswear.linkage.linkage import Linkage
@@ -140,7 +139,8 @@ def fitted(voltages: tuple[float, ...]) -> tuple[Rig, Array, float]:
         lambda scale: residuals(Rig.of(scale * first), voltages),
         np.ones(first.size),
         diff_step=1e-3,
-        max_nfev=6,
+        x_scale="jac",
+        max_nfev=12,
     )
     variance = float(found.fun @ found.fun) / (found.fun.size - first.size)
     covariance = variance * np.linalg.inv(found.jac.T @ found.jac)
@@ -153,39 +153,12 @@ def numbers(curve: Array) -> Array:
     return np.array([curve.mean(), np.ptp(curve)])
 
 
-def predicted(
-    rig: Rig, covariance: Array, scatter: float, voltage: float
-) -> tuple[Array, Array]:
-    """Return mean and range at a voltage and their standard deviations, rad/s.
-
-    The deviations are those of the parameters and of independent errors of the bins.
-    """
-    best, steps = numbers(speeds(rig, voltage)), 1e-3 * rig.values
-    slopes = [
-        (numbers(speeds(Rig.of(rig.values + step), voltage)) - best) / step.sum()
-        for step in np.diag(steps)
-    ]
-    gradient = np.array(slopes).T
-    bins = (scatter * best[0]) ** 2 * np.array([1.0 / BINS, 2.0])
-    return best, np.sqrt(np.diag(gradient @ covariance @ gradient.T) + bins)
-
-
 def main() -> None:
-    """Print the fit, the voltages left out and the predictions."""
-    curves, errors = measured(), []
-    for voltage, curve in curves.items():
-        others = tuple(one for one in curves if one != voltage)
-        best, deviation = predicted(*fitted(others), voltage)
-        errors.append((numbers(curve) - best) / deviation)
-        print("left out", voltage, best, deviation, numbers(curve), flush=True)
-    factor = np.sqrt(np.mean(np.square(errors), axis=0)).clip(min=1.0)
-    width = student.ppf(0.975, len(curves)) * factor
-    print("factor", factor, "half widths", width, flush=True)
-    rig, covariance, scatter = fitted(tuple(curves))
-    print(rig, np.sqrt(np.diag(covariance)), scatter, flush=True)
+    """Print the fit to the measured voltages and what the rig predicts for others."""
+    rig, covariance, scatter = fitted(tuple(measured()))
+    print(rig, np.sqrt(np.diag(covariance)), scatter)
     for voltage in (6.5, 7.5, 9.5):
-        best, deviation = predicted(rig, covariance, scatter, voltage)
-        print(voltage, best, width * deviation, flush=True)
+        print(voltage, numbers(speeds(rig, voltage)))
 
 
 if __name__ == "__main__":
