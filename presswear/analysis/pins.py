@@ -9,6 +9,7 @@ from presswear.engines.base import Start, with_velocity
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
 
 NEWTON_STEPS = 8  # Newton steps that move pins; three suffice
 CONTACT_GAP = 1e-4  # gap over clearance of a pin that would start in contact
@@ -60,6 +61,10 @@ def kick_pins(linkage: Linkage, start: Start, change: Array) -> Start:
 
 def _rows(linkage: Linkage) -> tuple[Constraints, slice]:
     """Return the constraints of the linkage with ideal joints, and the rows of its pins."""
+    for corner in linkage.corners:
+        raise InputError(
+            f"{corner.guide.name}: allowed is no clearance of a guide where pins are moved"
+        )
     ideal = linkage.ideal
     pins = slice(2 * len(linkage.revolutes), 2 * len(ideal.revolutes))
     return constraints_of(ideal), pins

@@ -1,5 +1,6 @@
 """Parts of a planar linkage as data: points, bodies, ideal joints and clearance joints."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal, cast
@@ -21,6 +22,7 @@ MAX_LENGTH = 1e5  # m: no machine is larger, and a floor is a part of a circle s
 MAX_ANGLE = 1e4  # rad: beyond it a sine has lost four digits
 MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
 MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
+MIN_SLIDE, MAX_SLIDE = 1e-3, 10.0  # length and width of a slide, m
 DAMPING = 0.02  # of an elastic joint, part of the critical damping; assumed
 
 # Greatest depth of a worn surface on a foundation, in clearances, and part of the radius
@@ -54,6 +56,11 @@ def place(text: str = "", default: float | None = 0.0) -> Any:
 def angle(text: str = "", default: float | None = 0.0) -> Any:
     """Return a data class field for an angle, rad."""
     return quantity(default, "rad", -MAX_ANGLE, MAX_ANGLE, "", text)
+
+
+def slide_size(text: str) -> Any:
+    """Return a data class field for a size of a slide, m."""
+    return quantity(None, "m", MIN_SLIDE, MAX_SLIDE, "chosen", text)
 
 
 @dataclass(frozen=True)
@@ -222,7 +229,9 @@ class Guide(Checked):
     """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn.
 
     By default the line goes through the mass centre as drawn, or else through the
-    origin. A guide with a stiffness is a spring along its line, without force where the
+    origin. With a length and a width the guide may have clearance: the body, a slide of
+    this size with its mass centre in the middle, then tilts between two walls; see
+    ``GuideCorner``. A guide with a stiffness is a spring along its line, without force where the
     mass centre is at its point: the body stands there in the ideal motion of the
     linkage; see ``Linkage.released``.
     """
@@ -247,6 +256,10 @@ class Guide(Checked):
         "assumed",
         "damping of the spring, part of the critical one",
     )
+    length: float | None = slide_size(
+        "length of the slide along a guide with clearance"
+    )
+    width: float | None = slide_size("width of the slide between its walls")
 
     @property
     def rows(self) -> int:
@@ -353,6 +366,50 @@ class ClearanceJoint:
         if self.wear is not None:
             return self.wear.angles
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
+
+
+@dataclass(frozen=True)
+class GuideCorner(ClearanceJoint):
+    """Corner of a slide in a guide with clearance, which touches one of the two walls.
+
+    ``pin`` is the corner and ``bearing`` the point beside the guide's at half the width
+    of the slide. The clearance lies between this point and the wall. The pin radius is
+    half the width.
+    """
+
+    guide: Guide = field(kw_only=True)
+    side: float = field(kw_only=True)  # of the wall: 1 left of the direction, -1 right
+
+
+def slide_inertia(mass: float, guide: Guide) -> float:
+    """Return the inertia of a slide, kg m^2, as a block of the size that its guide has."""
+    assert guide.length is not None
+    assert guide.width is not None
+    return mass * (guide.length**2 + guide.width**2) / 12.0
+
+
+CORNERS: Mapping[str, tuple[float, float]] = {
+    "left front": (1.0, 1.0),
+    "left back": (-1.0, 1.0),
+    "right front": (1.0, -1.0),
+    "right back": (-1.0, -1.0),
+}
+"""Corners of a slide by name: place along the guide and side, parts of half its size."""
+
+
+def corner_ends(
+    guide: Guide, along: float, side: float
+) -> tuple[Attachment, Attachment]:
+    """Return the point on the frame beside which a corner of a slide stands, and the corner."""
+    assert guide.length is not None
+    assert guide.width is not None
+    c, s = math.cos(guide.direction), math.sin(guide.direction)
+    across = 0.5 * side * guide.width
+    beside = Attachment(GROUND, guide.x - s * across, guide.y + c * across)
+    turn = guide.direction - guide.angle
+    c, s = math.cos(turn), math.sin(turn)
+    x = 0.5 * along * guide.length
+    return beside, Attachment(guide.body, c * x - s * across, s * x + c * across)
 
 
 Bushing = ClearanceJoint | Revolute

@@ -25,6 +25,7 @@ from presswear.linkage.elements import (
     ClearanceJoint,
     End,
     Guide,
+    GuideCorner,
     Joint,
     OutputPoint,
     Pin,
@@ -106,18 +107,41 @@ class Linkage(Checked):
         reference of a scene, with the period, the start and bottom dead centre.
         """
         pins = (
-            Revolute(joint.name, joint.bearing, joint.pin) for joint in self.clearances
+            Revolute(joint.name, joint.bearing, joint.pin)
+            for joint in self.with_closed_guides.clearances
         )
         elastic = {guide.name: guide for guide in self.elastic_guides}
         held = (elastic.get(joint.name, joint) for joint in self.joints)
         return replace(
             self,
-            joints=(*held, *pins, *self.elastic_pins),
+            joints=(*held, *pins, *self.elastic_pins, *self.loose_guides),
             drives=self.without_motors.drives,
             clearances=(),
             elastic_pins=(),
             elastic_guides=(),
             is_turned_by_motors=False,
+        )
+
+    @property
+    def corners(self) -> tuple[GuideCorner, ...]:
+        """Corners of the slides in guides with clearance."""
+        return tuple(one for one in self.clearances if isinstance(one, GuideCorner))
+
+    @property
+    def loose_guides(self) -> tuple[Guide, ...]:
+        """Guides with clearance."""
+        return tuple(dict.fromkeys(corner.guide for corner in self.corners))
+
+    @property
+    def with_closed_guides(self) -> "Linkage":
+        """The linkage whose guides have no clearance."""
+        if not self.corners:
+            return self
+        pins = (one for one in self.clearances if not isinstance(one, GuideCorner))
+        return replace(
+            self,
+            joints=(*self.joints, *self.loose_guides),
+            clearances=tuple(pins),
         )
 
     @property
@@ -240,7 +264,8 @@ class Linkage(Checked):
     @property
     def allowed_joints(self) -> tuple[str, ...]:
         """Names of the joints that may have clearance."""
-        return tuple(joint.name for joint in self.revolutes if joint.stiffness is None)
+        joints: tuple[Joint, ...] = (*self.revolutes, *self.guides)
+        return tuple(joint.name for joint in joints if joint.stiffness is None)
 
     def linkage(self) -> "Linkage":
         """Return the linkage itself, as any mechanism returns its linkage."""

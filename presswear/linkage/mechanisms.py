@@ -34,6 +34,7 @@ from presswear.linkage.elements import (
     OutputPoint,
     Pin,
     Place,
+    slide_size,
 )
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.linkage.motor import Motor
@@ -108,6 +109,12 @@ _frame_damping = partial(
     DAMPING,
     "damping of the frame, part of the critical one",
 )
+_guide_length = partial(
+    slide_size, "length of the slide along its guide, for a guide with clearance"
+)
+_guide_width = partial(
+    slide_size, "width of the slide between its walls, for a guide with clearance"
+)
 
 
 _motor = partial(
@@ -140,6 +147,9 @@ class Mechanism(Checked, ABC):
     frame_stiffness: float | None = None  # N/m
     frame_damping: float = DAMPING
     motor: Motor | None = None  # of the driven crank; None: it turns at its speed
+    # Slide in its guide; None: without clearance
+    guide_length: float | None = None  # m
+    guide_width: float | None = None  # m
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -172,6 +182,12 @@ class Mechanism(Checked, ABC):
         )
         ends = {joint: f"{crown.name}.{joint}" for joint in pivots}
         return _Crown((crown,), (guide,), ends)
+
+    def _slide_inertia(self, mass: float) -> float:
+        """Return the inertia of a slide, kg m^2; it enters only where its guide has clearance."""
+        if self.guide_length is None or self.guide_width is None:
+            return 1.0
+        return mass * (self.guide_length**2 + self.guide_width**2) / 12.0
 
     @property
     def period(self) -> float:
@@ -254,7 +270,7 @@ class Press(Mechanism):
     """Hybrid-driven seven-bar press of the paper."""
 
     kind = "press"
-    allowed_joints = ("O2", "O7", "A", "B", "C", "D", "E")
+    allowed_joints = ("O2", "O7", "A", "B", "C", "D", "E", "guide")
     default_joints = ("A", "C")
     origin = (
         "The geometry and several parameters are chosen, not the paper's: it does not print enough "
@@ -298,6 +314,8 @@ class Press(Mechanism):
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
     motor: Motor | None = _motor()
+    guide_length: float | None = _guide_length()
+    guide_width: float | None = _guide_width()
     servo: Servo | None = one_of(
         SERVOS, "servo motion of crank 7; none: it turns at constant speed, as crank 2"
     )
@@ -338,8 +356,7 @@ class Press(Mechanism):
                 Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
                 Body("plate 4", self.mass_4, self.inertia_4),
                 Bar("rod 5", self.length_5, self.mass_5, self.inertia_5),
-                # The slider does not turn: its inertia never enters.
-                Body("slider 6", self.mass_6, 1.0),
+                Body("slider 6", self.mass_6, self._slide_inertia(self.mass_6)),
                 Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
             ),
             joints=(
@@ -358,6 +375,8 @@ class Press(Mechanism):
                     0.0,
                     0.5 * math.pi,
                     angle=0.5 * math.pi,
+                    length=self.guide_length,
+                    width=self.guide_width,
                 ),
             ),
             drives=(
@@ -420,7 +439,7 @@ class SliderCrank(Mechanism):
     """
 
     kind = "slider-crank"
-    allowed_joints = ("O", "A", "B")
+    allowed_joints = ("O", "A", "B", "guide")
     default_joints = ("B",)
     origin = (
         "The default dimensions, masses and speed are those of a slider-crank that the literature "
@@ -455,6 +474,8 @@ class SliderCrank(Mechanism):
     frame_stiffness: float | None = _frame_stiffness()
     frame_damping: float = _frame_damping()
     motor: Motor | None = _motor()
+    guide_length: float | None = _guide_length()
+    guide_width: float | None = _guide_width()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -471,15 +492,20 @@ class SliderCrank(Mechanism):
             bodies=(
                 *crown.bodies,
                 *_bars(self, "crank", "rod"),
-                # The slider does not turn: its inertia never enters.
-                Body("slider", self.slider_mass, 1.0),
+                Body("slider", self.slider_mass, self._slide_inertia(self.slider_mass)),
             ),
             joints=(
                 *crown.guides,
                 Pin("O", crown.ends["O"], "crank.tail"),
                 Pin("A", "rod.tail", "crank.head"),
                 Pin("B", "rod.head", "slider"),
-                Guide("guide", "slider", direction=upward),
+                Guide(
+                    "guide",
+                    "slider",
+                    direction=upward,
+                    length=self.guide_length,
+                    width=self.guide_width,
+                ),
             ),
             drives=(self._drive("crank", along),),
             guess={"rod": along},
@@ -607,8 +633,7 @@ class SixBar(Mechanism):
             bodies=(
                 *crown.bodies,
                 *_bars(self, "crank", "rod", "upper link", "lower link"),
-                # The slider does not turn: its inertia never enters.
-                Body("slider", self.slider_mass, 1.0),
+                Body("slider", self.slider_mass, self._slide_inertia(self.slider_mass)),
             ),
             joints=(
                 *crown.guides,

@@ -32,6 +32,7 @@ CONTACT = np.dtype(
     [
         # greatest overlap of the surfaces, m; below zero if open
         ("penetration", np.float64),
+        ("is_flat", np.float64),  # 1 of a corner on a wall, with e across the wall
         ("rate", np.float64),  # at which it grows, m/s
         ("sliding", np.float64),  # v_t at the contact point, m/s
         *floats("eccentricity", "eccentricity_x", "eccentricity_y"),  # |e| and e, m
@@ -261,3 +262,13 @@ def penetration_acceleration(
             result -= curvature * sweep * sweep
             result -= slope * (turning_t - turns * spin_t)
     return result
+
+
+@compiled
+def corner_acceleration(joint: Records, contact: Records, a: Array) -> float:
+    """Return the second time derivative of the penetration of a corner, m/s^2."""
+    c = contact
+    ax, ay, _ = end_acceleration(
+        joint.pin_body, c.pin_lever_x, c.pin_lever_y, c.pin_spin, a
+    )
+    return ax * c.normal_x + ay * c.normal_y

@@ -7,7 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Joint, ends_of
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    ClearanceJoint,
+    GuideCorner,
+    Joint,
+    ends_of,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Spring
 from presswear.linkage.surface import Surface
@@ -25,12 +32,17 @@ from presswear.physics.foundation import (
 from presswear.physics.friction_and_normal import (
     FRICTION,
     NORMAL,
+    ONSET_SPEED_FLOOR,
     friction_record,
     normal_record,
 )
 from presswear.physics.loads import Loads, pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
+
+# Corners of a slide touch down quietly and stay closed under load. A damping that is
+# divided by so small a speed would rule their force, m/s.
+CORNER_SPEED_FLOOR = 0.02
 
 # A clearance joint as the kernels see it; SI units
 JOINT = np.dtype(
@@ -44,6 +56,8 @@ JOINT = np.dtype(
         ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
         ("normal", NORMAL),
         ("friction", FRICTION),
+        # speed at touchdown by which the rate is divided, at least, m/s
+        ("onset_floor", np.float64),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
         ("foundation", np.float64),
@@ -60,6 +74,7 @@ JOINT = np.dtype(
         ("pressure_exponent", np.float64),
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
+        ("is_flat", np.bool_),  # a corner on a wall
     ]
 )
 
@@ -103,6 +118,8 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
             record[name] = getattr(joint, name)
         record["normal"] = normal_record(joint.round_normal, joint.clearance)
         record["friction"] = friction_record(joint.friction)
+        record["onset_floor"] = onset_floor(joint)
+        record["is_flat"] = isinstance(joint, GuideCorner)
         record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
@@ -137,6 +154,11 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
+
+
+def onset_floor(joint: ClearanceJoint) -> float:
+    """Return the least speed at touchdown, m/s, that the damping of a joint is divided by."""
+    return CORNER_SPEED_FLOOR if isinstance(joint, GuideCorner) else ONSET_SPEED_FLOOR
 
 
 def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:

@@ -316,7 +316,8 @@ class _Rest:
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
-        linkage = linkage.without_motors
+        # A guide with clearance is ideal at rest.
+        linkage = linkage.without_motors.with_closed_guides
         self.ideal = ideal_motion(linkage.ideal, linkage.period)
         if self.ideal.rows.repeated:
             raise InputError(

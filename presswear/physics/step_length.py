@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.contact import penetration_acceleration
+from presswear.physics.contact import (
+    corner_acceleration,
+    penetration_acceleration,
+)
 from presswear.physics.loads import count_transitions
 from presswear.physics.touchdown import (
     LEAST_STEPS,
@@ -222,9 +225,12 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             records.onset[k] > 0.0,
         )
         depth, rate = last.penetration, last.rate
-        acceleration = penetration_acceleration(
-            joint, packed.surfaces[k], records.contacts[k], a
-        )
+        if joint.is_flat:
+            acceleration = corner_acceleration(joint, records.contacts[k], a)
+        else:
+            acceleration = penetration_acceleration(
+                joint, packed.surfaces[k], records.contacts[k], a
+            )
         wanted = math.inf
         if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
@@ -246,9 +252,10 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
                 flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
                 wanted = min(wanted, flight / STEPS_PER_FLIGHT)
             arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
-            across, speed_across = time_across(records.contacts[k], joint.clearance)
-            if across < arrival:
-                arrival, closing = across, speed_across
+            if not joint.is_flat:
+                across, speed_across = time_across(records.contacts[k], joint.clearance)
+                if across < arrival:
+                    arrival, closing = across, speed_across
             if arrival < min(chosen, max(wanted, steps[0].least)):
                 behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
                 landing = step_to_event(

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from presswear.physics.friction_and_normal import (
-    ONSET_SPEED_FLOOR,
     elastic_at,
     normal_force,
 )
@@ -175,7 +174,7 @@ def time_across(contact: Records, clearance: float) -> tuple[float, float]:
 
     The flight is straight and the bore round. The distance from the wall has a kink in
     the centre, beyond which its derivatives say nothing. Infinite where the pin rests
-    or flies outwards.
+    or flies outwards. A corner touches one wall only.
     """
     ex, ey = contact.eccentricity_x, contact.eccentricity_y
     vx, vy = contact.velocity_x, contact.velocity_y
@@ -204,7 +203,12 @@ def step_to_event(
 
 @compiled
 def is_reversed(last: Records, contact: Records) -> bool:
-    """Return whether a pin has passed the centre of its bore since its last accepted state."""
+    """Return whether a pin has passed the centre of its bore since its last accepted state.
+
+    A corner touches one wall only.
+    """
+    if contact.is_flat > 0.0:
+        return False
     along = last.eccentricity_x * contact.eccentricity_x
     return along + last.eccentricity_y * contact.eccentricity_y < 0.0
 
@@ -361,7 +365,7 @@ def peak_within(
     # A power that holds near a state says little about a penetration far from it.
     if is_foundation and max(start, end) > 2.0 * min(start, end):
         return 0.0
-    onset = max(onset_speed, ONSET_SPEED_FLOOR)
+    onset = max(onset_speed, joint.onset_floor)
     low, high = 0.0, 1.0 - FORCE_SLOPE
     largest = 0.0
     for i in range(2):

@@ -486,6 +486,65 @@ class Bearing(Checked):
             *ends, *sizes, *forces, law, frame, conventions.contact, *worn
         )
 
+    def corners(self, guide: elements.Guide) -> tuple[elements.GuideCorner, ...]:
+        """Return the corners of a slide in a guide with this clearance.
+
+        Without a contact stiffness, each corner is a line contact of the width of the
+        bearing: F = (pi / 4) E* b delta.
+        """
+        self.check_guide(guide)
+        assert guide.width is not None
+        normal = self._corner_normal
+        radius = 0.5 * guide.width + self.clearance
+        return tuple(
+            elements.GuideCorner(
+                f"{guide.name} {name}",
+                *elements.corner_ends(guide, along, side),
+                radius,
+                self.clearance,
+                self.total_width,
+                normal,
+                self.friction_parameters,
+                contact="radial",
+                guide=guide,
+                side=side,
+            )
+            for name, (along, side) in elements.CORNERS.items()
+        )
+
+    @property
+    def _corner_normal(self) -> laws.NormalLaw:
+        """Normal law of a corner of a slide."""
+        law = replace(self.normal(Conventions(contact="radial")), elasticity="power")
+        if self.contact_stiffness is not None:
+            return law
+        stiffness = 0.25 * math.pi * self.total_width / self.materials.compliance
+        return replace(law, stiffness=stiffness, exponent=1.0)
+
+    def check_guide(self, guide: elements.Guide) -> None:
+        """Raise InputError where a guide has no sizes, or they do not fit the clearance."""
+        if self.clearance == 0.0:
+            raise InputError(
+                f"{guide.name}.clearance = 0 m: a guide without clearance is ideal; allowed is "
+                f"from {written(LEAST_CLEARANCE, 'm')}, or joints without {guide.name}"
+            )
+        for key in ("length", "width"):
+            if getattr(guide, key) is None:
+                raise InputError(
+                    f"{key} of {guide.name}: a guide with clearance needs it; set {key} of the "
+                    f"guide, or guide_{key} of a press or slider-crank, such as 300 mm"
+                )
+        assert guide.width is not None
+        if self.clearance > 0.5 * guide.width:
+            raise InputError(
+                f"clearance of {guide.name} = {written(self.clearance, 'm')}: allowed is up to "
+                f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
+            )
+        if self.elasticity not in (AUTO, "power"):
+            raise InputError(
+                f"{guide.name}.elasticity = {self.elasticity}: in a guide allowed is auto or power"
+            )
+
 
 Surfaces = Mapping[str, tuple[Any, Any]]
 """Bearing and pin by joint; see ``Scene.surfaces`` for the form of a side."""

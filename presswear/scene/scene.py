@@ -17,7 +17,13 @@ from presswear.engines.settings import (
     Purpose,
 )
 from presswear.linkage import elements, loads
-from presswear.linkage.elements import Revolute
+from presswear.linkage.elements import (
+    CORNERS,
+    Body,
+    Guide,
+    Revolute,
+    slide_inertia,
+)
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
@@ -220,18 +226,39 @@ class Scene(Checked):
                 self.conventions.contact,
             ),
         )
-        if self.life is None and not self.clearance_joints:
+        if self.life is None and not self._loose_pins:
             self._set(wear_updates=0)  # no joint wears
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
-        for name, bearing in {"": self.bearings, **self.joint_bearings}.items():
+        for name, bearing in self._bearings_of_pins.items():
             prefix = f"{name}." if name else ""
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
+        for guide in self.loose_guides:
+            self._check_guide(guide)
         if self.life is not None:
             self._check_life(self.life)
         elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
             )
+
+    @property
+    def _bearings_of_pins(self) -> dict[str, Bearing]:
+        """The common bearing, by an empty name, and those of single pins."""
+        guides = {guide.name for guide in self.loose_guides}
+        bearings = {"": self.bearings, **self.joint_bearings}
+        if guides and guides | self.joint_bearings.keys() >= set(self.bearing_joints):
+            del bearings[""]
+        return {name: one for name, one in bearings.items() if name not in guides}
+
+    def _check_guide(self, guide: Guide) -> None:
+        """Raise InputError where a guide cannot have its clearance."""
+        self.bearing(guide.name).check_guide(guide)
+        for drive in self.mechanism.linkage().drives:
+            if drive.body == guide.body:
+                raise InputError(
+                    f"bearings of {guide.name}: {guide.body} has a drive, which holds its angle; "
+                    "allowed is a guide of a body without a drive"
+                )
 
     def _give_stiffness_to_joints(self) -> None:
         """Move the stiffness of the common bearing to the joints that have this bearing."""
@@ -300,7 +327,7 @@ class Scene(Checked):
             )
 
     def _check_life(self, life: Life) -> None:
-        if not self.clearance_joints:
+        if not self._loose_pins:
             raise InputError("life: no joint has clearance, so that no joint wears")
         if self.wear_updates < 1:
             raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
@@ -373,9 +400,27 @@ class Scene(Checked):
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
-        """Names of the joints with clearance."""
+        """Names of the joints with clearance; of a guide those of its four corners."""
+        guides = (guide.name for guide in self.loose_guides)
+        corners = (f"{guide} {one}" for guide in guides for one in CORNERS)
+        return (*self._loose_pins, *corners)
+
+    @property
+    def _loose_pins(self) -> tuple[str, ...]:
+        """Names of the pin joints with clearance, which wear; walls of guides do not."""
+        guides = [guide.name for guide in self.loose_guides]
         return tuple(
-            name for name in self.bearing_joints if self.bearing(name).clearance > 0.0
+            name
+            for name in self.bearing_joints
+            if name not in guides and self.bearing(name).clearance > 0.0
+        )
+
+    @property
+    def loose_guides(self) -> tuple[Guide, ...]:
+        """Guides with clearance."""
+        names = self.bearing_joints
+        return tuple(
+            guide for guide in self.mechanism.linkage().guides if guide.name in names
         )
 
     @property
@@ -439,7 +484,10 @@ class Scene(Checked):
             law.trusted()
 
     def bearing(self, joint: str) -> Bearing:
-        """Return the bearing of a joint."""
+        """Return the bearing of a joint; of the corner of a slide that of its guide."""
+        for guide in self.loose_guides:
+            if joint.removeprefix(f"{guide.name} ") in CORNERS:
+                joint = guide.name
         return self.joint_bearings.get(joint, self.bearings)
 
     @property
@@ -508,16 +556,32 @@ class Scene(Checked):
             for joint in ideal.revolutes
             if joint.name in names
         )
+        guides = {guide.name: guide for guide in self.loose_guides}
+        corners = tuple(
+            corner
+            for joint in ideal.guides
+            if joint.name in guides
+            for corner in self.bearing(joint.name).corners(joint)
+        )
         rigid = self.rigid_bearings
         joints = tuple(
             self.bearing(one.name).rigid(one)
             if isinstance(one, Revolute) and one.name in rigid
             else one
             for one in ideal.joints
-            if one.name not in names
+            if one.name not in names and one.name not in guides
         )
-        clearances = (*ideal.clearances, *loose)
-        return replace(ideal, joints=joints, clearances=clearances).released
+        bodies = tuple(map(self._with_inertia, ideal.bodies))
+        clearances = (*ideal.clearances, *loose, *corners)
+        loosened = replace(ideal, bodies=bodies, joints=joints, clearances=clearances)
+        return loosened.released
+
+    def _with_inertia(self, body: Body) -> Body:
+        """Return a body; a slide that begins to tilt gets the inertia of a block, by default."""
+        for guide in self.loose_guides:
+            if guide.body == body.name and body.inertia == 0.0:
+                return replace(body, inertia=slide_inertia(body.mass, guide))
+        return body
 
     @property
     def has_deviations(self) -> bool:

@@ -310,7 +310,7 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
             f"{key}: mechanism {scene.mechanism.kind} has no {first}{drives}"
         )
     if not first and last in SINGLE:
-        joint = scene.mechanism.allowed_joints[-1]
+        joint = scene.mechanism.linkage().revolutes[-1].name
         return InputError(f"{key}: name the joint, for example {joint}.{last}")
     part = allowed.get(first)
     if part is not None and part.value == NONE:

@@ -38,7 +38,9 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
     clearance = "0.3 mm " if scene is CRANK else "0.8 mm "
     assert _described(scene, "clearance").startswith(clearance)
-    joints = "O | A | B" if scene is CRANK else "O2 | O7 | A | B | C | D | E"
+    joints = (
+        "O | A | B | guide" if scene is CRANK else "O2 | O7 | A | B | C | D | E | guide"
+    )
     assert f"({joints} | none | several together, as " in _described(scene, "joints")
     assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
 
@@ -123,7 +125,7 @@ press | joints=F | joints = 'F': allowed is one of O2, O7, A, B, C
 press | joints=CC | joints = 'CC': allowed is
 press | joints=A, | joints = 'A,': allowed is
 press | joints=none,A | joints = 'none,A': allowed is
-crank | joints=AC | joints = 'AC': allowed is one of O, A, B, none, several together, as OAB
+crank | joints=AC | joints = 'AC': allowed is one of O, A, B, guide, none, several together
 press | clearance=15mm | clearance = 15 mm: .* below the bearing radius
 press | bearing_radius=0.5mm | clearance = 0\.8 mm:
 press | lower_speed=1mm/s | lower_speed = 1 mm/s

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.engines.dormand_prince import DOPRI5
-from presswear.physics.contact import penetration_acceleration
+from presswear.physics.contact import corner_acceleration, penetration_acceleration
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import (
     ACCELERATIONS,
@@ -198,9 +198,12 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         joint = records.packed.joints[k]
         last = records.memory[k]
         closed = records.onset[k] > 0.0
-        acceleration = penetration_acceleration(
-            joint, records.packed.surfaces[k], records.contacts[k], a
-        )
+        if joint.is_flat:
+            acceleration = corner_acceleration(joint, records.contacts[k], a)
+        else:
+            acceleration = penetration_acceleration(
+                joint, records.packed.surfaces[k], records.contacts[k], a
+            )
         jerk = (
             (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         )
@@ -216,7 +219,7 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         arrival, speed, doubt = time_to_event(
             sign * last.penetration, sign * last.rate, sign * acceleration, jerk
         )
-        if not closed:
+        if not (closed or joint.is_flat):
             across, closing = time_across(records.contacts[k], joint.clearance)
             if across < arrival:
                 arrival, speed, doubt = across, closing, PREDICTION_TOL * across

@@ -60,9 +60,13 @@ class ClearanceContact:
 
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
-        """Return all clearance joints of a linkage."""
+        """Return all clearance joints of a linkage between a pin and its bearing."""
         pairs = zip(linkage.clearances, packed.joints, strict=True)
-        return [cls(joint, record, k) for k, (joint, record) in enumerate(pairs)]
+        return [
+            cls(joint, record, k)
+            for k, (joint, record) in enumerate(pairs)
+            if not record["is_flat"]
+        ]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -76,21 +80,23 @@ class ClearanceContact:
 
     def write(self, page: Page) -> None:
         """Write the contact, its forces on both bodies, its powers and doses of wear."""
-        _ContactText(page, self).write()
+        ContactText(page, self.joint, self.record, self.number).write()
 
 
-class _ContactText:
-    """Text of a contact, with expressions of the fields of CONTACT."""
+class ContactText:
+    """Text of a contact of round or worn surfaces, with expressions of the fields of CONTACT."""
 
-    def __init__(self, page: Page, contact: ClearanceContact) -> None:
-        text, chain, joint = page.text, page.chain, contact.joint
+    def __init__(
+        self, page: Page, joint: ClearanceJoint, record: Records, number: int
+    ) -> None:
+        text, chain = page.text, page.chain
         self.page, self.text, self.joint = page, text, joint
-        self.number, self.record = contact.number, contact.record
+        self.number, self.record = number, record
         self.prefix = text.prefix(joint.name)
         self.bearing, self.pin = chain.of(joint.bearing.body), chain.of(joint.pin.body)
         self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
-        self.is_worn = bool(contact.record["surface_bins"] > 0)
+        self.is_worn = bool(record["surface_bins"] > 0)
         self.fields: dict[str, str] = {}
         self.friction = friction_of(
             page, self.prefix, self.number, joint.friction, self.record["friction"]
@@ -103,6 +109,18 @@ class _ContactText:
         A user law may push harder where it opens, and a worn profile may drive the pin.
         """
         return self.is_worn or self.joint.round_normal.user_law is not None
+
+    @property
+    def onset_floor(self) -> str:
+        """Least speed at touchdown that the damping is divided by."""
+        return "ONSET_SPEED_FLOOR"
+
+    @property
+    def words(self) -> str:
+        """Name and bodies in a comment."""
+        joint = self.joint
+        bodies = f"pin of {joint.pin.body} in a bearing of {joint.bearing.body}"
+        return f"{joint.name}: {bodies}, with clearance"
 
     @property
     def wears(self) -> bool:
@@ -138,9 +156,8 @@ class _ContactText:
 
     def write(self) -> None:
         """Write the contact, and add its forces to those on both bodies."""
-        text, joint = self.text, self.joint
-        bodies = f"pin of {joint.pin.body} in a bearing of {joint.bearing.body}"
-        text.comment(f"{joint.name}: {bodies}, with clearance")
+        text = self.text
+        text.comment(self.words)
         onset = self.let("onset_speed", f"data.onset[{self.number}]")
         for name in self._results():
             text.write(f"{name} = {ZERO}")
@@ -332,7 +349,7 @@ class _ContactText:
         if law.user_law is None and law.viscosity > 0.0:
             return f"max({elastic} + {product(damping, closing)}, {ZERO})"
         speed = f"{onset} if {onset} > {ZERO} else {self.value('rate')}"
-        started = self.let("touchdown_speed", f"max({speed}, ONSET_SPEED_FLOOR)")
+        started = self.let("touchdown_speed", f"max({speed}, {self.onset_floor})")
         if law.user_law is None:
             return (
                 f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"

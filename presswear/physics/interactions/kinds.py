@@ -2,6 +2,7 @@
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.clearance import ClearanceContact
+from presswear.physics.interactions.corner import CornerContact
 from presswear.physics.interactions.elastic_guide import ElasticGuide
 from presswear.physics.interactions.elastic_pin import ElasticPin
 from presswear.physics.interactions.load import LoadWithLaw
@@ -17,6 +18,7 @@ KINDS: tuple[type[Interaction], ...] = (
     LoadWithLaw,
     MotorTorque,
     ClearanceContact,
+    CornerContact,
 )
 
 

@@ -1,0 +1,124 @@
+"""Contact of a corner of a slide with a wall of its guide.
+
+m is the direction of the guide turned by +90 degrees, sigma = 1 on the left wall and -1
+on the right one, and n = sigma m points into the wall. A corner r stands at e = ((r -
+r_0) . n) n from a point r_0 at half the width of the slide beside the middle of the
+guide, and presses on the wall by delta = |e| - c. Four corners let the slide tilt.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from presswear.linkage.elements import GuideCorner
+from presswear.linkage.linkage import Linkage
+from presswear.physics.equations.text import (
+    ONE,
+    ZERO,
+    Vector,
+    difference,
+)
+from presswear.physics.interactions.clearance import ContactText
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.packed import Packed, onset_floor
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records
+
+
+@dataclass(frozen=True)
+class CornerContact:
+    """The contact of a corner, as text."""
+
+    joint: GuideCorner
+    record: Records  # of JOINT
+    number: int  # among the clearance joints
+
+    kernels: ClassVar[Kernels] = ()  # those of a clearance joint
+
+    @classmethod
+    def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
+        """Return all corners of the slides of a linkage."""
+        pairs = zip(linkage.clearances, packed.joints, strict=True)
+        return [
+            cls(joint, record, k)
+            for k, (joint, record) in enumerate(pairs)
+            if isinstance(joint, GuideCorner)
+        ]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The frame, and the slide."""
+        return self.joint.bearing.body, self.joint.pin.body
+
+    @classmethod
+    def stored_energy(cls, linkage: Linkage, position: Array) -> float:
+        """Return nothing: the memory of each joint holds its elastic energy."""
+        return 0.0
+
+    def write(self, page: Page) -> None:
+        """Write the contact, its forces on the slide, and its powers."""
+        _CornerText(page, self.joint, self.record, self.number).write()
+
+
+class _CornerText(ContactText):
+    """Text of the contact of a corner."""
+
+    joint: GuideCorner
+
+    @property
+    def onset_floor(self) -> str:
+        """Least speed at touchdown that the damping is divided by."""
+        return self.parameter("speed_floor", onset_floor(self.joint))
+
+    @property
+    def words(self) -> str:
+        """Name and body in a comment."""
+        return f"{self.joint.name}: corner of {self.joint.pin.body} on a wall"
+
+    def _wall_normal(self) -> Vector:
+        """Return n, the direction into the wall."""
+        direction, side = self.joint.guide.direction, self.joint.side
+        return Vector(
+            self.text.direction(self.name("normal_x"), -side * math.sin(direction)),
+            self.text.direction(self.name("normal_y"), side * math.cos(direction)),
+        )
+
+    def _write_motion(self) -> None:
+        """Write place and motion of the corner across the wall."""
+        text, slide, at_corner = self.text, self.pin, self.pin_arm
+        normal = self._wall_normal()
+        self._set_fields("normal", normal)
+        way = slide.position.plus(at_corner).minus(self.bearing_arm)
+        across = self.let("across", normal.dot(way))
+        velocity = text.let_vector(self.name("velocity"), slide.velocity_at(at_corner))
+        rate = self.let("rate", normal.dot(velocity))
+        self.fields |= {"across": across, "rate": rate, "is_flat": ONE}
+        self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
+        self._set_fields("pin_lever", at_corner)
+        self._set_fields("velocity", velocity)
+
+    def _write_round(self) -> None:
+        """Write the contact with the flat wall, whose point lies half the penetration deep."""
+        clearance = self.parameter("clearance", self.joint.clearance)
+        penetration = difference(self.value("across"), clearance)
+        penetration = self.let("penetration", penetration)
+        self.fields["penetration"] = penetration
+        depth = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
+        self.fields |= {"pin_arm": depth, "elastic": self.name("elastic_force")}
+        rate = self.value("rate")
+        self.fields |= dict.fromkeys(("approach", "closing"), rate)
+        self.text.write(f"{self.name('elastic_force')} = {ZERO}")
+
+    def _turning(self) -> str:
+        """Return nothing: the direction into the wall stays."""
+        return ZERO
+
+    def _write_record(self) -> None:
+        """Write the contact for the recorder, with e and its rate along the wall left out."""
+        across = self.fields.pop("across")
+        normal = self.vector("normal")
+        rate = self.value("rate")
+        self.fields["eccentricity"] = self.let("eccentricity", f"abs({across})")
+        self._set_fields("eccentricity", normal.times(across))
+        self._set_fields("velocity", normal.times(rate))
+        super()._write_record()
