@@ -112,8 +112,8 @@ def _of_speed(name: str, factor: float = 1.0) -> Callable[..., Response | None]:
 
     def read(result: Result, stage: StageResult, joint: None) -> Response | None:
         speed = leader_speed(result.scene, stage)
-        estimate = speed and getattr(speed, name)
-        return _response(estimate and estimate.scaled(factor))
+        estimate: Estimate | None = None if speed is None else getattr(speed, name)
+        return _response(None if estimate is None else estimate.scaled(factor))
 
     return read
 
