@@ -303,7 +303,7 @@ class Follow(_Motion):
 
 def torque_limit() -> Any:
     """Return a data class field for the greatest torque of a drive, N m; None: any."""
-    text = "torque limit of a drive, checked with the ideal motion; default: none"
+    text = "torque limit of a drive without a motor, checked with the ideal motion; default: none"
     return quantity(None, "N m", 1e-6, 1e12, "chosen", text)
 
 
@@ -372,6 +372,11 @@ class Drive(_Motion):
         if motor.has_slip and self.speed == 0.0:
             raise InputError(
                 f"speed of {self.body} = 0 rad/s: a motor needs the nominal speed of its drive"
+            )
+        if self.torque_limit is not None and not motor.is_servo:
+            raise InputError(
+                f"torque_limit of {self.body} = {self.torque_limit:g} N m: only a servo saturates; "
+                "the greatest torque of a motor is breakdown x torque"
             )
 
     @property

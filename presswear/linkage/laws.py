@@ -24,6 +24,8 @@ from presswear.tools.user_function import UserFunction
 
 StiffnessReading = Literal["paper", "refined"]
 Elasticity = Literal["power", "liu", "foundation"]
+# widths over diameter for which the formulas of the oil film hold
+NARROWEST, WIDEST = 0.125, 1.0
 
 
 def lankarani_nikravesh_damping(restitution: float) -> float:

@@ -196,7 +196,7 @@ class Mechanism(Checked, ABC):
 
     def _drive(self, crank: str, start: float = 0.0) -> Drive:
         """Return the drive of the only driven crank, from an angle, rad."""
-        limit = self.torque_limit
+        limit = None if self.motor else self.torque_limit
         return Drive(crank, self.speed, start, torque_limit=limit, motor=self.motor)
 
     def linkage(self) -> Linkage:
@@ -384,7 +384,7 @@ class Press(Mechanism):
                     "crank 2",
                     -self.speed,
                     CRANK_2_START,
-                    torque_limit=self.torque_limit,
+                    torque_limit=None if self.motor else self.torque_limit,
                     motor=self.motor,
                 ),
                 self._drive_7,

@@ -14,9 +14,9 @@ digits of g.
 import math
 from typing import NamedTuple
 
+from presswear.linkage.laws import NARROWEST, WIDEST
 from presswear.tools.compile import compiled
 
-NARROWEST, WIDEST = 0.125, 1.0  # widths over diameter for which the fits hold
 _SMALL = 1.0  # rad, below which a series has more digits than the closed form
 
 

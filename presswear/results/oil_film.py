@@ -13,8 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from presswear.linkage.elements import GROUND, Revolute
+from presswear.linkage.laws import NARROWEST, WIDEST
 from presswear.physics.mixed_lubrication import shear_moment
-from presswear.physics.oil_film import NARROWEST, WIDEST, film_of
+from presswear.physics.oil_film import film_of
 from presswear.results.film_orbit import (
     FilmLoad,
     FilmOrbit,

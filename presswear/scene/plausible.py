@@ -5,8 +5,8 @@ from itertools import combinations
 from operator import attrgetter
 
 from presswear.linkage.elements import Body
+from presswear.linkage.laws import NARROWEST, WIDEST
 from presswear.linkage.linkage import Linkage
-from presswear.physics.oil_film import NARROWEST, WIDEST
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import quantity_text, readable
@@ -57,6 +57,7 @@ def doubts(scene: Scene) -> list[str]:
             f"without clearance {repeated} of the constraints of joints and drives repeats others: "
             "the forces without clearance are those of smallest norm"
         )
+    lines += _unused_limit(scene)
     heavy = max(linkage.bodies, key=_MASS)
     light = min(linkage.bodies, key=_MASS)
     words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
@@ -89,6 +90,18 @@ def doubts(scene: Scene) -> list[str]:
         words += f"{readable(body.mass)} kg, under the process force of {quantity_text(force, 'N')}"
         lines += unusual("stress", stress, words)
     return lines
+
+
+def _unused_limit(scene: Scene) -> list[str]:
+    """Return a sentence on a torque limit of a mechanism of which no drive has one."""
+    limit = getattr(scene.mechanism, "torque_limit", None)
+    drives = scene.base_linkage.drives
+    if limit is None or any(drive.torque_limit is not None for drive in drives):
+        return []
+    return [
+        f"torque_limit = {quantity_text(limit, 'N m')} has no effect beside a motor, whose "
+        "greatest torque is breakdown x torque"
+    ]
 
 
 def _oil_doubts(name: str, bearing: Bearing) -> list[str]:

@@ -37,7 +37,6 @@ IN_FILE = f"{SET}, in the file"
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 # of a file, too: the settings of a drive, which a file may have without a kind
 MOTOR, SERVO = "motor", "servo"
-MOTOR_LIMIT = f"{MOTOR}.torque_limit"  # in a file; the torque limit of the mechanism
 _COMMON = "bearings"  # field of a scene with the bearing that joints share
 DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
@@ -122,8 +121,6 @@ def name_of_key(key: str) -> str:
     The name of the table that holds it in a file may stand before it.
     """
     table, _, rest = key.partition(".")
-    if key == MOTOR_LIMIT:
-        return rest
     first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
     return f"{first}{dot}{SYMBOLS.get(last, last)}"
 

@@ -57,6 +57,13 @@ def test_bad_motors_are_refused(arguments: dict[str, Any], message: str) -> None
         pw.Motor(**arguments)
 
 
+def test_a_motor_with_a_slip_has_no_torque_limit() -> None:
+    message = "torque_limit of crank = 5 N m: only a servo saturates"
+    with pytest.raises(pw.InputError, match=message):
+        pw.Drive("crank", 6.0, motor=pw.Motor(2.0), torque_limit=5.0)
+    assert pw.Drive("crank", 6.0, motor=pw.Motor(stiffness=1e3), torque_limit=5.0)
+
+
 def test_the_leader_is_the_first_motor_that_is_no_servo() -> None:
     for first, second, leader in (
         (None, None, None),

@@ -86,3 +86,11 @@ def test_oil_for_which_no_film_is_known(values: dict[str, str], words: str) -> N
     lines = doubts(pw.scenes.slider_crank(**oiled))
     assert len(lines) == bool(words)
     assert all(words in line for line in lines)
+
+
+def test_a_torque_limit_beside_a_motor_has_no_effect() -> None:
+    motor = pw.Motor("2 N m", inertia="0.01 kg m^2")
+    alone = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0)))
+    beside = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0, motor=motor)))
+    assert not any("torque_limit" in line for line in alone)
+    assert any("torque_limit = 5.00 N m has no effect" in line for line in beside)
