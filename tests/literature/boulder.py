@@ -9,7 +9,7 @@ the imbalance.
 import math
 from dataclasses import astuple, dataclass
 from pathlib import Path
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -26,6 +26,12 @@ ROD_MASS = 1e-4  # kg
 SLIP = 0.5  # of the motor, at which its torque is stated
 BINS = 36
 CYCLES = 4  # turns until the last repeats
+REACH = 0.5  # of the stored quantities, within which the fit searches
+STEP = 1e-2  # relative, of differences: above the errors of a run
+STUDENT = 3.18  # factor of a 95 % interval from three left-out errors
+PREDICTED = (6.5, 7.5, 9.5)  # V
+
+Voltages = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,16 @@ class Rig:
         return np.array(astuple(self))
 
 
+@dataclass(frozen=True)
+class Fit:
+    """Result of a fit."""
+
+    rig: Rig
+    covariance: Array  # of the fitted quantities
+    scatter: float  # of a bin, part of the mean speed
+    message: str  # why the fit ended
+
+
 def measured() -> dict[float, Array]:
     """Return the measured mean speeds in the bins, rad/s, by voltage."""
     rows = [
@@ -65,6 +81,8 @@ def measured() -> dict[float, Array]:
 
 def against(force: float) -> list[pw.Force]:
     """Return Coulomb friction of the collar: a constant force against either motion, N."""
+    senses: tuple[tuple[Literal["against", "along"], float], ...]
+    senses = (("against", force), ("along", -force))
     return [
         pw.Force(
             "collar",
@@ -72,7 +90,7 @@ def against(force: float) -> list[pw.Force]:
             pw.OverPosition([(-1.0, size), (1.0, size)], sense=sense, outside="hold"),
             name=f"friction {sense}",
         )
-        for sense, size in (("against", force), ("along", -force))
+        for sense, size in senses
     ]
 
 
@@ -114,17 +132,24 @@ def linkage(rig: Rig, voltage: float) -> Linkage:
 
 
 def speeds(rig: Rig, voltage: float) -> Array:
-    """Return the mean speeds in the bins of the last turn, rad/s."""
+    """Return the mean speeds in the bins of the last turn, rad/s; 0 where the motor stalls."""
     parts = linkage(rig, voltage)
     recording = pw.Recording(recorded_cycles=CYCLES, rows_per_cycle=500)
     scene = pw.Scene(parts, cycles=CYCLES, recording=recording, replicates=1)
-    stage = pw.run(scene, engine="dae").stages[0]
+    try:
+        stage = pw.run(scene, engine="dae").stages[0]
+    except pw.RunFailed:
+        return np.zeros(BINS)
     period = 2.0 * math.pi / parts.drives[0].speed
-    edges = (CYCLES - 1 + np.arange(BINS + 1) / BINS) * period
-    return 2.0 * math.pi / BINS / np.diff(stage.clock_of(edges))
+    # The last row lies up to one interval before the end, 7 % of a bin; the last bin
+    # is therefore that of the turn before.
+    edges = (CYCLES - 1 + np.arange(-1, BINS) / BINS) * period
+    if stage.time[-1] < edges[-1]:
+        return np.zeros(BINS)
+    return np.roll(2.0 * math.pi / BINS / np.diff(stage.clock_of(edges)), -1)
 
 
-def residuals(rig: Rig, voltages: tuple[float, ...]) -> Array:
+def residuals(rig: Rig, voltages: Voltages) -> Array:
     """Return model less measurement, part of the mean speed of each voltage."""
     curves = measured()
     return np.concatenate(
@@ -132,20 +157,27 @@ def residuals(rig: Rig, voltages: tuple[float, ...]) -> Array:
     )
 
 
-def fitted(voltages: tuple[float, ...]) -> tuple[Rig, Array, float]:
-    """Fit the rig; return it, the covariance of its quantities and the scatter."""
+def fitted(voltages: Voltages) -> Fit:
+    """Fit the rig to the curves of the voltages, from the stored quantities."""
     first = Rig().values
     found = least_squares(
         lambda scale: residuals(Rig.of(scale * first), voltages),
         np.ones(first.size),
-        diff_step=1e-3,
+        bounds=(1.0 - REACH, 1.0 + REACH),
+        diff_step=STEP,
         x_scale="jac",
-        max_nfev=12,
+        xtol=1e-4,
+        ftol=1e-5,
+        max_nfev=20,
     )
     variance = float(found.fun @ found.fun) / (found.fun.size - first.size)
     covariance = variance * np.linalg.inv(found.jac.T @ found.jac)
-    covariance *= np.outer(first, first)
-    return Rig.of(found.x * first), covariance, math.sqrt(variance)
+    return Fit(
+        Rig.of(found.x * first),
+        covariance * np.outer(first, first),
+        math.sqrt(variance),
+        found.message,
+    )
 
 
 def numbers(curve: Array) -> Array:
@@ -153,12 +185,71 @@ def numbers(curve: Array) -> Array:
     return np.array([curve.mean(), np.ptp(curve)])
 
 
+def left_out() -> Array:
+    """Return errors of mean and range, and the least speed, one voltage a row.
+
+    Each voltage is predicted from the fit to the two others.
+    """
+    curves = measured()
+    rows = []
+    for voltage, curve in curves.items():
+        fit = fitted(tuple(v for v in curves if v != voltage))
+        model = speeds(fit.rig, voltage)
+        rows.append([*(numbers(model) - numbers(curve)), curve.min()])
+        print(f"{voltage} V left out: {rows[-1]}, {fit}")
+    return np.array(rows)
+
+
+def parameter_variance(fit: Fit, voltage: float) -> Array:
+    """Return the variance of mean and range that the covariance of the fit causes."""
+    values = fit.rig.values
+    base = numbers(speeds(fit.rig, voltage))
+    slopes = []
+    for k in range(values.size):
+        moved = values.copy()
+        moved[k] *= 1.0 + STEP
+        change = numbers(speeds(Rig.of(moved), voltage)) - base
+        slopes.append(change / (values[k] * STEP))
+    gradient = np.array(slopes)
+    variance: Array = np.einsum("ik,ij,jk->k", gradient, fit.covariance, gradient)
+    return variance
+
+
+def half_widths(fit: Fit, errors: Array, voltage: float) -> tuple[Array, Array]:
+    """Return the half widths of mean and range, rad/s, and the three variances.
+
+    The variances are those of the parameters, of the bins, and of the left-out voltages.
+    An error of the work changes the square of the speed: an error of a range is
+    taken as inverse to the least speed.
+    """
+    curve = speeds(fit.rig, voltage)
+    bins = (fit.scatter * curve.mean()) ** 2 * np.array([1.0 / BINS, 2.0])
+    model = np.array(
+        [
+            np.mean(errors[:, 0] ** 2),
+            np.mean((errors[:, 1] * errors[:, 2]) ** 2) / curve.min() ** 2,
+        ]
+    )
+    parts = np.array([parameter_variance(fit, voltage), bins, model])
+    return STUDENT * np.sqrt(parts.sum(axis=0)), parts
+
+
 def main() -> None:
     """Print the fit to the measured voltages and what the rig predicts for others."""
-    rig, covariance, scatter = fitted(tuple(measured()))
-    print(rig, np.sqrt(np.diag(covariance)), scatter)
-    for voltage in (6.5, 7.5, 9.5):
-        print(voltage, numbers(speeds(rig, voltage)))
+    fit = fitted(tuple(measured()))
+    print(fit.rig, fit.message)
+    print("standard deviations", np.sqrt(np.diag(fit.covariance)), fit.scatter)
+    for voltage, curve in measured().items():
+        model = speeds(fit.rig, voltage)
+        error = residuals(fit.rig, (voltage,))
+        rms = float(np.sqrt(np.mean(error**2)))
+        print(voltage, "V:", numbers(curve), numbers(model), rms)
+    errors = left_out()
+    for voltage in PREDICTED:
+        curve = speeds(fit.rig, voltage)
+        width, parts = half_widths(fit, errors, voltage)
+        print(voltage, "V:", numbers(curve), "+-", width, curve.min(), curve.max())
+        print("    deviations of parameters, bins, left out:", np.sqrt(parts).tolist())
 
 
 if __name__ == "__main__":
