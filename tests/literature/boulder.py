@@ -13,6 +13,7 @@ from typing import Literal, Self
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.stats import t as student
 
 import presswear as pw
 from presswear.linkage.linkage import Linkage
@@ -28,7 +29,6 @@ BINS = 36
 CYCLES = 4  # turns until the last repeats
 REACH = 0.5  # of the stored quantities, within which the fit searches
 STEP = 1e-2  # relative, of differences: above the errors of a run
-STUDENT = 3.18  # factor of a 95 % interval from three left-out errors
 PREDICTED = (6.5, 7.5, 9.5)  # V
 
 Voltages = tuple[float, ...]
@@ -38,16 +38,16 @@ Voltages = tuple[float, ...]
 class Rig:
     """Fitted quantities of the rig, SI; the defaults are those of the fit to all voltages."""
 
-    zero: float = 1.4962  # angle of the crank at wheel angle 0, rad
-    torque_per_volt: float = 0.46087  # of the motor at rest, N m/V
-    torque_per_speed: float = 0.188593  # slope of the motor line, N m s/rad
-    bearing_friction: float = 0.85088  # moment, N m
-    collar_mass: float = 0.469994  # kg
-    collar_friction: float = 5.11599  # force on the guide, N
+    zero: float = 1.49643  # angle of the crank at wheel angle 0, rad
+    torque_per_volt: float = 0.461389  # of the motor at rest, N m/V
+    torque_per_speed: float = 0.188795  # slope of the motor line, N m s/rad
+    bearing_friction: float = 0.85167  # moment, N m
+    collar_mass: float = 0.470054  # kg
+    collar_friction: float = 5.12583  # force on the guide, N
     imbalance_along: float = (
-        0.0271874  # mass times distance, towards the crank pin, kg m
+        0.0272382  # mass times distance, towards the crank pin, kg m
     )
-    imbalance_across: float = -0.0099227  # 90 degrees ahead of the crank pin, kg m
+    imbalance_across: float = -0.00996898  # 90 degrees ahead of the crank pin, kg m
 
     @classmethod
     def of(cls, values: Array) -> Self:
@@ -188,15 +188,20 @@ def numbers(curve: Array) -> Array:
 def left_out() -> Array:
     """Return errors of mean and range, and the least speed, one voltage a row.
 
-    Each voltage is predicted from the fit to the two others.
+    Each voltage is predicted from the fit to the two others. A voltage at which that
+    fit stalls has no error and no row.
     """
     curves = measured()
     rows = []
     for voltage, curve in curves.items():
         fit = fitted(tuple(v for v in curves if v != voltage))
         model = speeds(fit.rig, voltage)
-        rows.append([*(numbers(model) - numbers(curve)), curve.min()])
-        print(f"{voltage} V left out: {rows[-1]}, {fit}")
+        error = numbers(model) - numbers(curve)
+        print(f"without {voltage} V: scatter {fit.scatter:.4f}, {fit.rig}")
+        print("    deviations", np.sqrt(np.diag(fit.covariance)))
+        print("    error of mean and range", error if model.any() else "none: stalls")
+        if model.any():
+            rows.append([*error, curve.min()])
     return np.array(rows)
 
 
@@ -216,11 +221,11 @@ def parameter_variance(fit: Fit, voltage: float) -> Array:
 
 
 def half_widths(fit: Fit, errors: Array, voltage: float) -> tuple[Array, Array]:
-    """Return the half widths of mean and range, rad/s, and the three variances.
+    """Return the half widths of mean and range, 95 %, rad/s, and the three variances.
 
     The variances are those of the parameters, of the bins, and of the left-out voltages.
     An error of the work changes the square of the speed: an error of a range is
-    taken as inverse to the least speed.
+    taken as inverse to the least speed. The factor is Student's for the left-out errors.
     """
     curve = speeds(fit.rig, voltage)
     bins = (fit.scatter * curve.mean()) ** 2 * np.array([1.0 / BINS, 2.0])
@@ -231,7 +236,8 @@ def half_widths(fit: Fit, errors: Array, voltage: float) -> tuple[Array, Array]:
         ]
     )
     parts = np.array([parameter_variance(fit, voltage), bins, model])
-    return STUDENT * np.sqrt(parts.sum(axis=0)), parts
+    factor = float(student.ppf(0.975, len(errors)))
+    return factor * np.sqrt(parts.sum(axis=0)), parts
 
 
 def main() -> None:
@@ -241,8 +247,7 @@ def main() -> None:
     print("standard deviations", np.sqrt(np.diag(fit.covariance)), fit.scatter)
     for voltage, curve in measured().items():
         model = speeds(fit.rig, voltage)
-        error = residuals(fit.rig, (voltage,))
-        rms = float(np.sqrt(np.mean(error**2)))
+        rms = float(np.sqrt(np.mean(residuals(fit.rig, (voltage,)) ** 2)))
         print(voltage, "V:", numbers(curve), numbers(model), rms)
     errors = left_out()
     for voltage in PREDICTED:
