@@ -106,10 +106,11 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
         values["exponent"] = 1.5
     held = max(values["static_friction"], values["friction"])
     values["static_friction"] = held if values["friction_law"] == LUGRE else None
-    stiffness = min(values["bristle_stiffness"], values["friction"] / LEAST_SLIP)
+    most = greatest_bristle_damping(values["friction"], held, values["stribeck_speed"])
+    stiffest = min(values["friction"] / LEAST_SLIP, most / LEAST_RELAXATION)
+    stiffness = min(values["bristle_stiffness"], stiffest)
     values["bristle_stiffness"] = max(stiffness, 1e2)
     least = values["bristle_stiffness"] * LEAST_RELAXATION
-    most = greatest_bristle_damping(values["friction"], held, values["stribeck_speed"])
     values["bristle_damping"] = min(max(values["bristle_damping"], least), most)
     # Damping without bounds is stiff without bounds.
     least = DAMPINGS[values["normal_law"]].least
@@ -201,9 +202,9 @@ def scene_of(draw: Random) -> Scene:
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5, elasticity="auto")
-    joints = draw.choice(
-        [*mechanism.allowed_joints, ",".join(mechanism.allowed_joints), "none"]
-    )
+    # A guide with clearance has other bounds than a pin.
+    pins = [name for name in mechanism.allowed_joints if name != "guide"]
+    joints = draw.choice([*pins, ",".join(pins), "none"])
     parts: dict[str, Any] = {
         "mechanism": mechanism,
         "bearings": bearings,

@@ -37,6 +37,7 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
             "force_max": mean * (1.0 + 0.1 * draw.normal(size=CYCLES)),
             "load_distance": 3.0 * (1.0 + 0.03 * draw.normal(size=CYCLES)),
             "contacts": np.full(CYCLES, 7.0),
+            "closed_time": np.full(CYCLES, 0.5),
             "eccentricity_x": np.zeros(CYCLES),
             "eccentricity_y": np.zeros(CYCLES),
         }
