@@ -17,6 +17,7 @@ from intervals.coverage import SUBJECTS, Coverage, table  # noqa: E402
 PAGE = DOCS / "validation" / "intervals.md"
 RANGE = 0.9, 0.99  # of the intervals, which should hold
 Columns = Mapping[str, list[Coverage]]  # by the heading of a column
+MOTORS = ("four-bar-motor",)  # subjects in the table of motors
 
 
 def coverages_of(folder: Path) -> dict[str, list[list[Coverage]]]:
@@ -108,9 +109,8 @@ def _cell(heading: str, coverage: Coverage) -> str:
     return f"{coverage.quantity.removesuffix(', of a cycle')} ({heading})"
 
 
-def results_of(folder: Path) -> str:
+def results_of(found: Mapping[str, list[list[Coverage]]]) -> str:
     """Return the tables of new and of worn surfaces with their sentences."""
-    found = coverages_of(folder)
     new = {
         name: stages[0]
         for name, stages in found.items()
@@ -132,11 +132,18 @@ def results_of(folder: Path) -> str:
 
 
 def fill(folder: Path) -> None:
-    """Write the tables between their marks."""
-    marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
-    results = results_of(folder)
+    """Write the tables between their marks; one without a finished run stays as it is."""
+    found = coverages_of(folder)
+    tables = {
+        "result": {name: found[name] for name in found if name not in MOTORS},
+        "motor": {name: found[name] for name in MOTORS},
+    }
     text = PAGE.read_text(encoding="utf-8")
-    text = re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
+    for mark, part in tables.items():
+        if any(stages[0] for stages in part.values()):
+            marks = rf"(?s)(<!-- {mark} -->\n).*?(<!-- end -->)"
+            results = results_of(part)
+            text = re.sub(marks, rf"\g<1>\n{results}\n\n\g<2>", text)
     PAGE.write_text(text, encoding="utf-8")
 
 

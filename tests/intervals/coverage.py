@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import presswear as pw
 from presswear.recording.statistics import half_width, widened
+from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.tools.arrays import Array
 
 TRIES, LONG_RUNS = 80, 4  # long runs take the seeds after those of the tries
@@ -42,6 +43,8 @@ _NEW: dict[str, Any] = {
 _FOUR_BAR = pw.Scene(
     pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), cycles=20, **_NEW
 )
+# Its speed varies from 0.94 to 1.07 of the nominal one.
+_MOTOR = pw.Motor("1 N m", slip=0.08, inertia="0.005 kg m^2")
 SUBJECTS = {
     "press": Subject(pw.scenes.wear_times(conventions="refined", **_NEW)),
     "blanking": Subject(pw.scenes.press_blanking(**_NEW), 150),
@@ -49,6 +52,9 @@ SUBJECTS = {
     "slider-crank-5000": Subject(_slider_crank(5000.0), 400),
     "slider-crank-1000": Subject(_slider_crank(1000.0, slide_angle=0.0), 400),
     "six-bar": Subject(pw.Scene(pw.SixBar(), **_NEW), 30),
+    "four-bar-motor": Subject(
+        replace(_FOUR_BAR, mechanism=pw.FourBar(motor=_MOTOR)), 400
+    ),
     "four-bar-worn": Subject(replace(_FOUR_BAR, wear_updates=1), 800),
 }
 
@@ -65,7 +71,7 @@ def scenes_of(subject: Subject, tries: int = TRIES) -> dict[str, pw.Scene]:
     return scenes
 
 
-def intervals_of(stage: pw.StageResult) -> dict[str, Ends]:
+def intervals_of(scene: pw.Scene, stage: pw.StageResult) -> dict[str, Ends]:
     """Return all intervals that a stage states, in SI units."""
     stored, per_cycle = stage.statistics, 1.0 / stage.cycles_per_update
     found: dict[str, pw.Estimate | None] = {}
@@ -88,11 +94,26 @@ def intervals_of(stage: pw.StageResult) -> dict[str, Ends]:
             found[f"deepest wear {name}, {side}, of a cycle"] = peak.depth.scaled(
                 per_cycle
             )
+    found |= _of_motors(scene, stage)
     return {
         name: _ends(estimate)
         for name, estimate in found.items()
         if estimate is not None
     }
+
+
+def _of_motors(scene: pw.Scene, stage: pw.StageResult) -> dict[str, pw.Estimate | None]:
+    """Return the estimates of the speed of the first motor and of the loads of all motors."""
+    found: dict[str, pw.Estimate | None] = {}
+    speed = leader_speed(scene, stage)
+    if speed is not None:
+        found["strokes in a second"] = speed.stroke_rate
+    for name, load in motor_loads(scene, stage).items():
+        found[f"motor work {name}"] = load.work
+        found[f"slip loss {name}"] = load.slip_loss
+        found[f"rms torque {name}"] = load.rms_fraction
+        found[f"peak torque {name}"] = load.peak_fraction
+    return found
 
 
 def _ends(estimate: pw.Estimate) -> Ends:
@@ -195,13 +216,13 @@ HEADER = (
 def table(results: Mapping[str, pw.Result], stage: int) -> list[Coverage]:
     """Return the coverages of a stage from the finished runs of a subject."""
     finished = {
-        name: result.stages[stage]
+        name: (result.scene, result.stages[stage])
         for name, result in results.items()
         if result.status != "failed" and len(result.stages) > stage
     }
     tries = [one for name, one in finished.items() if name.startswith("try")]
     long = [
-        intervals_of(one) for name, one in finished.items() if name.startswith("long")
+        intervals_of(*one) for name, one in finished.items() if name.startswith("long")
     ]
-    mixed = [is_mixture(one) for one in tries]
-    return list(coverages(long, [intervals_of(one) for one in tries], mixed))
+    mixed = [is_mixture(one) for _, one in tries]
+    return list(coverages(long, [intervals_of(*one) for one in tries], mixed))
