@@ -317,6 +317,16 @@ def deepest_wear(
 
 
 @dataclass(frozen=True)
+class Oil:
+    """Oil and asperities of a joint whose film acts in the run."""
+
+    viscosity: float  # Pa s
+    roughness: float  # sigma of both surfaces together, m
+    asperity_pressure: float  # Pa
+    films: int = 1  # equal ones side by side, which divide the width
+
+
+@dataclass(frozen=True)
 class ClearanceJoint:
     """Pin joint with clearance: a pin loose in a bearing.
 
@@ -342,6 +352,7 @@ class ClearanceJoint:
     contact: SurfaceContact = "radial"
     bearing_surface: Surface = field(default_factory=Surface)
     pin_surface: Surface = field(default_factory=Surface)
+    oil: Oil | None = None  # None: dry
 
     @property
     def pin_radius(self) -> float:

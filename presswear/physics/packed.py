@@ -75,6 +75,7 @@ JOINT = np.dtype(
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
         ("is_flat", np.bool_),  # a corner on a wall
+        ("oiled", np.bool_),  # always closed, without events
     ]
 )
 
@@ -120,6 +121,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         record["friction"] = friction_record(joint.friction)
         record["onset_floor"] = onset_floor(joint)
         record["is_flat"] = isinstance(joint, GuideCorner)
+        record["oiled"] = joint.oil is not None
         record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
@@ -135,7 +137,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         pair = joint.bearing_surface, joint.pin_surface
         sizes = (surface.depth.size for surface in pair if surface.is_worn)
         later = joint.bins if wearing and joint.wear else 0
-        bins = max(sizes, default=later)
+        # The film of an oiled joint has the shape of new surfaces, and so has its
+        # contact.
+        bins = 0 if joint.oil else max(sizes, default=later)
         record["surface_bins"] = bins
         record["surface_nodes"] = bins * parts_of(bins) if bins else 0
     weight = np.zeros(3 * len(linkage.bodies))

@@ -176,6 +176,8 @@ def shorter_step(
     shortest = math.inf
     for k in range(contacts.shape[0] if h > least else 0):
         last, contact = records.memory[k], contacts[k]
+        if packed.joints[k].oiled:
+            continue
         if records.onset[k] > 0.0:
             wanted = early_separation(
                 last, steps[0], contact, packed.joints[k].clearance, h
@@ -200,6 +202,8 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
     """
     for k in range(records.memory.shape[0]):
         joint, last = records.packed.joints[k], records.memory[k]
+        if joint.oiled:
+            continue
         if records.onset[k] > 0.0 and last.steps < 2.0 * parts:
             part = contact_step(joint, 0.0, records.onset[k], parts)
             longest = min(longest, part, last.longest_step)
@@ -225,6 +229,10 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             records.onset[k] > 0.0,
         )
         depth, rate = last.penetration, last.rate
+        if joint.oiled:
+            wanted = contact_step(joint, depth, 0.0, steps[0].sustained)
+            chosen = min(chosen, max(wanted, steps[0].least))
+            continue
         if joint.is_flat:
             acceleration = corner_acceleration(joint, records.contacts[k], a)
         else:

@@ -353,6 +353,8 @@ def peak_within(
     The quartic also passes through the state before, if that was closed. On a
     foundation, a maximum far above both ends is an error of the extrapolated powers.
     """
+    if joint.oiled:
+        return 0.0
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
     start, end = last.penetration, contact.penetration
     if not (onset_speed > 0.0 and h > 0.0 and start > 0.0 and end > 0.0):
@@ -443,7 +445,10 @@ def settle(records: Any, t: float, needed: int) -> int:
     events = 0
     for k in range(joints.shape[0]):
         last, contact = records.memory[k], records.contacts[k]
-        if onset[k] == 0.0 and contact.penetration > 0.0:
+        if joints[k].oiled:
+            if onset[k] == 0.0:
+                touch_down(records, k, t, 1.0, True)
+        elif onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
             touchdown, closing = t, contact.rate

@@ -24,7 +24,11 @@ from presswear.linkage.topology import prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
-from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
+from presswear.physics.equations.layout import (
+    CONTACT_LOSS,
+    DRIVE_EXCHANGE,
+    initial_states,
+)
 from presswear.physics.equations.writer import (
     Equations,
     write_body_forces,
@@ -181,6 +185,8 @@ class _Solver:
         coordinates = self.equations.chain.coordinates(start.position, start.velocity)
         self.y = np.zeros(layout.size)
         self.y[: layout.first_state] = np.concatenate(coordinates)
+        states = initial_states(self.equations.states, start.position)
+        self.y[layout.first_state : layout.first_energy] = states
         self.energies = self.y[layout.first_energy : layout.first_dose]
         slopes = np.zeros((DOP853.b.size + 2, layout.size))
         self.steps = Motion(self.y, np.zeros(layout.size), slopes)

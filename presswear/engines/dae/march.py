@@ -168,6 +168,8 @@ def settle_joints(address: PackedArguments, event: int, t: float) -> int:
         contact = system.contacts[k]
         is_closed = records.onset[k] > 0.0
         rate = contact.rate
+        if system.packed.joints[k].oiled:
+            continue
         if k != event:
             is_near = abs(contact.penetration) <= state.resolution
             moves_on = rate < 0.0 if is_closed else rate > 0.0
@@ -211,7 +213,7 @@ def first_event(
     event = -1
     part = 2.0
     for k in range(joints):
-        if k == excluded:
+        if k == excluded or system.packed.joints[k].oiled:
             continue
         last = records.memory[k]
         is_closed = records.onset[k] > 0.0

@@ -30,6 +30,7 @@ from presswear.engines.exudyn_joints.kernels import (
     FORCES,
     SHORTER,
     START,
+    STEP_START,
     Drives,
     Frame,
     Friction,
@@ -46,6 +47,7 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.physics.equations.function import model_of, written
+from presswear.physics.equations.layout import initial_states
 from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.interactions.kinds import interactions_of
 from presswear.physics.ledger import Ledger, stored_energy
@@ -256,6 +258,8 @@ def frame_of(
     contacts = np.zeros(len(linkage.clearances), CONTACT)
     model = model_of(linkage, forces, records.packed, records.onset, contacts)
     solved_q, solved_v, solved_a = solved
+    states = np.zeros((6, len(forces.states)))
+    states[STEP_START] = initial_states(forces.states, start.position)
     return Frame(
         solved_q=solved_q,
         solved_v=solved_v,
@@ -273,7 +277,7 @@ def frame_of(
         layout=forces.layout,
         scales=np.array([state.scale for state in forces.states]),
         state_joints=np.array([state.joint for state in forces.states], np.int64),
-        states=np.zeros((6, len(forces.states))),
+        states=states,
         friction=friction,
     )
 

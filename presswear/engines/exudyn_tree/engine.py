@@ -32,6 +32,7 @@ from presswear.engines.settings import FINEST, ExudynTree
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.equations.function import Model, model_of, written
+from presswear.physics.equations.layout import initial_states
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ledger import Ledger, stored_energy
 from presswear.physics.prescribed import begin_motion
@@ -103,29 +104,30 @@ class _Tree:
         equations = write_equations(linkage, packed, with_forces=True)
         assert isinstance(equations, Equations)
         self.chain = equations.chain
-        states = len(equations.states)
+        states = initial_states(equations.states, start.position)
         # Exudyn reads numbers one by one: they come faster out of an array of Python's
         # own.
         self.force = array("d", bytes(8 * self.chain.size))
-        self.state_rates = np.zeros(states)
+        self.state_rates = np.zeros(states.size)
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
         add_tree(self.system, self.chain, start, self.stage_forces)
-        if states:
+        if states.size:
             _add_states(self.system, states, self.stage_states)
         self.system.Assemble()
         self.model = model_of(
             linkage, equations, packed, np.zeros(joints), self.records.contacts
         )
         begin_motion(self.model.prescribed, 0.0, start.position)
-        self.live, live = self._live_arrays(states)
+        self.live, live = self._live_arrays(states.size)
         self.tree = _tree_system(equations, self.model, live)
         self.tree.pace["longest"] = settings.longest(plan.cycle)
         self.tree.pace["parts"] = settings.impact_steps
         self.tree.start[:] = live[:2]
+        self.tree.start_states[:] = states
         self._stage = bind(stage_forces, self.tree, self.records)
         self._place_start = bind(place_start, self.tree, self.records)
-        if states:
+        if states.size:
             self._states = bind(stage_states, self.tree, self.state_rates)
         self.solver = self._prepare_solver(plan, recorder)
         self._place_start(0.0)
@@ -228,8 +230,8 @@ class _Tree:
         }
 
 
-def _add_states(system: Any, count: int, rates: Callable[..., Any]) -> None:
-    """Add the states of interactions to a system, with their rates.
+def _add_states(system: Any, initial: Array, rates: Callable[..., Any]) -> None:
+    """Add the states of interactions to a system, with their initial values and rates.
 
     Exudyn calls for their rates first, once more a step than for the forces.
     """
@@ -237,9 +239,9 @@ def _add_states(system: Any, count: int, rates: Callable[..., Any]) -> None:
         system,
         "Node",
         "GenericODE1",
-        referenceCoordinates=[0.0] * count,
-        initialCoordinates=[0.0] * count,
-        numberOfODE1Coordinates=count,
+        referenceCoordinates=[0.0] * initial.size,
+        initialCoordinates=initial.tolist(),
+        numberOfODE1Coordinates=initial.size,
     )
     add(system, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 

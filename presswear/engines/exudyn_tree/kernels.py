@@ -198,6 +198,9 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         joint = records.packed.joints[k]
         last = records.memory[k]
         closed = records.onset[k] > 0.0
+        if joint.oiled:
+            system.expected[k] = records.onset[k]
+            continue
         if joint.is_flat:
             acceleration = corner_acceleration(joint, records.contacts[k], a)
         else:

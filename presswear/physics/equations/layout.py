@@ -5,7 +5,12 @@ of bristles, then integrals: the energies of the ledger, two doses of wear of ea
 clearance joint, and four integrals of each drive.
 """
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
+
+import numpy as np
+
+from presswear.tools.arrays import Array
 
 # Energies of the ledger, J: work of all drives, its absolute value, of loads less that
 # which dampers take; lost in contacts and in friction, and made by the normal law
@@ -32,6 +37,16 @@ class State(NamedTuple):
     name: str  # in the text
     scale: float  # change that matters, m
     joint: int = -1  # number of the clearance joint whose contact changes its rate
+    # its initial value from the positions of all bodies, m; None: zero
+    at_start: Callable[[Array], float] | None = None
+
+
+def initial_states(states: Sequence[State], position: Array) -> Array:
+    """Return the initial values of states, m, from the positions of all bodies, (3 bodies,)."""
+    values = [
+        0.0 if state.at_start is None else state.at_start(position) for state in states
+    ]
+    return np.array(values, float)
 
 
 class Layout(NamedTuple):

@@ -60,12 +60,12 @@ class ClearanceContact:
 
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
-        """Return all clearance joints of a linkage between a pin and its bearing."""
+        """Return all dry clearance joints of a linkage between a pin and its bearing."""
         pairs = zip(linkage.clearances, packed.joints, strict=True)
         return [
             cls(joint, record, k)
             for k, (joint, record) in enumerate(pairs)
-            if not record["is_flat"]
+            if not record["is_flat"] and not record["oiled"]
         ]
 
     @property

@@ -7,6 +7,7 @@ from presswear.physics.interactions.elastic_guide import ElasticGuide
 from presswear.physics.interactions.elastic_pin import ElasticPin
 from presswear.physics.interactions.load import LoadWithLaw
 from presswear.physics.interactions.motor import MotorTorque
+from presswear.physics.interactions.oil import OiledContact
 from presswear.physics.interactions.page import Interaction
 from presswear.physics.interactions.spring import SpringAndDamper
 from presswear.physics.packed import Packed
@@ -19,6 +20,7 @@ KINDS: tuple[type[Interaction], ...] = (
     MotorTorque,
     ClearanceContact,
     CornerContact,
+    OiledContact,
 )
 
 

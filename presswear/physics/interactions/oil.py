@@ -6,14 +6,39 @@ asperities together. The film's part gives the rate of e_f in closed form.
 """
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar, NamedTuple, Self
 
-from presswear.physics.mixed_lubrication import DECAY
-from presswear.physics.oil_film import OilFilm, film_velocity
-from presswear.tools.compile import compiled
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage, place_of
+from presswear.physics.contact import CONTACT
+from presswear.physics.equations.layout import State
+from presswear.physics.equations.text import (
+    ONE,
+    ZERO,
+    Vector,
+    difference,
+    negative,
+    product,
+    total,
+)
+from presswear.physics.friction_and_normal import elastic_of
+from presswear.physics.interactions.friction import FrictionWithoutState
+from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.mixed_lubrication import DECAY, shear_moment
+from presswear.physics.oil_film import OilFilm, film_of, film_velocity
+from presswear.physics.packed import Packed
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled
+
+FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 
 # Least gap over the clearance in the formulas of the film, far below any roughness
 THINNEST = 1e-6
+# Gap over the clearance, at least, of a pin that starts pressed into its bearing
+THINNEST_AT_START = 1e-3
+SCALE = 1e-3  # change of a place on the film that matters, over the clearance
 
 
 class OiledBearing(NamedTuple):
@@ -97,3 +122,212 @@ def film_loss(
     couple = place[0] * force[1] - place[1] * force[0]
     work = force[0] * rate[0] + force[1] * rate[1]
     return 0.5 * couple * speed_sum - work
+
+
+@compiled
+def chord_of(stretch: float, clearance: float) -> float:
+    """Return sin s of the elastic arc, cos s = c / (c + |u|), at a stretch |u|, m."""
+    reach = clearance + stretch
+    return math.sqrt(stretch * (clearance + reach)) / reach
+
+
+def start_on_film(
+    linkage: Linkage, joint: ClearanceJoint, axis: int, position: Array
+) -> float:
+    """Return a coordinate of the place on the film, m, where the elastic contact starts free."""
+    pin = place_of(linkage, joint.pin, position.tolist())
+    bearing = place_of(linkage, joint.bearing, position.tolist())
+    widest = (1.0 - THINNEST_AT_START) * joint.clearance
+    part = widest / max(math.dist(pin, bearing), widest)
+    return part * (pin[axis] - bearing[axis])
+
+
+@dataclass(frozen=True)
+class OiledContact:
+    """The contact of an oiled joint, as text: always closed, without events."""
+
+    joint: ClearanceJoint
+    record: Records  # of JOINT
+    number: int  # among the clearance joints
+
+    kernels: ClassVar[Kernels] = (
+        *(OilFilm, OiledBearing, chord_of, film_rate, film_loss, shear_moment),
+        *(elastic_of, *FrictionWithoutState.kernels),
+    )
+
+    @classmethod
+    def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
+        """Return all oiled joints of a linkage."""
+        pairs = zip(linkage.clearances, packed.joints, strict=True)
+        return [
+            cls(joint, record, k)
+            for k, (joint, record) in enumerate(pairs)
+            if joint.oil is not None
+        ]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies of bearing and pin."""
+        return self.joint.bearing.body, self.joint.pin.body
+
+    @classmethod
+    def stored_energy(cls, linkage: Linkage, position: Array) -> float:
+        """Return nothing: the memory of each joint holds its elastic energy."""
+        return 0.0
+
+    def write(self, page: Page) -> None:
+        """Write the rate of e_f, the forces on both bodies, powers, and the dose of wear."""
+        text, joint = page.text, self.joint
+        prefix = text.prefix(joint.name)
+        text.comment(f"{joint.name}: oiled pin of {joint.pin.body}")
+        place, _ = page.chain.way(text, (joint.bearing, joint.pin), prefix)
+        axes = self._declare_film(page, prefix)
+        film = text.let_vector(f"{prefix}_film", Vector(*(f"y[{i}]" for i in axes)))
+        force = self._write_elastic(page, prefix, place.minus(film))
+        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        speeds = text.let(f"{prefix}_speeds", total(pin.omega, bearing.omega))
+        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
+        vectors = f"({film.x}, {film.y}), ({force.x}, {force.y})"
+        chord = f"chord_of({prefix}_stretch, {clearance})"
+        call = f"film_rate({vectors}, {speeds}, {chord}, {self._bearing(page, prefix)})"
+        rates = Vector(f"{prefix}_film_rate_x", f"{prefix}_film_rate_y")
+        text.write(f"{rates.x}, {rates.y}, {prefix}_rough = {call}")
+        for i, rate in zip(axes, rates, strict=True):
+            text.write(f"out[{i}] = {rate}")
+        moment = self._write_friction(page, prefix, f"{film.dot(film)}")
+        self._add_forces(page, prefix, place, force, moment)
+        loss = f"film_loss(({film.x}, {film.y}), ({rates.x}, {rates.y}), "
+        page.add_power("contact_loss", f"{loss}({force.x}, {force.y}), {speeds})")
+        with text.block("if level == END:"):
+            self._write_record(page, prefix, film, rates)
+
+    def _declare_film(self, page: Page, prefix: str) -> list[int]:
+        """Declare the place on the film; return the places of its coordinates in ``y``."""
+        joint, linkage = self.joint, page.chain.linkage
+        return [
+            page.add_state(
+                State(
+                    f"{prefix}_film_{axis}",
+                    SCALE * joint.clearance,
+                    at_start=partial(start_on_film, linkage, joint, i),
+                )
+            )
+            for i, axis in enumerate("xy")
+        ]
+
+    def _write_elastic(self, page: Page, prefix: str, stretch: Vector) -> Vector:
+        """Write the elastic force on the pin, against the stretch of the contact."""
+        text = page.text
+        stretch = text.let_vector(f"{prefix}_stretch", stretch)
+        size = text.let(f"{prefix}_stretch", f"math.sqrt({stretch.dot(stretch)})")
+        law = f"elastic_of(data.joints[{self.number}].normal, {size})"
+        text.write(f"{prefix}_elastic, {prefix}_energy = {law}")
+        part = f"{prefix}_elastic / {size} if {size} > {ZERO} else {ZERO}"
+        factor = text.let(f"{prefix}_factor", part)
+        return text.let_vector(f"{prefix}_force", stretch.times(f"-{factor}"))
+
+    def _add_forces(
+        self, page: Page, prefix: str, place: Vector, force: Vector, moment: str
+    ) -> None:
+        """Add force and moment to those on both bodies, the force at the middle of e."""
+        text, joint = page.text, self.joint
+        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        couple = text.let(f"{prefix}_couple", place.cross(force))
+        pin.add_force(pin.arm(text, joint.pin, prefix), force)
+        arm = bearing.arm(text, joint.bearing, prefix)
+        bearing.add_force(arm, force.times(f"-{ONE}"))
+        half = product("0.5", couple)
+        pin.moments.append(difference(moment, half))
+        bearing.moments.append(negative(total(moment, half)))
+
+    def _bearing(self, page: Page, prefix: str) -> str:
+        """Return the parameters of the bearing."""
+        joint, oil = self.joint, self.joint.oil
+        assert oil is not None
+        film = film_of(
+            joint.width / oil.films,
+            joint.bearing_radius,
+            joint.clearance,
+            oil.viscosity,
+        )
+        size = oil.asperity_pressure * joint.width * joint.bearing_radius
+        numbers = {
+            "width_ratio": film.width_ratio,
+            "film_size": oil.films * film.size,
+            "clearance": joint.clearance,
+            "asperity_size": size,
+            "roughness": oil.roughness,
+        }
+        names = [
+            page.text.parameter(f"{prefix}_{word}", number)
+            for word, number in numbers.items()
+        ]
+        return f"OiledBearing(OilFilm({names[0]}, {names[1]}), {', '.join(names[2:])})"
+
+    def _write_friction(self, page: Page, prefix: str, square: str) -> str:
+        """Write shear and friction of asperities; return the moment on the pin."""
+        text, joint, oil = page.text, self.joint, self.joint.oil
+        assert oil is not None
+        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        spin = text.let(f"{prefix}_spin", difference(pin.omega, bearing.omega))
+        radius = text.parameter(f"{prefix}_radius", joint.bearing_radius)
+        width = text.parameter(f"{prefix}_width", joint.width)
+        viscosity = text.parameter(f"{prefix}_viscosity", oil.viscosity)
+        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
+        gap = f"max(1.0 - math.sqrt({square}) / {clearance}, {THINNEST})"
+        sizes = f"({width}, {radius}, {clearance})"
+        call = f"shear_moment({gap}, {spin}, {viscosity}, {sizes})"
+        shear = text.let(f"{prefix}_shear", call)
+        page.add_power("friction_loss", product(shear, spin))
+        sliding = text.let(f"{prefix}_sliding", product(radius, spin))
+        if joint.wear is not None:
+            page.set_dose(self.number, "work", f"{prefix}_rough * abs({sliding})")
+        if joint.friction.coefficient == 0.0:
+            text.write(f"{prefix}_friction = {ZERO}")
+            return f"-{shear}"
+        law = FrictionWithoutState(
+            page, prefix, joint.friction, self.record["friction"]
+        )
+        law.write_state(sliding, ONE)
+        friction = text.let(f"{prefix}_friction", law.force(f"{prefix}_rough"))
+        page.add_power("friction_loss", negative(product(friction, sliding)))
+        return text.let(f"{prefix}_moment", f"{radius} * {friction} - {shear}")
+
+    def _write_record(
+        self,
+        page: Page,
+        prefix: str,
+        film: Vector,
+        rate: Vector,
+    ) -> None:
+        """Write the contact for the recorder: the eccentricity is that on the rigid film.
+
+        Asperities bear where the film is least, over the arc of the elastic contact. As
+        in a dry joint, its length follows from the clearance and the penetration.
+        """
+        text, joint = page.text, self.joint
+        size = f"{prefix}_stretch"
+        place = text.let(f"{prefix}_place", f"math.sqrt({film.dot(film)})")
+        fields = {
+            "penetration": size,
+            "eccentricity": f"{prefix}_clearance + {size}",
+            "eccentricity_x": film.x,
+            "eccentricity_y": film.y,
+            "velocity_x": rate.x,
+            "velocity_y": rate.y,
+            "sliding": f"{prefix}_sliding",
+            "normal_x": f"{film.x} / {place} if {place} > {ZERO} else {ONE}",
+            "normal_y": f"{film.y} / {place} if {place} > {ZERO} else {ZERO}",
+            "elastic": f"{prefix}_elastic",
+            "energy": f"{prefix}_energy",
+            "normal": f"{prefix}_elastic",
+            "tangential": f"{prefix}_friction",
+        }
+        for end, link in (
+            ("bearing", page.chain.of(joint.bearing.body)),
+            ("pin", page.chain.of(joint.pin.body)),
+        ):
+            fields |= {f"{end}_angle": link.angle, f"{end}_spin": link.omega}
+        contact = text.let(f"{prefix}_contact", f"data.contacts[{self.number}]")
+        for word, value in fields.items():
+            text.write(f"{contact}[{FIELDS[word]}] = {value}")

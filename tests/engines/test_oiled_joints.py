@@ -1,0 +1,84 @@
+"""An oiled pin in a bearing on the frame: film, elastic contact and mass in series.
+
+The numbers are those of an independent program (DOP853) for a film without contact.
+"""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import (
+    Engine,
+    ExudynJoints,
+    ExudynTree,
+    InHouse,
+)
+from presswear.linkage.elements import GROUND, Attachment, Body, ClearanceJoint, Oil
+from presswear.linkage.laws import FrictionLaw, NormalLaw
+from presswear.linkage.loads import Load
+from presswear.validation.reference_problems import free_bodies
+
+CLEARANCE = 5e-5
+STIFFNESS = 1e14  # N/m^1.5
+DUTY = Oil(viscosity=0.1, roughness=0.42e-6, asperity_pressure=50e6)
+IN_HOUSE = InHouse(integration_tolerance=1e-9)
+
+
+def loaded(
+    load: complex,
+    spin: float,
+    duration: float,
+    inertia: float,
+    start: complex = 0.0j,
+    engine: Engine = IN_HOUSE,
+) -> Run:
+    """Run a pin of 20 kg from a place in its bearing, m, under a constant load, N."""
+    ends = Attachment(GROUND, 0.0, 0.0), Attachment("pin", 0.0, 0.0)
+    laws = NormalLaw(STIFFNESS), FrictionLaw()
+    joint = ClearanceJoint("J", *ends, 0.045, CLEARANCE, 0.08, *laws, oil=DUTY)
+    body = Body("pin", 20.0, inertia)
+    force = Load("pin", x=load.real, y=load.imag)
+    linkage = free_bodies("oiled pin", (body,), (joint,), "pin", loads=(force,))
+    place = np.array([start.real, start.imag, 0.0])
+    state = Start(place, np.array([0.0, 0.0, spin]))
+    run = engine.simulate(linkage, state, Plan(duration, 1, recorded_cycles=1))
+    assert run.status == "completed", run.message
+    return run
+
+
+def on_film(run: Run, load: complex) -> complex:
+    """Return the place on the film over the clearance: without the elastic stretch."""
+    stretch = (abs(load) / STIFFNESS) ** (2.0 / 3.0) * load / abs(load)
+    return (complex(*run.end.position[:2]) - stretch) / CLEARANCE
+
+
+def test_steady_rotation() -> None:
+    run = loaded(-2440.0j, 6.28, 15.0, 1e12)
+    place = on_film(run, -2440.0j)
+    assert abs(place) == pytest.approx(0.4917858209, abs=2e-8)
+    ahead = math.degrees(cmath.phase(place / -1.0j))
+    assert ahead == pytest.approx(58.0543735, abs=1e-5)
+
+
+@pytest.mark.parametrize("engine", [IN_HOUSE, ExudynTree(), ExudynJoints()])
+def test_squeeze(engine: Engine) -> None:
+    run = loaded(20e3 + 0.0j, 0.0, 67.849038761e-3, 1e12, engine=engine)
+    # The pin has mass: the load reaches the film a little later.
+    assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.5, abs=5e-6)
+
+
+def test_pin_starts_on_its_film() -> None:
+    run = loaded(20e3 + 0.0j, 0.0, 1e-3, 1e12, start=0.8 * CLEARANCE + 0.0j)
+    assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.8, abs=1e-2)
+    assert run.recorder.records.counters["peak_force"][0] < 1.5 * 20e3
+
+
+def test_ledger_of_a_pin_that_oil_slows() -> None:
+    run = loaded(-2440.0j, 6.28, 1.0, 2.0)
+    lost = float(run.diagnostics["contact_loss_J"])
+    sheared = float(run.diagnostics["friction_loss_J"])
+    assert min(sheared, lost) > 0.0
+    assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-7 * (lost + sheared)
