@@ -48,7 +48,7 @@ from presswear.scene.options import CLEARANCES, Life, Service
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.numbers import large
+from presswear.tools.numbers import large, quantity_text
 
 _MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
 # of the first refinement: in the second, kernels are compiled and joints worn
@@ -276,7 +276,10 @@ class WearHistories:
         )
 
     def _check_reach(self, depth: Array, strokes: float) -> None:
-        """Raise InputError if, at the rate when new, a joint wears through long before a limit."""
+        """Raise InputError if, at the rate when new, a joint wears out long before a limit.
+
+        It is worn out where it is worn deeper than the model holds, see ``worn_out``.
+        """
         scene = self.runner.scene
         joints = scene.linkage().clearances
         life = scene.life
@@ -287,15 +290,17 @@ class WearHistories:
         if not is_of_depth or self.initial.any() or self.problem.services:
             return
         worn = depth.mean(axis=0).max(axis=(1, 2)) / [
-            joint.clearance for joint in joints
+            joint.deepest_wear for joint in joints
         ]
         reached = max(float(levels[limit.key].mean()) / limit.value for limit in limits)
         deepest = int(np.argmax(worn))
         is_before = worn[deepest] > REACH * reached > 0.0
         if is_before and life.at_most > (through := strokes / float(worn[deepest])):
+            joint = joints[deepest]
             raise InputError(
-                f"until: at the wear rate when new, joint {joints[deepest].name} wears through its "
-                f"clearance after {large(through, digits=1)} strokes, and no limit is exceeded "
+                f"until: at the wear rate when new, joint {joint.name} wears by "
+                f"{quantity_text(joint.deepest_wear, 'm')}, the most that the model holds for, "
+                f"after {large(through, digits=1)} strokes, and no limit is exceeded "
                 f"before {large(strokes / reached, digits=1)}; choose a limit that comes first, "
                 "or give fewer joints clearance"
             )

@@ -441,7 +441,10 @@ def test_scenes_without_a_life_are_refused() -> None:
         scene_of(2.1)
     with pytest.raises(pw.InputError, match=r"> 5.5 mm': allowed is below 5 mm, with"):
         scene_of(until="B.clearance > 5.5 mm")
-    says = r"joint B wears through its clearance after .* no limit is exceeded before .*; choose"
+    says = (
+        r"joint B wears by 2.00 mm, the most that the model holds for, after .* "
+        r"no limit is exceeded before .*; choose"
+    )
     with pytest.raises(pw.InputError, match=says):
         life_of_scene(scene_of(until="wear_volume > 1 m^3"))
 
