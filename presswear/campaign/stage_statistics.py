@@ -517,6 +517,7 @@ def _arrays(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Arra
     }
     if recorder.has_leader:
         arrays["clock"] = stacked("time")
+        arrays["nominal_rate"] = recorder.nominal_rates.copy()
     if recorder.torques.size:
         arrays["drive_torque"] = recorder.torques.copy()
     if recorder.stretches.size:

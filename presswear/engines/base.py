@@ -20,7 +20,12 @@ from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape
-from presswear.recording.columns import JOINT_SERIES_COUNT, SERIES_COUNT, cycle_columns
+from presswear.recording.columns import (
+    JOINT_SERIES_COUNT,
+    LEADER_SERIES_COUNT,
+    SERIES_COUNT,
+    cycle_columns,
+)
 from presswear.recording.film import empty_film
 from presswear.recording.nominal_time import nominal_of
 from presswear.recording.observe import (
@@ -174,7 +179,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
             (count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT
         ),
         output=output,
-        series=np.empty((rows, columns + has_leader)),
+        series=np.empty((rows, columns + LEADER_SERIES_COUNT * has_leader)),
         film=film,
         sampler=sampler,
         nominal=nominal_of(linkage),

@@ -153,6 +153,12 @@ DURATION, LEADER_SPEED_MEAN, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(
     len(LEADER_CYCLE)
 )
 LEADER_CYCLE_COUNT = len(LEADER_CYCLE)
+# Last series of a linkage with a motor
+LEADER_SERIES = (
+    Column("nominal_time", "s", "at which the ideal motion has the leader's angle"),
+    Column("nominal_rate", "1", "speed of the first motor over its nominal speed"),
+)
+LEADER_SERIES_COUNT = len(LEADER_SERIES)
 SERIES_COUNT = len(SERIES)
 JOINT_SERIES_COUNT = len(JOINT_SERIES)
 

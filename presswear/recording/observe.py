@@ -31,6 +31,7 @@ from presswear.recording.columns import (
     GIVEN,
     JOINT_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
+    LEADER_SERIES_COUNT,
     LEADER_SPEED_MAX,
     LEADER_SPEED_MIN,
     LOAD_DISTANCE,
@@ -147,7 +148,7 @@ class RecorderState(NamedTuple):
     stored_contacts: Records  # of STORED_CONTACT, shape (joints, rows)
     output: Records  # one of OUTPUT
     # Rows of SERIES, of JOINT_SERIES for each joint, of torques where they are stored,
-    # and of the nominal time where a motor turns the linkage
+    # and of LEADER_SERIES where a motor turns the linkage
     series: Array
     film: Array  # see ``presswear.recording.film``
     sampler: Records  # one of FRAME_SAMPLER
@@ -443,8 +444,9 @@ def write_row(records: RecorderState) -> None:
     first = SERIES_COUNT + JOINT_SERIES_COUNT * contacts.shape[0]
     last = row.shape[0]
     if records.nominal[0].column >= 0:
-        last -= 1
+        last -= LEADER_SERIES_COUNT
         row[last] = records.nominal[0].now
+        row[last + 1] = records.nominal[0].rate
     for column in range(first, last):
         row[column] = records.torque[column - first]
     state.rows += 1

@@ -19,6 +19,7 @@ from presswear.recording.columns import (
     JOINT_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
     LEADER_CYCLE,
+    LEADER_SERIES_COUNT,
     LEADER_SPEED_MAX,
     LEADER_SPEED_MEAN,
     LEADER_SPEED_MIN,
@@ -81,13 +82,21 @@ class Recorder:
     @property
     def nominal_times(self) -> Array:
         """Nominal times of the series rows, s; without a motor their times."""
-        return self.rows[:, -1] if self.has_leader else self.series("time")
+        if not self.has_leader:
+            return self.series("time")
+        return self.rows[:, -LEADER_SERIES_COUNT]
+
+    @property
+    def nominal_rates(self) -> Array:
+        """Rates of the nominal time at the series rows; without a motor 1."""
+        return self.rows[:, -1] if self.has_leader else np.ones(len(self.rows))
 
     @property
     def torques(self) -> Array:
         """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
         first = SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size
-        return self.rows[:, first : self.rows.shape[1] - self.has_leader]
+        last = self.rows.shape[1] - LEADER_SERIES_COUNT * self.has_leader
+        return self.rows[:, first:last]
 
     @property
     def stretches(self) -> Array:

@@ -28,7 +28,6 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
 ALLOWED_DROP = 0.2  # of the speed by the work, that press makers allow
-CLOSE_ROWS = 1e-5  # s, between rows of which only the later one has a speed
 RECOVERED = 0.99  # part of the speed before the work from which it counts as back
 
 
@@ -91,25 +90,19 @@ def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
 def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float]:
     """Return the drop of the speed by the work, and the nominal time until it is back, s.
 
-    The drop is a part of the speed at the touch. Speeds are means between rows of the
-    series, so that the drop is too small by half a row in the time of the work.
+    The drop is a part of the speed at the touch, and from the least speed in a row of
+    the series. Rows lie where the force of the work begins, breaks and vanishes.
     """
-    # Of rows at nearly the same time the last is used: their slope is round-off.
-    rows = np.flatnonzero(np.diff(stage.clock, append=math.inf) > CLOSE_ROWS)
-    time, clock = stage.time[rows], stage.clock[rows]
-    speed, start, end = np.diff(time) / np.diff(clock), clock[:-1], clock[1:]
-    before = speed[end <= stroke.contact + CLOSE_ROWS][-1:]
-    during = speed[
-        (start >= stroke.contact - CLOSE_ROWS) & (end <= stroke.done + CLOSE_ROWS)
-    ]
-    if not before.size or not during.size:
-        return math.nan, math.nan
-    drop = max(1.0 - float(during.min() / before[0]), 0.0)
-    is_back = (start >= stroke.done) & (speed >= RECOVERED * before[0])
+    clock, speed = stage.clock, stage.nominal_rate
+    before = float(np.interp(stroke.contact, clock, speed))
+    first, last = np.searchsorted(clock, [stroke.contact, stroke.done])
+    during = speed[first : last + 2]  # up to the row behind the last force
+    drop = max(1.0 - float(during.min(initial=before)) / before, 0.0)
+    is_back = (clock >= stroke.done) & (speed >= RECOVERED * before)
     if drop <= 1.0 - RECOVERED or not is_back.any():
         return drop, math.nan
-    touch = float(np.interp(stroke.contact, clock, time))
-    return drop, float(time[1:][is_back][0]) - touch
+    touch = float(stage.nominal_of(np.array(stroke.contact)))
+    return drop, float(stage.time[is_back][0]) - touch
 
 
 def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:

@@ -392,15 +392,10 @@ class StageResult:
 
     @property
     def nominal_rate(self) -> Array:
-        """Speed of the first motor over its nominal speed at the rows of the series, (n,).
-
-        It is the slope over equal intervals, because rows can be a rounding apart.
-        """
+        """Speed of the first motor over its nominal speed at the rows of the series, (n,)."""
         if not self.has_clock:
             return np.ones(self.time.size)
-        grid = np.linspace(self.clock[0], self.clock[-1], self.clock.size)
-        slope = np.gradient(self.nominal_of(grid), grid)
-        return np.interp(self.clock, grid, slope)
+        return self.arrays["nominal_rate"]
 
     def nominal_of(self, clock: Array) -> Array:
         """Return the nominal times of real times, s, linear between rows of the series."""

@@ -12,6 +12,7 @@ from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.columns import (
     JOINT_ARRAYS,
     JOINT_SERIES_COUNT,
+    LEADER_SERIES_COUNT,
     SECTION_JOINT_NAMES,
     SERIES_COUNT,
     cycle_columns,
@@ -49,7 +50,8 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
     width = cycle_columns(joints, drives, linkage.leader is not None)
     width += sections + 8 + joints * (1 + 2 * bins)
-    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives + 1
+    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
+    series += LEADER_SERIES_COUNT
     series += len(linkage.elastic_guides)
     return _HEADS + 8 * (rows * series + contacts + cycles * width + 8 * joints * bins)
 
@@ -61,10 +63,11 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
     columns = cycle_columns(len(joints), drives, linkage.leader is not None)
     if linkage.leader is not None:
-        arrays["clock"]
+        arrays["clock"], arrays["nominal_rate"]
     shapes: dict[str, tuple[str | int, ...]] = {
         "time": ("time",),
         "clock": ("time",),
+        "nominal_rate": ("time",),
         "slider": ("time", 3),
         "drive_torque": ("time", drives),
         "stretch": ("time", len(linkage.elastic_guides)),

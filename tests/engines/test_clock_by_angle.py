@@ -88,6 +88,8 @@ def test_cycles_end_at_whole_turns(engine: Engine, off: float) -> None:
     time, nominal = recorder.series("time"), recorder.nominal_times
     angles = np.array([turned(t, first) for t in time])
     assert nominal == pytest.approx(angles / SPEED, abs=max(off, 1e-8))
+    rates = 1.0 + (first / SPEED - 1.0) * np.exp(-time / TIME)
+    assert recorder.nominal_rates == pytest.approx(rates, abs=max(off, 1e-8))
 
 
 def test_a_run_by_the_clock_ends_at_its_time() -> None:

@@ -67,7 +67,8 @@ def test_places_in_the_cycle_and_durations(
     period = scene.mechanism.period
     contacts = stage.arrays["B_contacts"].copy()
     contacts[:, :2] *= 2.0  # touchdown and separation
-    arrays = {**stage.arrays, "clock": 2.0 * stage.clock, "B_contacts": contacts}
+    slowed = {"clock": 2.0 * stage.clock, "nominal_rate": 0.5 * stage.nominal_rate}
+    arrays = {**stage.arrays, **slowed, "B_contacts": contacts}
     slow = replace(stage, arrays=arrays)
     assert slow.nominal_of(slow.clock) == pytest.approx(slow.time, abs=1e-12)
     for one, other in zip(
