@@ -242,7 +242,8 @@ class Linkage(Checked):
     @property
     def bushings(self) -> tuple[Bushing, ...]:
         """Pin joints with friction, with and without clearance."""
-        others: tuple[Bushing, ...] = (*self.clearances, *self.elastic_pins)
+        pins = (one for one in self.clearances if not isinstance(one, GuideCorner))
+        others: tuple[Bushing, ...] = (*pins, *self.elastic_pins)
         rubbing = (joint for joint in others if joint.friction.coefficient > 0.0)
         return (*rubbing, *self.rubbing_pins)
 

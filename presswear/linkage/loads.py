@@ -360,9 +360,17 @@ def _depth(default: float, text: str) -> Any:
     return quantity(default, "m", MIN_DEPTH, MAX_DEPTH, "chosen", text)
 
 
+def _offset() -> Any:
+    return quantity(0.0, "m", -MAX_DEPTH, MAX_DEPTH, "chosen", _OFFSET)
+
+
 _HEIGHT = "height above the ideal bottom dead centre at which the work is touched"
 _CUSHION = "additional constant force, in both directions of motion"
 _BOTTOM = "output coordinate at bottom dead centre, where the work is"
+_OFFSET = (
+    "distance of the force from the output point, to the right with the work below; its "
+    "guide needs clearance"
+)
 
 
 class _Work(Checked):
@@ -422,6 +430,7 @@ class Blanking(_Work):
     )
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -464,6 +473,7 @@ class Drawing(_Work):
     )
     cushion: float = _force(_CUSHION, 0.0, 0.0)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
 
     @property
     def curve(self) -> Curve:  # noqa: D102
@@ -484,6 +494,7 @@ class Coining(_Work):
     stiffness: float = quantity(1e6, "N/m", 1.0, 1e12, "chosen", "of die and work")
     height: float = _depth(3e-4, _HEIGHT)
     bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
 
     cushion: ClassVar[float] = 0.0
 

@@ -19,6 +19,7 @@ from presswear.engines.settings import (
 from presswear.linkage import elements, loads
 from presswear.linkage.elements import (
     CORNERS,
+    Attachment,
     Body,
     Guide,
     Revolute,
@@ -304,6 +305,7 @@ class Scene(Checked):
             )
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
+            self._check_offset(self.process)
         loaded = self.loaded
         is_limited = any(
             drive.torque_limit is not None and drive.motor is None
@@ -325,6 +327,17 @@ class Scene(Checked):
             raise InputError(
                 f"engine = {ExudynTree.word!r}: {fault}; allowed is one of {engines}"
             )
+
+    def _check_offset(self, process: loads.Process) -> None:
+        """Raise InputError where the force of the work is off centre and nothing can tilt."""
+        body = self.base_linkage.output.body
+        if process.offset == 0.0 or any(g.body == body for g in self.loose_guides):
+            return
+        raise InputError(
+            f"process.offset = {written(process.offset, 'm')}: allowed is 0, because {body} cannot "
+            f"tilt and an offset changes nothing; give the guide of {body} clearance, length and "
+            "width"
+        )
 
     def _check_life(self, life: Life) -> None:
         if not self._loose_pins:
@@ -634,11 +647,22 @@ class Scene(Checked):
         ideal = followed(self.base_linkage)
         if self.process is None:
             return ideal
-        point = ideal.output.attachment
+        point = self._point_of_work(ideal)
         direction = ideal.output.direction
         laws = self.process_laws.items()
         forces = (loads.Force(point, direction, law, name) for name, law in laws)
         return replace(ideal, loads=(*ideal.loads, *forces))
+
+    def _point_of_work(self, ideal: Linkage) -> Attachment:
+        """Return the point of the process force: the output point, or a point beside it."""
+        point = ideal.output.attachment
+        guides = [guide for guide in ideal.guides if guide.body == point.body]
+        if self.process is None or self.process.offset == 0.0 or not guides:
+            return point
+        turn = ideal.output.direction - guides[0].angle
+        right = point.x + self.process.offset * math.sin(turn)
+        above = point.y - self.process.offset * math.cos(turn)
+        return Attachment(point.body, right, above)
 
     @property
     def auto_purpose(self) -> Purpose:
