@@ -142,7 +142,10 @@ class Flow:
         # Coordinates, rates and states come first in the integrated vector.
         self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array(
-            [_depends_on_onset(joint["normal"]) for joint in joints]
+            [
+                not joint["oiled"] and _depends_on_onset(joint["normal"])
+                for joint in joints
+            ]
         )
         self.distance = np.concatenate([coordinates, DISTANCE * scales, onsets])
         self.interval = period / per_cycle

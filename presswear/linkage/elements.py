@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal, cast
 
-from presswear.linkage.laws import FrictionLaw, NormalLaw
+from presswear.linkage.laws import OILED_WEAR, FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity, quantity
@@ -362,6 +362,8 @@ class ClearanceJoint:
     @property
     def deepest_wear(self) -> float:
         """Depth up to which the model of worn surfaces holds, m."""
+        if self.oil is not None:
+            return OILED_WEAR * self.clearance
         return deepest_wear(self.contact, self.clearance, self.bearing_radius)
 
     @property

@@ -26,6 +26,9 @@ StiffnessReading = Literal["paper", "refined"]
 Elasticity = Literal["power", "liu", "foundation"]
 # widths over diameter for which the formulas of the oil film hold
 NARROWEST, WIDEST = 0.125, 1.0
+OILED_CLEARANCE = 5e-3  # greatest clearance over radius of an oiled joint
+# wear over the clearance up to which the film has the shape of new surfaces
+OILED_WEAR = 0.2
 
 
 def lankarani_nikravesh_damping(restitution: float) -> float:

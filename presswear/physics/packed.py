@@ -137,9 +137,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         pair = joint.bearing_surface, joint.pin_surface
         sizes = (surface.depth.size for surface in pair if surface.is_worn)
         later = joint.bins if wearing and joint.wear else 0
-        # The film of an oiled joint has the shape of new surfaces, and so has its
-        # contact.
-        bins = 0 if joint.oil else max(sizes, default=later)
+        bins = max(sizes, default=later)
         record["surface_bins"] = bins
         record["surface_nodes"] = bins * parts_of(bins) if bins else 0
     weight = np.zeros(3 * len(linkage.bodies))

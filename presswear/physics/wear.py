@@ -109,7 +109,8 @@ def deposit_over_arc(
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     added = joint.wear_coefficient * load_distance / bin_area
-    if joint.surface_nodes == 0:
+    # The film of an oiled joint, and its contact, have the shape of new surfaces.
+    if joint.surface_nodes == 0 or joint.oiled:
         deposit_round_arc(depth, joint, contact, zero, relative_angle, added)
     else:
         deposit_worn_arc(

@@ -1,8 +1,8 @@
 """Oil film in the joints: does the assumption of dry contact hold?
 
-No film acts in the run. The forces with all joints closed, and the speeds of the
-bodies, move the pin of each joint on a film of oil, by wedge and squeeze
-(``physics.oil_film``), until its orbit repeats itself.
+Of joints whose film does not act in the run. The forces with all joints closed, and
+the speeds of the bodies, move the pin of each joint on a film of oil, by wedge and
+squeeze (``physics.oil_film``), until its orbit repeats itself.
 """
 
 import math
@@ -106,7 +106,9 @@ def _films(scene: Scene) -> dict[str, JointFilm]:
     oiled = {
         name: one
         for name, one in bearings.items()
-        if one.viscosity is not None and _relative(one) <= WIDEST_CLEARANCE
+        if one.viscosity is not None
+        and not one.has_film
+        and _relative(one) <= WIDEST_CLEARANCE
     }
     films = {}
     for pin in scene.loaded.revolutes:
@@ -178,6 +180,9 @@ def dry_contact(scene: Scene) -> list[str]:
     paragraphs = []
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
+        if bearing.has_film:
+            paragraphs.append(f"Joint {name}: the oil film acts in the run. {ASSUMES}.")
+            continue
         relative = readable(_relative(bearing))
         text = (
             f"Joint {name}: the relative clearance is {relative} per mille of the bore "

@@ -29,6 +29,8 @@ LEAST_RAMP = 1e-5
 # about 0.3 t / tau, with the time tau, s, in which bristles relax.
 LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
 LEAST_RELAXATION = 1e-6  # s
+# Pa s; a film of less is too stiff for explicit steps. Petrol has five times as much.
+LEAST_VISCOSITY = 1e-4
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
 # Values that a rigid joint reads
@@ -179,11 +181,19 @@ class Bearing(Checked):
     )
     viscosity: float | None = quantity(
         *(None, "Pa s", 1e-5, 1e3, "chosen"),
-        "viscosity of a lubricant: its film is reported, not simulated; default: dry",
+        "viscosity of a lubricant at running temperature; default: dry",
+    )
+    film: str = choice(
+        *("report", ("report", "run")),
+        "oil film of viscosity: report: beside a dry run; run: in the run, in place of dry contact",
     )
     roughness: float = quantity(
         *(0.3e-6, "m", 1e-9, 1e-4, "assumed"),
         "R_q of each surface: compared with the oil film, and depth of running-in",
+    )
+    asperity_pressure: float = quantity(
+        *(50e6, "Pa", 1e5, 1e9, "assumed"),
+        "p_0 of asperities that touch through the oil film of film = run",
     )
     pressure_limit: float | None = quantity(
         None,
@@ -221,17 +231,7 @@ class Bearing(Checked):
         if diametral_clearance is not None:
             object.__setattr__(self, "clearance", radial_clearance(diametral_clearance))
         super().__post_init__()
-        if 0.0 < self.clearance < LEAST_CLEARANCE:
-            allowed = (
-                f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
-            )
-            raise InputError(f"clearance = {written(self.clearance, 'm')}: {allowed}")
-        if self.stiffness is not None and self.clearance > 0.0:
-            clearance = written(self.clearance, "m")
-            raise InputError(
-                f"clearance = {clearance}: with stiffness = {written(self.stiffness, 'N/m')} "
-                "allowed is 0; a joint stretches or has clearance"
-            )
+        self._check_clearance()
         law = self.normal_law
         friction_law = self.friction_law
         if self.clearance == 0.0 and friction_law == laws.LUGRE:
@@ -280,6 +280,75 @@ class Bearing(Checked):
             allowed = f"0 to {ramp} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
 
+    def _check_clearance(self) -> None:
+        """Raise InputError where the clearance is too small, or a film or a spring forbids it."""
+        if 0.0 < self.clearance < LEAST_CLEARANCE:
+            allowed = (
+                f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
+            )
+            raise InputError(f"clearance = {written(self.clearance, 'm')}: {allowed}")
+        if self.stiffness is not None and self.clearance > 0.0:
+            clearance = written(self.clearance, "m")
+            raise InputError(
+                f"clearance = {clearance}: with stiffness = {written(self.stiffness, 'N/m')} "
+                "allowed is 0; a joint stretches or has clearance"
+            )
+        if self.has_film:
+            self._check_film()
+
+    @property
+    def has_film(self) -> bool:
+        """True if an oil film acts in the run."""
+        return self.film == "run"
+
+    def _check_film(self) -> None:
+        """Raise InputError where no oil film can act in the run."""
+        if self.viscosity is None:
+            raise InputError("film = run: it needs a viscosity, such as 0.1 Pa s")
+        if self.viscosity < LEAST_VISCOSITY:
+            raise InputError(
+                f"film = run: viscosity = {self.viscosity:g} Pa s: allowed is from "
+                f"{LEAST_VISCOSITY:g} Pa s"
+            )
+        if self.clearance == 0.0:
+            raise InputError("film = run: with clearance = 0 allowed is report")
+        relative = self.clearance / self.bearing_radius
+        if relative > 1.000001 * laws.OILED_CLEARANCE:
+            raise InputError(
+                f"film = run: clearance = {written(self.clearance, 'm')} is "
+                f"{1e3 * relative:.3g} per mille of the radius of the bearing; allowed is up to "
+                f"{1e3 * laws.OILED_CLEARANCE:g} per mille, or film = report"
+            )
+        ratio = 0.5 * self.width / self.bearing_radius
+        if not 0.999999 * laws.NARROWEST <= ratio <= 1.000001 * laws.WIDEST:
+            raise InputError(
+                f"film = run: width = {written(self.width, 'm')} is {ratio:.3g} of the diameter of "
+                f"the bearing; allowed is {laws.NARROWEST:g} to {laws.WIDEST:g}, or film = report"
+            )
+        for key, allowed in (
+            ("normal_law", ", ".join(laws.DAMPINGS)),
+            ("friction_law", "ramp, threlfall or a user law"),
+        ):
+            law = getattr(self, key)
+            if law == laws.LUGRE or (key == "normal_law" and not isinstance(law, str)):
+                raise InputError(f"{key} = {law}: with film = run allowed is {allowed}")
+        if self.materials.pressure_exponent != 1.0:
+            raise InputError(
+                f"pressure_exponent = {self.materials.pressure_exponent:g}: with film = run "
+                "allowed is 1"
+            )
+
+    def check_conventions(self, where: str, conventions: Conventions) -> None:
+        """Raise InputError, beginning with ``where``, if asperities cannot wear in this way."""
+        if not self.has_film or self.materials.wear_coefficient == 0.0:
+            return
+        for key, allowed in (("wear_distribution", "arc"), ("slip", "sliding")):
+            if getattr(conventions, key) != allowed:
+                raise InputError(
+                    f"{where}film = run: with {key} = {getattr(conventions, key)} allowed is "
+                    f"report; or use {key} = {allowed}"
+                )
+
     def _check_bristles(self) -> None:
         """Raise InputError where bristles are too stiff for the steps, or drive the sliding."""
         stiffness = self.bristle_stiffness
@@ -327,10 +396,18 @@ class Bearing(Checked):
             "bristle_stiffness",
             "bristle_damping",
         )
+        # Oil damps the contact in place of the normal law.
+        damped = "normal_law", "restitution", "viscous_damping"
         return (
             *SINGLE,
+            *(damped if self.has_film else ("asperity_pressure",)),
+            *(("film",) if self.viscosity is None else ()),
             *(lugre if self.friction_law != laws.LUGRE else ()),
-            *(("viscous_damping",) if self.normal_law != laws.KELVIN_VOIGT else ()),
+            *(
+                ("viscous_damping",)
+                if self.normal_law != laws.KELVIN_VOIGT and not self.has_film
+                else ()
+            ),
             *(() if self._reads_roughness else ("roughness",)),
             *(("running_in_depth",) if self.materials.running_in == 1.0 else ()),
             *(
@@ -459,6 +536,12 @@ class Bearing(Checked):
             damping_ratio=self.damping_ratio,
         )
 
+    def deepest_wear(self, contact: elements.SurfaceContact) -> float:
+        """Return the depth of a worn surface, m, up to which the model holds."""
+        if self.has_film:
+            return laws.OILED_WEAR * self.clearance
+        return elements.deepest_wear(contact, self.clearance, self.bearing_radius)
+
     def joint(
         self,
         revolute: elements.Revolute,
@@ -483,7 +566,19 @@ class Bearing(Checked):
         law = wear if wear.coefficient > 0.0 else None
         frame = conventions.map_frame
         return elements.ClearanceJoint(
-            *ends, *sizes, *forces, law, frame, conventions.contact, *worn
+            *ends, *sizes, *forces, law, frame, conventions.contact, *worn, self.oil
+        )
+
+    @property
+    def oil(self) -> elements.Oil | None:
+        """Oil whose film acts in the run; None: dry contact."""
+        if not self.has_film or self.viscosity is None:
+            return None
+        return elements.Oil(
+            viscosity=self.viscosity,
+            roughness=math.sqrt(2.0) * self.roughness,
+            asperity_pressure=self.asperity_pressure,
+            films=self.parallel_rods,
         )
 
     def corners(self, guide: elements.Guide) -> tuple[elements.GuideCorner, ...]:
@@ -523,6 +618,10 @@ class Bearing(Checked):
 
     def check_guide(self, guide: elements.Guide) -> None:
         """Raise InputError where a guide has no sizes, or they do not fit the clearance."""
+        if self.has_film:
+            raise InputError(
+                f"{guide.name}.film = run: a guide has no oil film; allowed is report"
+            )
         if self.clearance == 0.0:
             raise InputError(
                 f"{guide.name}.clearance = 0 m: a guide without clearance is ideal; allowed is "
@@ -612,8 +711,7 @@ def _surface(
     if not depth.any():
         return Surface()
     angle = angle % _TURN
-    sizes = bearing.clearance, bearing.bearing_radius
-    deepest = elements.deepest_wear(contact, *sizes)
+    deepest = bearing.deepest_wear(contact)
     for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
         place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
         allowed = f"allowed is 0 to {written(deepest, 'm')}"

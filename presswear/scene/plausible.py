@@ -5,7 +5,7 @@ from itertools import combinations
 from operator import attrgetter
 
 from presswear.linkage.elements import Body
-from presswear.linkage.laws import NARROWEST, WIDEST
+from presswear.linkage.laws import NARROWEST, OILED_CLEARANCE, WIDEST
 from presswear.linkage.linkage import Linkage
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
@@ -27,7 +27,7 @@ USUAL = {
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
     "viscosity": (1e-3, 10.0, "Pa s"),  # water at 20 °C; ISO VG 1000 at 10 °C
     # beyond them the film of oil is not that of the formulas
-    "oiled clearance": (1e-5, 5e-3, ""),
+    "oiled clearance": (1e-5, OILED_CLEARANCE, ""),
     "oiled width": (NARROWEST, WIDEST, ""),
     "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
 }

@@ -25,6 +25,7 @@ from presswear.linkage.elements import (
     Revolute,
     slide_inertia,
 )
+from presswear.linkage.laws import OILED_WEAR
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.surface import Surface
@@ -233,6 +234,7 @@ class Scene(Checked):
         for name, bearing in self._bearings_of_pins.items():
             prefix = f"{name}." if name else ""
             bearing.check_contact(prefix, self.conventions.contact, is_worn)
+            bearing.check_conventions(prefix, self.conventions)
         for guide in self.loose_guides:
             self._check_guide(guide)
         if self.life is not None:
@@ -377,7 +379,8 @@ class Scene(Checked):
         if limits and all(one.value >= self._greatest(one) for one in limits):
             allowed = f"allowed is below {written(self._greatest(limits[0]), 'm')}"
             limit = f"until = '{limits[0].key} > {written(limits[0].value, 'm')}'"
-            raise InputError(f"{limit}: {allowed}, {self._deepest_words}")
+            words = self._deepest_words(self.bearing(limits[0].joint))
+            raise InputError(f"{limit}: {allowed}, {words}")
 
     @property
     def life_limits(self) -> tuple[Limit, ...]:
@@ -392,15 +395,15 @@ class Scene(Checked):
         if limit.name not in ("depth", *CLEARANCES):
             return math.inf
         bearing = self.bearing(limit.joint)
-        sizes = bearing.clearance, bearing.bearing_radius
-        deepest = elements.deepest_wear(self.conventions.contact, *sizes)
+        deepest = bearing.deepest_wear(self.conventions.contact)
         if limit.name == "depth":
             return deepest
         return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
 
-    @property
-    def _deepest_words(self) -> str:
-        """Description of the greatest depth of wear."""
+    def _deepest_words(self, bearing: Bearing) -> str:
+        """Return a description of the greatest depth of wear of a joint."""
+        if bearing.has_film:
+            return f"with wear of {OILED_WEAR:g} clearances; film = report allows more"
         if self.conventions.contact == "foundation":
             return elements.DEEPEST_WORDS
         return "with wear as deep as the clearance; contact = 'foundation' allows more"

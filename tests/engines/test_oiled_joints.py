@@ -5,6 +5,7 @@ The numbers are those of an independent program (DOP853) for a film without cont
 
 import cmath
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,11 +35,12 @@ def loaded(
     inertia: float,
     start: complex = 0.0j,
     engine: Engine = IN_HOUSE,
+    oil: Oil = DUTY,
 ) -> Run:
     """Run a pin of 20 kg from a place in its bearing, m, under a constant load, N."""
     ends = Attachment(GROUND, 0.0, 0.0), Attachment("pin", 0.0, 0.0)
     laws = NormalLaw(STIFFNESS), FrictionLaw()
-    joint = ClearanceJoint("J", *ends, 0.045, CLEARANCE, 0.08, *laws, oil=DUTY)
+    joint = ClearanceJoint("J", *ends, 0.045, CLEARANCE, 0.08, *laws, oil=oil)
     body = Body("pin", 20.0, inertia)
     force = Load("pin", x=load.real, y=load.imag)
     linkage = free_bodies("oiled pin", (body,), (joint,), "pin", loads=(force,))
@@ -75,6 +77,20 @@ def test_pin_starts_on_its_film() -> None:
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.8, abs=1e-2)
     # A load that begins at once overshoots, by less than twice.
     assert run.recorder.records.counters["peak_force"][0] < 3.0 * 20e3
+
+
+def test_pin_falls_through_oil_of_hardly_any_viscosity() -> None:
+    """Through air the pin meets the bearing after sqrt(2 c m / F) with K delta^1.5."""
+    fall, energy = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3), 1e3 * CLEARANCE
+    peak = STIFFNESS * (2.5 * energy / STIFFNESS) ** 0.6
+    thin = [replace(DUTY, viscosity=eta, roughness=4e-9) for eta in (1e-6, 1e-7)]
+    runs = [loaded(1e3 + 0.0j, 0.0, 1.1 * fall, 1e12, oil=oil) for oil in thin]
+    for run in runs:
+        place = run.recorder.series("eccentricity_x", 0)
+        touch = run.recorder.series("time")[np.argmax(place > 0.98 * CLEARANCE)]
+        assert touch == pytest.approx(fall, rel=0.01)
+    peaks = [float(run.recorder.records.counters["peak_force"][0]) for run in runs]
+    assert 0.3 * peak < peaks[0] < 0.8 * peaks[1] < 0.8 * peak
 
 
 def test_ledger_of_a_pin_that_oil_slows() -> None:
