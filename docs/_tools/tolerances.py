@@ -91,11 +91,12 @@ def subjects() -> dict[str, Subject]:
     four_bar = pw.Scene(pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), **settings)
     refined = pw.scenes.wear_times(conventions="refined", **settings)
     real = pw.scene_from(DOCS.parent / "scenarios" / "press-250kN.toml")
+    prescribed = {"motor": "none", "servo": "none", "frame_stiffness": "none"}
     return {
         "press": Subject(pw.scenes.wear_times(**settings), 40),
         "slider-crank": Subject(pw.scenes.slider_crank(**settings), 40),
         "four-bar": Subject(four_bar, 40),
-        "press of 250 kN": Subject(pw.changed(real, settings), 20, 32),
+        "press of 250 kN": Subject(pw.changed(real, prescribed | settings), 20, 32),
         "press, worn": Subject(refined, 12, 24, is_worn=True),
         "four-bar, worn": Subject(four_bar, 24, 24, is_worn=True),
     }
