@@ -142,7 +142,7 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
         bearing.viscosity or 0.0,
     )
     orbit = periodic_orbit(load, film)
-    sheared = _shear_power(bearing, orbit, _cycle(second - first))
+    sheared = shear_power(bearing, orbit, _cycle(second - first))
     power = sheared + bearing.clearance * film_power(load, orbit, film)
     mean = float(np.trapezoid(power, load.time)) / scene.mechanism.period
     return JointFilm(
@@ -155,7 +155,7 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     )
 
 
-def _shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
+def shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
     """Return the power that shears the oil of one rod, W, at spins of the pin in its bearing."""
     sizes = bearing.width, bearing.bearing_radius, bearing.clearance
     moments = [
@@ -181,8 +181,7 @@ def dry_contact(scene: Scene) -> list[str]:
     for name in scene.clearance_joints:
         bearing = scene.bearing(name)
         if bearing.has_film:
-            paragraphs.append(f"Joint {name}: the oil film acts in the run. {ASSUMES}.")
-            continue
+            continue  # see ``run_film.film_sentences``
         relative = readable(_relative(bearing))
         text = (
             f"Joint {name}: the relative clearance is {relative} per mille of the bore "
@@ -196,7 +195,7 @@ def dry_contact(scene: Scene) -> list[str]:
             paragraphs.append(f"{text} {_reason(bearing)}: the contact is dry.")
             continue
         phase = scene.mechanism.linkage().phase
-        text += f" {_film_text(film, bearing, phase)} {_verdict(film)} {ASSUMES}."
+        text += f" {film_text(film, bearing, phase)} {_verdict(film)} {ASSUMES}."
         paragraphs.append(text)
     return paragraphs
 
@@ -213,13 +212,13 @@ def _reason(bearing: Bearing) -> str:
     )
 
 
-def _film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
+def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     """Return the least film and where it is, and the shares of the states."""
     least = readable(1e6 * float(film.thickness.min()))
     place, force = film.angle[film.thinnest], 1e-3 * film.force[film.thinnest]
     states = "full film", "mixed lubrication", "contact of asperities"
     shares = ", ".join(
-        f"{state} for {_percent(time)} of the time and {_percent(load)} of the load"
+        f"{state} for {percent(time)} of the time and {percent(load)} of the load"
         for state, time, load in zip(
             states, film.time_shares, film.load_shares, strict=True
         )
@@ -245,7 +244,8 @@ def _film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     return text
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
+    """Return a share in per cent."""
     return f"{readable(100.0 * share)} %"
 
 
@@ -259,16 +259,16 @@ def _verdict(film: JointFilm) -> str:
         )
     if dry == 0.0:
         return (
-            f"The surfaces touch at their highest asperities for {_percent(mixed)} of the time, so "
+            f"The surfaces touch at their highest asperities for {percent(mixed)} of the time, so "
             "that impacts and wear of dry contact are upper bounds."
         )
     load = film.load_shares[2]
     if load < 0.5:
         return (
-            f"The film is thinner than the roughness under {_percent(load)} of the load, so that "
+            f"The film is thinner than the roughness under {percent(load)} of the load, so that "
             "impacts and wear of dry contact are upper bounds."
         )
     return (
-        f"The film is thinner than the roughness under {_percent(load)} of the load: the oil "
+        f"The film is thinner than the roughness under {percent(load)} of the load: the oil "
         "separates too little, and dry contact is the nearer model."
     )

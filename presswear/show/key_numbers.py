@@ -277,6 +277,8 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 and (depths := [wear[key].mean for key in wear if key[0] == joint])
             ]
             text += f" Other joints: {', '.join(rest)}." if rest else ""
+            if scene.bearing(name).has_film:
+                text += " Asperities wear, which touch through the oil film of the run."
             if films := oil_films(scene):
                 shares = ", ".join(
                     f"{numbers.readable(100.0 * film.full_share)} % of the cycle at {at}"

@@ -53,6 +53,7 @@ from presswear.results.motor_load import (
 )
 from presswear.results.oil_film import dry_contact
 from presswear.results.result import Result
+from presswear.results.run_film import film_sentences
 from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import base_of, changes_of, named_scene, title_of
@@ -149,7 +150,7 @@ def render_report(
         "has_rubbing_joints": bool(press.rubbing_joints(scene)),
         "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
         "wear_law": wear_law_numbers(scene),
-        "dry": [] if untrusted else dry_contact(scene),
+        "oil": [] if untrusted else _oil_sentences(result),
         "presets": CONVENTIONS,
         "tables": {
             **stage_tables(result),
@@ -197,6 +198,12 @@ def _status(result: Result) -> str:
         "running": f"Unfinished: {count} of {total} stages are stored; "
         "the run goes on or was stopped.",
     }.get(result.status, f"Ended with the status “{result.status}”. {message}")
+
+
+def _oil_sentences(result: Result) -> list[str]:
+    """Return paragraphs on the oil films beside the run, and in it, of the last stage."""
+    in_run = [film_sentences(result.scene, stage) for stage in result.stages[-1:]]
+    return [*dry_contact(result.scene), *(line for lines in in_run for line in lines)]
 
 
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:

@@ -14,6 +14,7 @@ from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results import press_analysis as press
 from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
+from presswear.results.run_film import run_films
 from presswear.show.figures import style
 from presswear.show.figures.style import (
     Axes,
@@ -447,7 +448,8 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     The orbit is that of the centre of the pin in the circle of the clearance.
     """
     scene = result.scene
-    films = oil_films(scene)
+    in_run = run_films(scene, stages[-1]) if stages else {}
+    films = {**oil_films(scene), **in_run}
     if not films:
         return []
     height = min(0.6 + 2.2 * len(films), _TALLEST)
@@ -468,7 +470,8 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
         f"{scene.mechanism.linkage().phase} since the start (degrees)"
     )
     grid[-1, 1].set_xlabel("x over the clearance")
-    return style.finished("oil", sheet, [_FILM, _FULL, _ROUGHNESS], full=FULL_FILM)
+    pens = [_FILM, _FULL, _ROUGHNESS]
+    return style.finished("oil", sheet, pens, full=FULL_FILM, in_run=", ".join(in_run))
 
 
 def _draw_orbit(axes: Axes, film: JointFilm) -> None:

@@ -1,0 +1,132 @@
+"""Oil film of the joints in which it acts in the run, from recorded series."""
+
+import math
+
+import numpy as np
+
+from presswear.linkage.elements import GROUND, Revolute
+from presswear.physics.oil_film import OilFilm, film_force, film_of
+from presswear.results.film_orbit import FilmOrbit
+from presswear.results.oil_film import (
+    ASSUMES,
+    JointFilm,
+    film_text,
+    percent,
+    shear_power,
+)
+from presswear.results.stage import NotStored, StageResult
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+_ROUND_OFF = 1e-9  # of a cycle, by which the series ends earlier than the cycle
+
+
+def run_films(scene: Scene, stage: StageResult) -> dict[str, JointFilm]:
+    """Return the films in the last recorded cycle of a stage, of joints with a film in the run.
+
+    Empty if no cycle, or no series of the joints, was stored.
+    """
+    names = [name for name in scene.clearance_joints if scene.bearing(name).has_film]
+    if not names or "time" not in stage.arrays:
+        return {}
+    rows = _last_cycle(scene, stage.time)
+    if rows.size == 0:
+        return {}
+    pins = [pin for pin in scene.loaded.revolutes if pin.name in names]
+    try:
+        return {pin.name: _film(scene, stage, pin, rows) for pin in pins}
+    except NotStored:
+        return {}
+
+
+def _last_cycle(scene: Scene, time: Array) -> Array:
+    """Return the rows of the last whole cycle in a series, shape (n,)."""
+    cycles = (time - scene.run_up) / scene.mechanism.period
+    last = math.floor(cycles[-1] + _ROUND_OFF)
+    if last < 1:
+        return np.empty(0, np.int64)
+    is_within = (cycles > last - 1 - _ROUND_OFF) & (cycles < last + _ROUND_OFF)
+    return np.flatnonzero(is_within)
+
+
+def _film(scene: Scene, stage: StageResult, pin: Revolute, rows: Array) -> JointFilm:
+    """Return the film of a joint; an event stores two rows at one instant."""
+    joint, bearing = stage.joints[pin.name], scene.bearing(pin.name)
+    rows = rows[np.append(True, np.diff(stage.time[rows]) > 0.0)]
+    time, period = stage.time[rows], scene.mechanism.period
+    place = joint.eccentricity[rows] @ np.array([1.0, 1.0j]) / bearing.clearance
+    orbit = FilmOrbit(1.0 - np.abs(place), place, is_closed=True)
+    power = _power(scene, pin, orbit, time)
+    power += shear_power(bearing, orbit, joint.sliding[rows] / bearing.bearing_radius)
+    mean = float(np.trapezoid(power, time) / (time[-1] - time[0]))
+    return JointFilm(
+        360.0 * (time - time[0]) / period,
+        joint.series("normal")[rows],
+        orbit,
+        bearing.clearance,
+        math.sqrt(2.0) * bearing.roughness,
+        bearing.parallel_rods * mean,
+    )
+
+
+def _power(scene: Scene, pin: Revolute, orbit: FilmOrbit, time: Array) -> Array:
+    """Return the power that wedge and squeeze take in one of parallel rods, W.
+
+    The speeds of both bodies are those of the linkage without clearance.
+    """
+    bearing, linkage = scene.bearing(pin.name), scene.loaded
+    velocity = scene.ideal.at(time).velocity
+    first, second = (
+        np.zeros(time.size)
+        if end.body == GROUND
+        else velocity[:, 3 * linkage.index(end.body) + 2]
+        for end in pin.ends
+    )
+    size, rate = np.abs(orbit.place), np.gradient(orbit.place, time)
+    direction = np.divide(
+        orbit.place, size, out=np.ones_like(orbit.place), where=size > 0.0
+    )
+    on_film = rate * direction.conj()
+    turning = np.divide(on_film.imag, size, out=np.zeros(time.size), where=size > 0.0)
+    wedge_speed = first + second - 2.0 * turning
+    film = _film_of(bearing)
+    power = np.zeros(time.size)
+    rows = zip(orbit.gap, on_film.real, wedge_speed, strict=True)
+    for i, (gap, closing, speed) in enumerate(rows):
+        along, across = film_force(float(gap), float(closing), float(speed), film)
+        power[i] = 0.5 * across * (1.0 - gap) * speed - along * closing
+    return bearing.clearance * power
+
+
+def _film_of(bearing: Bearing) -> OilFilm:
+    return film_of(
+        bearing.width,
+        bearing.bearing_radius,
+        bearing.clearance,
+        bearing.viscosity or 0.0,
+    )
+
+
+def film_sentences(scene: Scene, stage: StageResult) -> list[str]:
+    """Return a paragraph for each joint whose film acts in the run."""
+    phase = scene.mechanism.linkage().phase
+    return [
+        f"Joint {name}: the oil film acts in the run. "
+        f"{film_text(film, scene.bearing(name), phase)} {_verdict(film)} {ASSUMES}."
+        for name, film in run_films(scene, stage).items()
+    ]
+
+
+def _verdict(film: JointFilm) -> str:
+    """Return a sentence on the wear of asperities."""
+    full, mixed, dry = film.time_shares
+    if full == 1.0:
+        return (
+            "Oil keeps pin and bearing apart in the whole cycle. Hardly any asperity "
+            "touches."
+        )
+    touching = percent(mixed + dry)
+    return (
+        f"Asperities touch for {touching} of the time. The wear of this run is theirs."
+    )

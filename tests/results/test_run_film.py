@@ -1,0 +1,48 @@
+"""Oil films that acted in a run: the numbers of the report are those of the run."""
+
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.results.run_film import film_sentences, run_films
+from presswear.show.report import render_report
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+@pytest.fixture(scope="module")
+def oiled() -> pw.Result:
+    press = pw.scene_from(SCENARIOS / "press-250kN.toml")
+    values = {"viscosity": "0.02 Pa s", "film": "run", "replicates": 1, "cycles": 3}
+    return pw.run(pw.changed(press, values))
+
+
+def test_least_film_of_a_run_is_near_that_under_ideal_forces(oiled: pw.Result) -> None:
+    """An independent orbit under the forces of rigid links has 5.4 and 2.3 um.
+
+    The elastic contact takes part of the way of the pin.
+    """
+    films = run_films(oiled.scene, oiled.stages[0])
+    least = [1e6 * float(film.thickness.min()) for film in films.values()]
+    assert least == pytest.approx([5.4, 2.3], rel=0.12)
+    assert all(film.time_shares == (1.0, 0.0, 0.0) for film in films.values())
+
+
+def test_loss_of_the_films_is_that_of_the_ledger(oiled: pw.Result) -> None:
+    stage = oiled.stages[0]
+    films = run_films(oiled.scene, stage).values()
+    lost = sum(
+        float(stage.diagnostics[key] or 0.0)
+        for key in ("contact_loss_J", "friction_loss_J")
+    )
+    # The first cycle starts in the centre of the bearings.
+    assert sum(film.loss for film in films) == pytest.approx(lost / 3.0, rel=0.02)
+
+
+def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:
+    first, second = film_sentences(oiled.scene, oiled.stages[0])
+    assert first.startswith("Joint A: the oil film acts in the run. With 0.02 Pa s")
+    assert "full film for 100 % of the time" in second
+    assert len(oiled.plot("oil")) == 4
+    assert "Joint C: the oil film acts in the run" in render_report(oiled)
