@@ -547,7 +547,7 @@ class _Campaign:
     def _add_to_quick_life(self, stage: StageResult) -> None:
         """Keep the wear rates of the first stage; report the life after the last one."""
         if self.at.new is None:
-            self.at = replace(self.at, new=rates_of(stage))
+            self.at = replace(self.at, new=rates_of(self.runner.scene, stage))
             return
         life = quick_life(self.runner.scene, self.at.new, stage)
         for observer in self.runner.observers:

@@ -51,10 +51,11 @@ class WearRates:
         )
 
 
-def rates_of(stage: StageResult) -> WearRates:
+def rates_of(scene: Scene, stage: StageResult) -> WearRates:
     """Return the wear of the update after a stage."""
     wear = {}
-    for name, joint in stage.joints.items():
+    for name in scene.loose_pins:
+        joint = stage.joints[name]
         depths = (joint.statistics.wear_peaks[side].depth for side in SIDES)
         wear[f"{name}.depth"] = max(depths, key=lambda depth: depth.mean)
         wear[f"{name}.wear_volume"] = joint.statistics.wear_volume
@@ -64,8 +65,8 @@ def rates_of(stage: StageResult) -> WearRates:
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
     assert scene.life is not None
-    joints = scene.clearance_joints
-    worn = rates_of(stage)
+    joints = scene.loose_pins
+    worn = rates_of(scene, stage)
     limits = tuple(
         _limit(scene, limit, new, worn, stage) for limit in scene.life_limits
     )

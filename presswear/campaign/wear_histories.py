@@ -313,7 +313,7 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     surfaces follow one another alike, and a life is inversely proportional to the
     coefficients.
     """
-    joints = scene.clearance_joints
+    joints = scene.loose_pins
     pairs = [scene.bearing(name).materials for name in joints]
     coefficient = max(
         pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
@@ -327,7 +327,7 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
 def fewest_cycles_of(scene: Scene) -> float:
     """Return the cycles of all replicates that a life takes at least, before anything has run."""
     life = scene.life
-    joints = scene.clearance_joints
+    joints = scene.loose_pins
     assert life is not None
     clearances = {name: scene.bearing(name).clearance for name in joints}
     return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)
@@ -467,7 +467,7 @@ def life_result(
         curves[key] = np.column_stack([value, value - half, value + half])
     # A life is inversely proportional to the wear coefficients, all of them high or low
     # together.
-    joints = scene.clearance_joints
+    joints = scene.loose_pins
     services = problem.services[: end.interval]
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))

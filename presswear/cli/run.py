@@ -391,7 +391,7 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
     variants |= {
         each: terminal.parse_settings(each.split(",")) for each in arguments.compare
     }
-    for joint in scene.clearance_joints if arguments.materials else ():
+    for joint in scene.loose_pins if arguments.materials else ():
         for name, pair in MATERIALS.items():
             if pair != scene.bearing(joint).materials:
                 variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}

@@ -102,7 +102,7 @@ def oil_films(scene: Scene) -> dict[str, JointFilm]:
     maxsize=16
 )  # a report has the films in sentences, in a number and in a figure
 def _films(scene: Scene) -> dict[str, JointFilm]:
-    bearings = {name: scene.bearing(name) for name in scene.clearance_joints}
+    bearings = {name: scene.bearing(name) for name in scene.loose_pins}
     oiled = {
         name: one
         for name, one in bearings.items()
@@ -178,7 +178,7 @@ def _relative(bearing: Bearing) -> float:
 def dry_contact(scene: Scene) -> list[str]:
     """Return sentences for each clearance joint: does the model of dry contact hold there?"""
     paragraphs = []
-    for name in scene.clearance_joints:
+    for name in scene.loose_pins:
         bearing = scene.bearing(name)
         if bearing.has_film:
             continue  # see ``run_film.film_sentences``

@@ -702,7 +702,7 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
 def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float]:
     """Return the largest recorded penetration of each joint over its clearance."""
     ratios = {}
-    for name in scene.clearance_joints:
+    for name in scene.loose_pins:
         arrays = [stage.arrays for stage in stages if not stage.failed]
         depths = [
             one[f"{name}_penetration"].max(initial=0.0)

@@ -135,7 +135,10 @@ class Result:
                 joint = stage.statistics.joints.get(name)
                 if joint:
                     worn = 1e15 / stage.cycles_per_update * joint.wear_volume.mean
-                    row += [name, readable(joint.peak_force), readable(worn)]
+                    # walls of guides have no wear model
+                    wears = name in self.scene.loose_pins
+                    row += [name, readable(joint.peak_force)]
+                    row += [readable(worn) if wears else "not modelled"]
                 rows.append([*row, *[""] * (len(rows[0]) - len(row))])
                 row = ["", "", ""]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

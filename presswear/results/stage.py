@@ -313,9 +313,8 @@ class StageResult:
         for name, joint in statistics.joints.items():
             volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)
             force = f"mean peak force {joint.peak_force_per_cycle} N"
-            lines.append(
-                f"{name}: {force}, worn volume per million strokes {volume} mm³"
-            )
+            worn = f", worn volume per million strokes {volume} mm³"
+            lines.append(f"{name}: {force}{worn if volume.mean > 0.0 else ''}")
         return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
 
     @property

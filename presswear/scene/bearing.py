@@ -93,6 +93,18 @@ Law = str | UserFunction | Callable[..., float]
 DIAMETRAL = "diametral_clearance"  # setting that stands for twice the clearance
 _DIAMETRAL = Quantity("m", 0.0, 2.0, text="clearance in diameter")
 LEAST_CLEARANCE = 1e-9  # m, of a joint that has any
+# Values of round bearings, which a flat guide does not read
+_ROUND = (
+    "bearing_radius",
+    "elasticity",
+    "viscosity",
+    "film",
+    "asperity_pressure",
+    "roughness",
+    "pressure_limit",
+    "pv_limit",
+    "angles",
+)
 
 
 def radial_clearance(diametral: float | str) -> float:
@@ -379,6 +391,14 @@ class Bearing(Checked):
                 f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
                 "more drives the sliding and creates energy"
             )
+
+    @property
+    def unread_in_guide(self) -> tuple[str, ...]:
+        """Names of the values that a guide with clearance does not read."""
+        wear = (one.name for one in fields(self.materials))
+        elastic = ("youngs_modulus", "bearing_modulus", "poisson_ratio")
+        of_wear = tuple(name for name in wear if name not in elastic)
+        return (*self.unread, *_ROUND, *of_wear)
 
     @property
     def unread(self) -> tuple[str, ...]:

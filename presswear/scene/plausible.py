@@ -71,7 +71,7 @@ def doubts(scene: Scene) -> list[str]:
             lines += unusual("gyration", ratio, words)
     for drive in linkage.drives:
         lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
-    for name in scene.clearance_joints:
+    for name in scene.loose_pins:
         bearing = scene.bearing(name)
         words = f"the clearance of joint {name}, divided by the radius of its bearing,"
         lines += unusual(

@@ -228,7 +228,7 @@ class Scene(Checked):
                 self.conventions.contact,
             ),
         )
-        if self.life is None and not self._loose_pins:
+        if self.life is None and not self.loose_pins:
             self._set(wear_updates=0)  # no joint wears
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in self._bearings_of_pins.items():
@@ -283,7 +283,7 @@ class Scene(Checked):
         than the checks of single values.
         """
         coefficients = [
-            self.bearing(j).materials.wear_coefficient for j in self.clearance_joints
+            self.bearing(j).materials.wear_coefficient for j in self.loose_pins
         ]
         if self.wear_updates > 0 and coefficients and not any(coefficients):
             raise InputError(
@@ -342,8 +342,8 @@ class Scene(Checked):
         )
 
     def _check_life(self, life: Life) -> None:
-        if not self._loose_pins:
-            raise InputError("life: no joint has clearance, so that no joint wears")
+        if not self.loose_pins:
+            raise InputError("life: no pin has clearance, so that no joint wears")
         if self.wear_updates < 1:
             raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
         if self.replicates == 1:
@@ -353,7 +353,7 @@ class Scene(Checked):
             raise InputError(
                 f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}"
             )
-        services = life.services(self.clearance_joints)
+        services = life.services(self.loose_pins)
         limits = self.life_limits
         if self.is_quick:
             others = [
@@ -366,8 +366,7 @@ class Scene(Checked):
             if self.wear_updates > 1:
                 faults.append(f"wear_updates = {self.wear_updates}: allowed is 1")
             ratios = [
-                self.bearing(name).materials.running_in
-                for name in self.clearance_joints
+                self.bearing(name).materials.running_in for name in self.loose_pins
             ]
             faults += [
                 f"running_in = {ratio:g}: allowed is 1"
@@ -387,7 +386,7 @@ class Scene(Checked):
         """Limits of the service life; none without a life."""
         if self.life is None:
             return ()
-        joints = self.clearance_joints
+        joints = self.loose_pins
         return self.life.limits({name: self.bearing(name).clearance for name in joints})
 
     def _greatest(self, limit: Limit) -> float:
@@ -419,10 +418,10 @@ class Scene(Checked):
         """Names of the joints with clearance; of a guide those of its four corners."""
         guides = (guide.name for guide in self.loose_guides)
         corners = (f"{guide} {one}" for guide in guides for one in CORNERS)
-        return (*self._loose_pins, *corners)
+        return (*self.loose_pins, *corners)
 
     @property
-    def _loose_pins(self) -> tuple[str, ...]:
+    def loose_pins(self) -> tuple[str, ...]:
         """Names of the pin joints with clearance, which wear; walls of guides do not."""
         guides = [guide.name for guide in self.loose_guides]
         return tuple(
@@ -440,6 +439,11 @@ class Scene(Checked):
         )
 
     @property
+    def _loose_joints(self) -> tuple[str, ...]:
+        """Names of the pins and the guides with clearance."""
+        return (*self.loose_pins, *(guide.name for guide in self.loose_guides))
+
+    @property
     def rigid_bearings(self) -> tuple[str, ...]:
         """Names of the joints that have a bearing without clearance."""
         return tuple(
@@ -453,7 +457,7 @@ class Scene(Checked):
     def check_user_laws(self) -> None:
         """Raise InputError where a user law returns no number or creates energy; runs its text."""
         self.check_trusted()
-        for joint in self.clearance_joints:
+        for joint in self._loose_joints:
             self.bearing(joint).check_user_laws(joint, self.conventions)
         for joint in self.rigid_bearings:
             self.bearing(joint).check_user_friction(joint)
@@ -467,7 +471,7 @@ class Scene(Checked):
         """User laws, source code, by keys such as ``A.normal_law`` and ``loads[0].law``."""
         laws = {
             f"{joint}.{key}": getattr(self.bearing(joint), key)
-            for joint in self.clearance_joints
+            for joint in self._loose_joints
             for key in ("normal_law", "friction_law")
         }
         laws |= {
@@ -543,7 +547,7 @@ class Scene(Checked):
     @property
     def bin_remark(self) -> str:
         """Remark on depths and volumes that the width of the bins changes; else empty."""
-        bearings = [self.bearing(name) for name in self.clearance_joints]
+        bearings = [self.bearing(name) for name in self.loose_pins]
         wears = [one for one in bearings if one.materials.wear_coefficient > 0.0]
         if self.conventions.wear_distribution != "bin" or not wears:
             return ""

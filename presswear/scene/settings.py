@@ -86,9 +86,9 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     """
     used = {
         (one.key, one.value)
-        for bearing in map(scene.bearing, scene.bearing_joints)
-        for one in settings_in(bearing)
-        if one.key not in bearing.unread
+        for joint in scene.bearing_joints
+        for one in settings_in(scene.bearing(joint))
+        if one.key not in _unread(scene, joint)
     }
     common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
     engines = (
@@ -96,7 +96,9 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     )
     unused = {one.key for engine in engines for one in settings_in(engine)}
     unused |= {
-        f"{j}.{key}" for j in scene.bearing_joints for key in scene.bearing(j).unread
+        f"{joint}.{key}"
+        for joint in scene.bearing_joints
+        for key in _unread(scene, joint)
     }
     return [
         one
@@ -104,6 +106,13 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         if one.key not in unused
         and (one.key not in common or (one.key, one.value) in used)
     ]
+
+
+def _unread(scene: Scene, joint: str) -> tuple[str, ...]:
+    """Return the keys of values of a bearing that a run of the scene does not read."""
+    bearing = scene.bearing(joint)
+    is_guide = any(guide.name == joint for guide in scene.loose_guides)
+    return bearing.unread_in_guide if is_guide else bearing.unread
 
 
 def setting_of(scene: Scene, key: str) -> Setting:

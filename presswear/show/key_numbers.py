@@ -19,7 +19,7 @@ from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
 from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.result import Result
-from presswear.results.stage import BottomStatistics, StageResult
+from presswear.results.stage import BottomStatistics, JointStatistics, StageResult
 from presswear.scene.plausible import doubts, unusual
 from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
@@ -141,7 +141,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     that of the wear.
     """
     loads: dict[str, dict[str, Estimate]] = {key: {} for key in _LOADS}
-    for name, joint in stage.statistics.joints.items():
+    for name, joint in _pins_of(scene, stage).items():
         bearing = scene.bearing(name)
         per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.total_width)
         loads["pressure_limit"][name] = _largest_force(stage, name).scaled(per_area)
@@ -154,11 +154,17 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
     return {key: values for key, values in loads.items() if values}
 
 
+def _pins_of(scene: Scene, stage: StageResult) -> dict[str, JointStatistics]:
+    """Return the statistics of the pins; those of the corners of slides are left out."""
+    joints = stage.statistics.joints.items()
+    return {name: one for name, one in joints if name in scene.loose_pins}
+
+
 def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return peak force, pin pressure and p v at the joints where they are greatest."""
     first = stages[0]
     last = stages[-1]
-    joints = last.statistics.joints
+    joints = _pins_of(scene, last)
     if not joints:
         return []
     forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
@@ -249,7 +255,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     for stage in reversed(stages):
         wear = {
             (name, side): peak.depth.scaled(1e6 / stage.cycles_per_update)
-            for name, joint in stage.statistics.joints.items()
+            for name, joint in _pins_of(scene, stage).items()
             for side, peak in joint.wear_peaks.items()
             if side != "both" and peak.depth.mean > 0.0
         }
@@ -272,7 +278,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             text += f" It is for {scene.bin_remark}." if scene.bin_remark else ""
             rest = [
                 f"{joint} {numbers.quantity_text(max(depths), 'm')}"
-                for joint in stage.statistics.joints
+                for joint in scene.loose_pins
                 if joint != name
                 and (depths := [wear[key].mean for key in wear if key[0] == joint])
             ]
@@ -467,7 +473,7 @@ def _improvement(
     scene: Scene, stage: StageResult, life: LifeResult | None
 ) -> list[KeyNumber]:
     """Return the joint to improve first: it ends the life, wears most, or is loaded most."""
-    joints = stage.statistics.joints
+    joints = _pins_of(scene, stage)
     if len(joints) < 2:
         return []
     if life is not None and life.first is not None and "." in life.first.key:
@@ -531,7 +537,7 @@ def warnings(result: Result) -> list[str]:
         created_fraction = stage.statistics.energy_made_fraction
         if created_fraction > _MADE:
             part = numbers.readable(100.0 * created_fraction, 2)
-            laws = [scene.bearing(name).normal_law for name in scene.clearance_joints]
+            laws = [scene.bearing(name).normal_law for name in scene.loose_pins]
             is_radial = scene.conventions.contact == "radial"
             can_change = is_radial and not any(
                 isinstance(law, UserFunction) for law in laws

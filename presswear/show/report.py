@@ -148,7 +148,7 @@ def render_report(
         "untrusted": untrusted,
         "laws": _normal_laws(scene),
         "has_rubbing_joints": bool(press.rubbing_joints(scene)),
-        "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
+        "bearings": [scene.bearing(joint) for joint in scene.loose_pins],
         "wear_law": wear_law_numbers(scene),
         "oil": [] if untrusted else _oil_sentences(result),
         "presets": CONVENTIONS,
@@ -213,7 +213,7 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
     None for a law whose restitution is unknown.
     """
     groups: dict[Any, tuple[list[str], Bearing, str, float | None]] = {}
-    for joint in scene.clearance_joints:
+    for joint in scene.loose_pins:
         bearing = scene.bearing(joint)
         law = bearing.normal_law
         restitution = bearing.restitution
@@ -240,7 +240,7 @@ def _tables(result: Result, **names: Any) -> Record:
     content = {
         "scene": scene,
         "linkage": linkage,
-        "joints": scene.clearance_joints,
+        "joints": scene.loose_pins,
         "drives": [drive.body for drive in linkage.drives],
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
         "allowed_reverse": ALLOWED_REVERSE,
@@ -338,9 +338,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                     }
                     for joint, one in stage.statistics.joints.items()
                 },
-                "worn": {
-                    joint: _deepest(stage, joint) for joint in scene.clearance_joints
-                },
+                "worn": {joint: _deepest(stage, joint) for joint in scene.loose_pins},
                 "tonnage": press.tonnage_of(scene, stage),
                 "frames": frame_loads(scene, stage),
                 "motors": motor_loads(scene, stage),
@@ -445,7 +443,7 @@ def growth_table(result: Result) -> Table | None:
     """Return the steps in which each wear update was applied; None if all were single jumps."""
     if not result.grew_in_steps:
         return None
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     records = [
         {
             "name": result.stage_name(stage.index + 1),
@@ -480,20 +478,21 @@ def motion_table(result: Result) -> Table | None:
     for record in records:
         shares.update(record["shares"])
     series = list(records[0]["harmonics"])
-    is_alone = len(result.scene.clearance_joints) == 1
+    is_alone = len(result.scene.loose_pins) == 1
     together = [] if is_alone else [mode for mode, _ in shares.most_common(_TOGETHER)]
     return _result_table("motion", result, records, together=together, series=series)
 
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
-    joints = scene.clearance_joints
+    joints = scene.loose_pins
     start, end = press.sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
     lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
-    together = combine(list(lines.values()))
-    labels = [f"acceleration of {scene.output} (m/s²)"]
-    labels += [f"force at {joint} (N)" for joint in joints]
-    spectra = dict(zip(labels, spectra_of(scene, stage).values(), strict=True))
+    together = combine(list(lines.values())) if lines else None
+    labels = {"": f"acceleration of {scene.output} (m/s²)"}
+    labels |= {joint: f"force at {joint} (N)" for joint in joints}
+    spectra_by_name = spectra_of(scene, stage)
+    spectra = {label: spectra_by_name[name] for name, label in labels.items()}
 
     def visits(line: Timeline) -> dict[str, str]:
         """Return the share of the time in a mode, its visits per cycle and their mean duration."""
@@ -514,8 +513,8 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     return {
         "cycles": cycles,
         "modes": {joint: visits(line) for joint, line in lines.items()},
-        "together": visits(together),
-        "shares": together.shares,
+        "together": visits(together) if together else {},
+        "shares": together.shares if together else {},
         "changes": {joint: changes(line) for joint, line in lines.items()},
         "period": str(period_of(scene, stage)),
         "harmonics": {
@@ -588,7 +587,10 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
         + ", not constant" * drive.repeats
         for drive in linkage.drives
     }
-    guided = {guide.body for guide in linkage.guides}
+    loose = [guide.name for guide in scene.loose_guides]
+    guided = {guide.body for guide in linkage.guides if guide.name not in loose}
+    # a slide that begins to tilt gets an inertia
+    moving = {body.name: body for body in scene.linkage().bodies}
     start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
     bodies = [
         {
@@ -596,19 +598,31 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
             "mass": _engineers(MASS, body.mass),
             "inertia": None
             if body.name in guided
-            else _engineers(INERTIA, body.inertia),
+            else _engineers(INERTIA, moving[body.name].inertia),
             "start": position,
             "speed": drives.get(body.name),
         }
         for body, position in zip(linkage.bodies, start, strict=True)
     ]
     places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
+    titles = {}
     for guide in linkage.guides:
         ends = Attachment(GROUND, guide.x, guide.y), Attachment(guide.body, 0.0, 0.0)
-        places[f"{guide.name}, along {math.degrees(guide.direction):.6g}°"] = ends
+        places[guide.name] = ends
+        titles[guide.name] = (
+            f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
+            + ", each corner" * (guide.name in loose)
+        )
+    radii = {one.name: one.pin_radius for one in scene.linkage().clearances}
     contacts = {joint.name: joint for joint in scene.linkage().clearances}
+    contacts |= {corner.guide.name: corner for corner in scene.linkage().corners}
     pins = [
-        {"name": name, "contact": contacts.get(name), "places": [*map(_place, ends)]}
+        {
+            "name": titles.get(name, name),
+            "contact": contacts.get(name),
+            "pin_radius": radii.get(name),
+            "places": [*map(_place, ends)],
+        }
         for name, ends in places.items()
     ]
     tables = {"bodies": _line_table("bodies", result, bodies)}

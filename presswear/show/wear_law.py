@@ -20,7 +20,7 @@ def wear_law_numbers(scene: Scene) -> str:
     parts = []
     for symbol, (key, unit) in NUMBERS.items():
         texts: dict[str, list[str]] = {}
-        for joint in scene.clearance_joints:
+        for joint in scene.loose_pins:
             if key not in scene.bearing(joint).unread:
                 texts.setdefault(_number(scene, joint, key, unit), []).append(joint)
         for text, joints in texts.items():

@@ -116,13 +116,11 @@ class Improvement:
 
 
 def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Return the settings that are tried, by change; `InputError` if no joint has clearance."""
-    if not scene.clearance_joints:
-        raise InputError(
-            f"{scene.name}: no joint has clearance, so none can be improved"
-        )
+    """Return the settings that are tried, by change; `InputError` if no pin has clearance."""
+    if not scene.loose_pins:
+        raise InputError(f"{scene.name}: no pin has clearance, so none can be improved")
     changes: dict[str, dict[str, Any]] = {}
-    for name in scene.clearance_joints:
+    for name in scene.loose_pins:
         bearing = scene.bearing(name)
         changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
             f"{name}.clearance": CLEARANCE * bearing.clearance
@@ -151,7 +149,7 @@ def improve(
     """Run a mechanism as it is and with each change, and return the effects of the changes.
 
     One wear update is run, of as many strokes for each change, and no service life; see
-    `run_scenes` for the other parameters. `InputError` if no joint has clearance, or a
+    `run_scenes` for the other parameters. `InputError` if no pin has clearance, or a
     change does not fit the mechanism; `RunFailed` if the mechanism as it is cannot be
     run.
     """
@@ -204,7 +202,8 @@ def _quantities(result: Result) -> dict[str, Estimate]:
     """
     first = result.stages[0]
     last = result.stages[-1].statistics
-    peaks = [joint.wear_peaks.items() for joint in first.statistics.joints.values()]
+    pins = result.scene.loose_pins
+    peaks = [first.statistics.joints[name].wear_peaks.items() for name in pins]
     per_stroke = 1.0 / first.cycles_per_update
     depths = [
         peak.depth.scaled(per_stroke)
@@ -212,7 +211,7 @@ def _quantities(result: Result) -> dict[str, Estimate]:
         for side, peak in joint
         if side != "both"
     ]
-    forces = [joint.peak_force_per_cycle for joint in last.joints.values()]
+    forces = [last.joints[name].peak_force_per_cycle for name in pins]
     greatest = {
         LIFE: max(depths, key=attrgetter("mean"), default=None),
         FORCE: max(forces, key=attrgetter("mean"), default=None),

@@ -228,9 +228,7 @@ def available(scene: Scene) -> dict[str, Definition]:
     absent |= set() if linkage.elastic_guides else set(OF_FRAMES)
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
-            responses |= {
-                f"{joint}.{name}": definition for joint in scene.clearance_joints
-            }
+            responses |= {f"{joint}.{name}": definition for joint in scene.loose_pins}
         elif name not in absent:
             responses[name] = definition
     return responses
@@ -317,7 +315,8 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
             values[name] = function(result, None, None)
         elif not is_optional or name in requested.optional:
             for stage in result.stages:
-                for joint in stage.joints.values() if scope == "joint" else (None,):
+                joints = [stage.joints[name] for name in result.scene.loose_pins]
+                for joint in joints if scope == "joint" else (None,):
                     key = f"{joint.name}.{name}" if joint else name
                     values[f"{key}@{stage.index}"] = function(result, stage, joint)
     last = f"@{result.stages[-1].index}"

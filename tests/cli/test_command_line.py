@@ -73,7 +73,7 @@ life press-blanking --replace A: replaced = 'A' & JOINT@STROKES
 life press-blanking --compare clearance=0.8mm: changes nothing
 life press-blanking --conventions paper: wear_distribution & arc
 life press-blanking --at-most 5 --set life.at_most=6: --at-most and --set life.at_most cannot be
-life ideal: no joint has clearance
+life ideal: no pin has clearance
 sweep wear-times 'speed=60 rpm': --set 'speed=60 rpm'
 dynamics slider-crnk: did you mean slider-crank
 dynamics slider-crank --exponent 0: --exponent 0 needs --over

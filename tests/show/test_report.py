@@ -472,3 +472,39 @@ def test_a_limit_that_may_be_the_first_is_named(strokes: float, is_named: bool) 
 def test_an_output_point_that_stands_still_has_no_heights_at_rest() -> None:
     still = FOUR_BAR.changed(output="rocker.tail")
     prepare(pw.Scene(still, joints="B"))  # heights at rest would be refused
+
+
+GUIDED = pw.Press(guide_length=0.4, guide_width=0.3)
+PLAY = pw.Bearing(clearance="0.05 mm")
+OF_PINS = {"contact-force.png", "centre-trajectory.png", "poincare.png", "impacts.png"}
+OF_PINS |= {"modes.png", "wear-depth.png"}
+
+
+def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
+    scene = pw.Scene(GUIDED, bearings={"A": pw.Bearing(), "guide": PLAY}, cycles=2)
+    result = made_up(scene, 1)
+    text = page_of(result).text
+    assert "50.0 µm between slider 6 and each of two walls" in text
+    assert "400 mm long and 300 mm wide" in text
+    assert "Joints with clearance: 300 µm at A." in text
+    assert "The walls do not wear in this model" in text
+    assert "left front" not in text
+    assert "600 kg mm²" in text  # 28.8 g (0.4^2 + 0.3^2) / 12
+    assert "not modelled" in str(result)
+    assert {one.file for one in drawings(result)} >= OF_PINS
+
+
+def test_a_guide_alone_has_no_figures_of_pins() -> None:
+    scene = pw.Scene(GUIDED, bearings={"guide": PLAY}, cycles=2)
+    result = made_up(scene, 1)
+    text = page_of(result).text
+    assert "Joints with clearance" not in text
+    assert "no joint has clearance" not in text.lower()
+    assert "between slider 6 and each of two walls" in text
+    assert "Peak joint force" not in text
+    keys = {setting.key for setting in used_settings_of(scene)}
+    assert not {"bearing_radius", "wear_coefficient", "angles"} & keys
+    assert {"friction", "clearance", "width"} <= keys
+    files = {one.file for one in drawings(result)}
+    assert not OF_PINS & files
+    assert {"stroke.png", "phase.png", "spectrum.png"} <= files

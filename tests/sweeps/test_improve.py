@@ -35,7 +35,7 @@ def test_each_joint_is_changed_in_each_way() -> None:
     changes = changes_of(pw.scenes.wear_times(materials="304L-304L"))
     words = {change.rpartition(" ")[2] for change in changes if "materials" in change}
     assert words == {"paper", "316L-304L"}
-    with pytest.raises(InputError, match="no joint has clearance"):
+    with pytest.raises(InputError, match="no pin has clearance"):
         changes_of(pw.scenes.ideal())
 
 

@@ -46,17 +46,17 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "mechanism": ("all", lambda result, stages: [mechanism.labelled(result.scene)]),
     "stroke": ("moving", motion.height_over_angle),
     "tonnage": ("moving", motion.force_over_stroke),
-    "wear": ("shown", wear.wear_depth),
+    "wear": ("pins", wear.wear_depth),
     "growth": ("all", wear.wear_growth),
-    "surfaces": ("shown", wear.worn_surfaces),
+    "surfaces": ("pins", wear.worn_surfaces),
     "response": ("moving", motion.response),
     "bottom": ("shown", motion.bottom_dead_centre),
     "force": ("loose", motion.contact_force),
     "path": ("loose", motion.centre_trajectory),
     "phase": ("sampled", dynamics.phase_portrait),
-    "poincare": ("sampled", dynamics.poincare_section),
-    "impacts": ("sampled", dynamics.impact_section),
-    "modes": ("sampled", dynamics.contact_modes),
+    "poincare": ("sampled pins", dynamics.poincare_section),
+    "impacts": ("sampled pins", dynamics.impact_section),
+    "modes": ("sampled pins", dynamics.contact_modes),
     "spectrum": ("sampled", dynamics.spectrum),
     "drives": ("moving", motion.drive_work),
     "oil": ("all", motion.film_thickness),
@@ -121,12 +121,17 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
         moving = [
             each for each in shown if not each.data.failed and each.data.time.size > 1
         ]
+        sampled = [each for each in shown if has_motion(result.scene, each.data)]
+        loose = [each for each in moving if each.data.has_joint_series]
+        has_pins = bool(result.scene.loose_pins)
         choices: dict[str, Sequence[Any]] = {
             "all": stages,
             "shown": shown,
+            "pins": shown if has_pins else (),
             "moving": moving,
-            "loose": [each for each in moving if each.data.has_joint_series],
-            "sampled": [each for each in shown if has_motion(result.scene, each.data)],
+            "loose": loose if has_pins else (),
+            "sampled": sampled,
+            "sampled pins": sampled if has_pins else (),
         }
         return draw(result, choices[choice]) if choices[choice] else []
 

@@ -38,13 +38,13 @@ MIN_PERIOD_AXIS = 4.0  # smallest upper end of the period axis
 def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
     scene = result.scene
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     # both stages of a joint have the same scale
     share: Any = "row" if len(shown) > 1 else False
     names = ["", *joints]
     sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
     factor, unit = unit_scale(
-        "m", max(scene.bearing(joint).clearance for joint in joints)
+        "m", max((scene.bearing(joint).clearance for joint in joints), default=1.0)
     )
     for axes, joint, stage in places:
         data = style.between(stage.data, *press.sampled_span(scene, stage.data))
@@ -99,7 +99,7 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     scene = result.scene
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     impacts = {
         (j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown
     }
@@ -132,7 +132,7 @@ def _label_phase(lowest: list[Axes], result: Result) -> None:
 def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
     scene = result.scene
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     label = "part of the time (%)"
     sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
@@ -159,15 +159,15 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
 def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
     scene = result.scene
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     columns = 1 + (len(joints) > 2)
     sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
     resonances = []
     for stage in shown:
-        for axes, density in zip(
-            column, spectra_of(scene, stage.data).values(), strict=True
-        ):
-            stage.pen.draw(axes, density.order[1:], density.density[1:], linewidth=0.6)
+        spectra = spectra_of(scene, stage.data)
+        for axes, name in zip(column, ("", *joints), strict=True):
+            order, density = spectra[name].order[1:], spectra[name].density[1:]
+            stage.pen.draw(axes, order, density, linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
         hertz = []
         for stage in shown:
@@ -207,7 +207,7 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     """Return the bifurcation diagram with both branches."""
     parameter = diagram.parameter
     cycles = diagram.cycles
-    joints = diagram.scene.clearance_joints
+    joints = diagram.scene.loose_pins
     has_exponent = cycles.exponent > 0
     count = len(joints) + 1 + has_exponent
     sheet, grid = style.panels(count, 1, 0.8 + 1.9 * count, sharex=True)

@@ -27,7 +27,7 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     services = services_done(result)
     if life is None or not life.curves or len(stages) < len(result.stages):
         return []
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     keys = [key for name in joints for key in life.curves if key.startswith(f"{name}.")]
     keys += [key for key in life.curves if key != "strokes" and "." not in key]
     high = life.interval.high if life.ended == "limit" else None
@@ -121,7 +121,7 @@ def services_done(result: Result) -> list[Service]:
     if settings is None or life is None or not life.curves:
         return []
     last = float(life.curves["strokes"][-1])
-    services = settings.services(result.scene.clearance_joints)
+    services = settings.services(result.scene.loose_pins)
     return [service for service in services if service.strokes <= last]
 
 

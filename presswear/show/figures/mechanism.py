@@ -154,8 +154,8 @@ def _free_direction(lines: Sequence[Array]) -> Array:
 
 def _common_clearance(scene: Scene) -> float | None:
     """Return the clearance of all joints if many have the same, m: the caption states it."""
-    sizes = {scene.bearing(name).clearance for name in scene.clearance_joints}
-    many = len(scene.clearance_joints) > _MANY_LABELS
+    sizes = {scene.bearing(name).clearance for name in scene.loose_pins}
+    many = len(scene.loose_pins) > _MANY_LABELS
     return sizes.pop() if many and len(sizes) == 1 else None
 
 
@@ -174,7 +174,7 @@ def _draw_joints(
     output = scene.base_linkage.output
     for names in groups.values():
         place = places[names[0]]
-        loose = [name for name in names if name in scene.clearance_joints]
+        loose = [name for name in names if name in scene.loose_pins]
         if any(end.body == GROUND for name, end in ends if name in names):
             axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
         if loose:

@@ -222,7 +222,7 @@ def _draw_jagged(
 
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, in the first and last stage."""
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     shown, window = sampled(result, moving)
     sheet, places, lowest = style.joint_panels(joints, shown, 1.5, sharex=True)
     largest = dict.fromkeys(joints, 0.0)
@@ -309,7 +309,7 @@ def pin_panels(
     m, shape (2, n). The pen of the clearance circle is returned with the sheet.
     """
     scene = result.scene
-    gaps = {joint: scene.bearing(joint).clearance for joint in scene.clearance_joints}
+    gaps = {joint: scene.bearing(joint).clearance for joint in scene.loose_pins}
     widest = max(gaps.values())
     factor, unit = unit_scale("m", widest)
     height = 3.1 if len(gaps) <= _FEW_JOINTS else 2.3
@@ -348,9 +348,7 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     if process is None or not shown:
         return []
     joints = (
-        scene.clearance_joints
-        if all(one.data.has_joint_series for one, _ in shown)
-        else ()
+        scene.loose_pins if all(one.data.has_joint_series for one, _ in shown) else ()
     )
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)

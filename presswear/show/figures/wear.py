@@ -43,7 +43,7 @@ _RIGHT = "outside upper right"
 
 def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     turns = style.maps_turn(result)
     places = list(product(joints, [(side,) for side in SIDES] if turns else [SIDES]))
     curves = [_depth_curves(result, shown, *place) for place in places]
@@ -134,7 +134,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     grew = result.grew_in_steps and any(stage.wear_steps for stage in stages)
     if result.life is not None or not grew:
         return []
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     steps = [step for stage in result.stages for step in stage.wear_steps]
     sizes = (unit_factor("million") * step.cycles_per_update for step in steps)
     cycles = list(accumulate(sizes, initial=0.0))
@@ -196,7 +196,7 @@ class _View(NamedTuple):
 
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
-    joints = result.scene.clearance_joints
+    joints = result.scene.loose_pins
     last = shown[-1].data.joints
     depths = {
         name: max(float(last[name].depth(side).max()) for side in SIDES)
