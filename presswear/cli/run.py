@@ -31,6 +31,7 @@ from presswear.tools.processes import check_stopped, cores
 
 if TYPE_CHECKING:
     from presswear.results.life import LifeResult
+    from presswear.results.result import Result
     from presswear.results.stage import StageResult
 
 LOGGER = logging.getLogger(__name__)
@@ -99,7 +100,6 @@ def run_scene(
     from presswear.campaign.campaign import run_into, workers_of
     from presswear.campaign.wear_histories import fewest_cycles_of
     from presswear.results.folder import ResultFolder
-    from presswear.results.press_analysis import contact_warnings
     from presswear.results.result import load
 
     window: Any = nullcontext()
@@ -144,7 +144,19 @@ def run_scene(
                     run_into(store, scene, observers, workers)
         except InputError as error:
             raise InputError(f"{arguments.scene}: {error}") from None
-    result = load(folder)
+    return _finish(load(folder), arguments, console)
+
+
+def _finish(result: "Result", arguments: argparse.Namespace, console: Console) -> int:
+    """Write the report of a stored run, print what it tells at the end, return the exit code."""
+    from presswear.results.press_analysis import contact_warnings
+
+    folder = result.path
+    readings = getattr(arguments, "readings", None)
+    if readings is not None and folder is not None:
+        from presswear.results.readings import store_readings
+
+        store_readings(folder, readings)
     if arguments.no_report:
         terminal.print_lines(console, f"results in {folder}")
     else:
@@ -162,6 +174,10 @@ def run_scene(
         raise RunFailed(result.message)
     if result.status == "unconverged":
         terminal.print_lines(console, f"not converged: {result.message}")
+    if readings is not None:
+        from presswear.results.remaining_life import remaining_life
+
+        terminal.print_lines(console, *remaining_life(result, readings).lines)
     return 0
 
 
@@ -351,7 +367,9 @@ def step_text(scene: Scene, stage: int, step: str) -> str:
 
 def life(arguments: argparse.Namespace, console: Console) -> int:
     """Run a service life, or compare several."""
-    change = partial(_with_life, arguments=arguments)
+    change: Callable[[Scene], Scene] = partial(_with_life, arguments=arguments)
+    if arguments.readings is not None:
+        change = partial(_with_readings, arguments=arguments)
     if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
         return _compare(
             change(terminal.load_scene(arguments.scene)), arguments, console
@@ -359,6 +377,13 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     is_plain = has_no_options(arguments) and not (arguments.until or arguments.quick)
     is_plain = is_plain and arguments.at_most is None
     is_resumed = arguments.resume and arguments.out is not None
+    is_folder = (Path(arguments.scene) / "result.json").exists()
+    if arguments.readings is not None and is_plain and is_folder:
+        result = terminal.load_result(Path(arguments.scene), console)
+        from presswear.results.remaining_life import remaining_life
+
+        remaining_life(result, arguments.readings)  # nothing is stored if it is wrong
+        return _finish(result, arguments, console)
     return run_scene(arguments, console, None if is_plain and is_resumed else change)
 
 
@@ -378,6 +403,22 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     life = {"life": Life.kind, "life.until": limits, "life.at_most": arguments.at_most}
     life["life.quick"] = "on" if arguments.quick else None
     return with_options(scene, arguments, **life)
+
+
+def _with_readings(scene: Scene, arguments: argparse.Namespace) -> Scene:
+    """Return the scene with the life of this command, checked for the readings."""
+    from presswear.results.readings import read_readings
+    from presswear.results.remaining_life import check_for_life
+
+    if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
+        raise InputError(
+            "--readings is of one life: it cannot be combined with --replace, --turn, "
+            "--compare or --materials"
+        )
+    readings = read_readings(arguments.readings)
+    scene = _with_life(scene, arguments)
+    check_for_life(scene, readings)
+    return scene
 
 
 def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:

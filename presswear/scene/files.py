@@ -5,7 +5,6 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -234,15 +233,17 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 _HEADER = "joint,side,angle (deg),depth (um)"
 _MEANINGS = {"angle": Quantity("rad"), "depth": Quantity("m")}
 _COLUMNS = "joint", "side", *_MEANINGS
+_COLUMN = re.compile(r"[^\W\d]\w*")  # its name, before its unit
+TableRow = tuple[int, dict[str, str]]  # number of its line, and values by column
 
 
-def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
-    """Return profiles measured on bearings and pins, rows of angle, rad, and depth, m, by joint.
+def read_table(file: Path, header: str) -> tuple[list[str], list[TableRow]]:
+    """Return the columns and the rows of a table of measured values.
 
     The table is text with commas or semicolons: a header such as ``joint,side,angle
-    (deg),depth (um)``, the columns in any order, then a row for each place; lines that
-    begin with ``#`` are comments. A side without a row is round. Errors name the file
-    and the line.
+    (deg),depth (um)``, the columns in any order, then a row for each reading; lines
+    that begin with ``#`` are comments. Values have the unit of their column. Errors
+    name the file and the line, and ``header`` as an example.
     """
     lines = [
         (number, line)
@@ -256,27 +257,41 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     ]
     if len(table) < 2:
         raise InputError(
-            f"{file}: it has no rows; a header such as {_HEADER} is expected"
+            f"{file}: it has no rows; a header such as {header} is expected"
         )
-    (_, header), *rows = table
-    names = ["".join(takewhile(str.isalpha, word)) for word in header]
-    units = [
-        word[len(name) :].strip(" ()[]")
-        for name, word in zip(names, header, strict=True)
-    ]
+    (_, first), *rows = table
+    names = []
+    units = []
+    for word in first:
+        match = _COLUMN.match(word)
+        name = match[0] if match else ""
+        names.append(name)
+        units.append(word[len(name) :].strip(" ()[]"))
+    values = []
+    for number, words in rows:
+        if len(words) != len(names):
+            fault = f"{len(words)} values for {len(names)} columns"
+            raise InputError(f"{file}, line {number}: {fault}")
+        columns = zip(names, words, units, strict=True)
+        row = {n: f"{w} {u}".strip() if w else "" for n, w, u in columns}
+        values.append((number, row))
+    return names, values
+
+
+def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
+    """Return profiles measured on bearings and pins, rows of angle, rad, and depth, m, by joint.
+
+    The table is one of ``read_table`` with the columns joint, side, angle and depth. A
+    side without a row is round.
+    """
+    names, rows = read_table(file, _HEADER)
     points: dict[str, tuple[list[Any], list[Any]]] = {}
     if sorted(names) != sorted(_COLUMNS):
         raise InputError(
             f"{file}: columns {', '.join(names)}: a header as {_HEADER} is expected"
         )
-    for number, words in rows:
+    for number, row in rows:
         try:
-            if len(words) != len(names):
-                raise InputError(f"{len(words)} values for {len(names)} columns")
-            row = {
-                n: f"{w} {u}".strip()
-                for n, w, u in zip(names, words, units, strict=True)
-            }
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
             place = [

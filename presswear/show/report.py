@@ -52,6 +52,8 @@ from presswear.results.motor_load import (
     motor_loads,
 )
 from presswear.results.oil_film import dry_contact
+from presswear.results.readings import FILE as READINGS
+from presswear.results.remaining_life import remaining_life
 from presswear.results.result import Result
 from presswear.results.run_film import film_sentences
 from presswear.results.stage import StageResult, WearStep
@@ -694,9 +696,20 @@ def _life(result: Result, life: LifeResult) -> Record:
         "services": services_done(result),
         "repeating": _repeating(life),
         "pin": _pin_that_ends(result, life),
+        "remaining": _remaining(result),
         "limits": _line_table("limits", result, limits, True, end=end),
         "wear_rates": _line_table("wear_rates", result, wear_rates, True, end=end),
     }
+
+
+def _remaining(result: Result) -> tuple[str, ...]:
+    """Return the lines on the remaining life by the readings in the folder of a result."""
+    if result.path is None or not (result.path / READINGS).exists():
+        return ()
+    try:
+        return remaining_life(result, result.path / READINGS).lines
+    except InputError as error:
+        return (f"{error}",)
 
 
 def _repeating(life: LifeResult) -> str:

@@ -2,6 +2,7 @@
 # mypy: disable-error-code="union-attr,operator"
 
 import math
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -26,6 +27,7 @@ from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
 from presswear.scene.options import CLEARANCES, FOLLOWED, Limit, Service
 from presswear.scene.settings import changed
+from presswear.show.report import render_report
 from presswear.tools.arrays import Array
 
 CLEARANCE = 1e-3
@@ -540,6 +542,41 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(
     """A motion without chaos wears the same surfaces one after another."""
     life = life_of_scene(with_wear(pw.load(whole[0]).scene, 10.0))
     assert 10.0 * life.strokes == pytest.approx(whole[1].strokes, rel=1e-6, abs=0.0)
+    # Readings of these joints tell their coefficient and the strokes that they have left.
+    strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
+    readings = [
+        pw.Reading("B", float(strokes[k]), "depth", float(depth[k]), 1e-8)
+        for k in (len(strokes) // 3, len(strokes) // 2)
+    ]
+    left = pw.remaining_life(pw.load(whole[0]), readings)
+    factor = left.joints[0].factor
+    assert factor.mean == pytest.approx(10.0, rel=1e-3)
+    expected = life.strokes - readings[-1].strokes
+    assert left.remaining.mean == pytest.approx(expected, rel=0.01)
+    assert left.remaining.low < expected < left.remaining.high
+
+
+def test_readings_of_a_stored_life(
+    whole: tuple[Path, Any], tmp_path: Path, command: Callable[..., str]
+) -> None:
+    """Nothing is run, and a later report has the lines that are printed."""
+    folder, file = tmp_path / "life", tmp_path / "readings.csv"
+    shutil.copytree(whole[0], folder)
+    at = 0.25 * whole[1].strokes
+    file.write_text(f"joint,strokes,depth (um),error (um)\nB,{at},6,0.5\n")
+    line = f"life {folder} --readings {file} --no-report"
+    output = command(line)
+    assert f"results in {folder}\nremaining life: " in output
+    assert (folder / "readings.csv").read_bytes() == file.read_bytes()
+    page = render_report(pw.load(folder)).replace("\xa0", " ")
+    printed = [line for line in output.splitlines() if line.startswith(("rem", "B: "))]
+    assert len(printed) == 2
+    assert [line for line in printed if line not in page] == []
+    assert "cannot be combined with --replace" in command(f"{line} --turn B@1e3", 2)
+    file.write_text("joint,strokes,depth (um)\nB,1e6,6\n")
+    assert "1 without an error" in command(line, 2)
+    (folder / "readings.csv").write_text("joint\n")
+    assert "readings.csv: it has no rows" in render_report(pw.load(folder))
 
 
 @pytest.mark.slow

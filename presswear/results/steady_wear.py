@@ -1,0 +1,144 @@
+"""Wear of running-in and steady wear rate of a joint, from readings alone.
+
+Wear that runs in is parallel to steady wear in the end, h = a + r N: ``a`` is the wear
+of running-in and ``r`` the steady rate. The line needs no computed shape. The exponent
+of the course shows whether the readings follow the computed one.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.recording.statistics import Estimate, quantile
+from presswear.results.wear_posterior import Observed, Shape
+from presswear.tools.arrays import Array
+
+LEAST_READINGS = 3  # after some strokes, from which a line or an exponent has an error
+_DOUBT = 0.01  # probability below which readings and shape disagree
+
+
+@dataclass(frozen=True)
+class SteadyWear:
+    """Straight line through the readings of a joint after some strokes."""
+
+    running_in: Estimate  # growth since new at 0 strokes of the line, m or m^3
+    rate: Estimate  # per stroke
+    until: Estimate | None  # strokes until the limit; None: no limit is reached
+
+
+@dataclass(frozen=True)
+class CourseExponent:
+    """Exponent m of strokes^m with which the readings pass through the computed course."""
+
+    value: Estimate  # 1: the readings follow the course
+    disagrees: bool  # 1 lies outside the interval of 99 %
+
+
+def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | None:
+    """Return the line through the readings after some strokes; None for fewer than three.
+
+    The interval of the strokes until the limit is Fieller's. It has no upper end if a
+    rate of zero lies within its interval.
+
+    Parameters
+    ----------
+    observed : Observed
+    new : float
+        Value of the new joint.
+    limit : float
+        Infinite if there is none.
+    """
+    worn = observed.strokes > 0.0
+    count = int(worn.sum())
+    if count < LEAST_READINGS or np.ptp(observed.strokes[worn]) <= 0.0:
+        return None
+    strokes = observed.strokes[worn]
+    growth = observed.values[worn] - new
+    weights = observed.weights[worn]
+    scale = float(strokes.max())
+    columns = np.column_stack([np.ones(count), strokes / scale])
+    inverse = np.linalg.inv(columns.T * weights @ columns)
+    intercept, slope = inverse @ (columns.T @ (weights * growth))
+    residuals = growth - columns @ (intercept, slope)
+    variance = float(residuals**2 @ weights) / (count - 2)
+    student = quantile(count - 2)
+    if observed.errors is not None:
+        variance = max(variance, 1.0)
+        student = quantile(math.inf)
+    covariance = student**2 * variance * inverse
+    ends = _fieller(limit - new - intercept, slope, covariance)
+    halves = np.sqrt(np.diag(covariance))
+    return SteadyWear(
+        Estimate.symmetric(float(intercept), float(halves[0]), count),
+        Estimate.symmetric(float(slope) / scale, float(halves[1]) / scale, count),
+        None
+        if math.isinf(limit) or slope <= 0.0
+        else Estimate(
+            scale * float((limit - new - intercept) / slope),
+            scale * ends[0],
+            scale * ends[1],
+            count,
+        ),
+    )
+
+
+def _fieller(left: float, slope: float, covariance: Array) -> tuple[float, float]:
+    """Return the places x at which left - slope x is as large as its half width.
+
+    ``covariance`` of intercept and slope is that of the half widths. The upper place is
+    infinite where the slope does not differ from zero.
+    """
+    quadratic = slope**2 - covariance[1, 1]
+    linear = -2.0 * (left * slope + covariance[0, 1])
+    constant = left**2 - covariance[0, 0]
+    root = math.sqrt(max(linear**2 - 4.0 * quadratic * constant, 0.0))
+    if quadratic <= 0.0:
+        return 0.0, math.inf
+    low = (-linear - root) / (2.0 * quadratic)
+    return max(low, 0.0), (-linear + root) / (2.0 * quadratic)
+
+
+def course_exponent(shape: Shape, observed: Observed) -> CourseExponent | None:
+    """Return the exponent of the readings over the computed course; None if it is unknown.
+
+    Readings are fitted by x(f N (N / N_last)^(m - 1)) with the course x.
+    """
+    from scipy.optimize import least_squares  # slow to import
+    from scipy.special import stdtrit
+
+    worn = observed.strokes > 0.0
+    freedom = float(observed.freedom - 2)
+    if len(np.unique(observed.strokes[worn])) < LEAST_READINGS or freedom < 1:
+        return None
+    last = float(observed.strokes.max())
+    relative = np.log(np.where(worn, observed.strokes, last) / last)
+    # Readings when new stay there.
+    powers = np.where(worn, relative, -np.inf)
+    start = float(np.log(shape.strokes_until(observed.values.max()) / last))
+    roots = np.sqrt(observed.weights)
+
+    def residuals(unknown: Array) -> Array:
+        logarithm, exponent = unknown
+        growth = shape.at(last * np.exp(logarithm + exponent * powers)) - shape.new
+        new = shape.new
+        if observed.has_baseline:
+            new = float((observed.values - growth) @ roots**2 / (roots @ roots))
+        return np.asarray(roots * (observed.values - growth - new))
+
+    bounds = ([-30.0, 0.05], [30.0, 20.0])
+    guess = [float(np.clip(start, -29.0, 29.0)), 1.0]
+    fit = least_squares(residuals, guess, bounds=bounds, x_scale=[0.1, 0.1])
+    information = fit.jac.T @ fit.jac
+    if np.linalg.cond(information) > 1e12:
+        return None
+    variance = 2.0 * float(fit.cost) / freedom
+    if observed.errors is not None:
+        freedom = math.inf
+        variance = 1.0
+    error = math.sqrt(variance * float(np.linalg.inv(information)[1, 1]))
+    exponent = float(fit.x[1])
+    doubt = float(stdtrit(freedom, 1.0 - 0.5 * _DOUBT)) * error
+    value = Estimate.symmetric(exponent, quantile(freedom) * error)
+    # Round-off of readings that are exact is no disagreement.
+    return CourseExponent(value, abs(exponent - 1.0) > doubt + 1e-6)

@@ -1,0 +1,294 @@
+"""Remaining life from readings: closed forms, and histories of known wear coefficients."""
+# mypy: disable-error-code="union-attr,operator"
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import presswear as pw
+from presswear.physics.running_in import RunningIn
+from presswear.results.life import LifeResult
+from presswear.results.readings import Reading, read_readings
+from presswear.results.remaining_life import remaining_life
+from presswear.results.result import Result
+from presswear.results.steady_wear import steady_wear
+from presswear.results.wear_posterior import Observed, Shape, posterior_of
+from presswear.tools.arrays import Array
+
+LIMIT = 50e-6
+RATE = 5e-12  # of steady wear, m per stroke
+LAW = RunningIn(5.0, 8e-6)
+STROKES = np.linspace(0.0, 8e6, 400)[1:]
+
+
+def scene_with(until: str = "B.depth > 50 um", **settings: Any) -> pw.Scene:
+    return pw.scenes.slider_crank(
+        conventions="refined",
+        replicates=2,
+        wear_updates=1,
+        life=pw.Life(until=until),
+        **settings,
+    )
+
+
+def depth_after(strokes: Any) -> Array:
+    """Return the depth of a surface that runs in, at the coefficient of the scene."""
+    return LAW.worn(np.zeros(np.shape(strokes)), RATE * np.asarray(strokes))
+
+
+def result_with(scene: pw.Scene, step: float = 0.0, **curves: Array) -> Result:
+    """Return a result whose life has known courses."""
+    bands = {
+        f"B.{name}": np.column_stack([values, values, values])
+        for name, values in (curves or {"depth": depth_after(STROKES)}).items()
+    }
+    bands |= {"strokes": STROKES}
+    life = LifeResult("limit", "", 7e6, step, 0.0, 0.9, (), (), curves=bands)
+    return Result(scene, (), "completed", "", {}, 0.0, None, life)
+
+
+SCENE = scene_with()
+RESULT = result_with(SCENE)
+LIFE = float(LAW.archard_depth(np.array(LIMIT))) / RATE  # strokes, exact
+
+
+def history(
+    draw: np.random.Generator, count: int, error: float, has_error: bool
+) -> tuple[float, list[Reading]]:
+    """Return a factor on the coefficient and readings at even strokes up to half of the life."""
+    factor = draw.lognormal(0.0, math.sqrt(math.log1p(0.5**2)))
+    strokes = np.linspace(0.0, 0.5 * LIFE / factor, count + 1)[1:]
+    values = depth_after(factor * strokes) + draw.normal(0.0, error, count)
+    known = error if has_error else None
+    rows = zip(strokes, values, strict=True)
+    return factor, [Reading("B", n, "depth", float(h), known) for n, h in rows]
+
+
+@pytest.mark.parametrize(
+    ("count", "error", "has_error"),
+    [(1, 2e-6, True), (4, 2e-6, True), (8, 5e-6, False)],
+)
+def test_intervals_hold_the_remaining_life(
+    count: int, error: float, has_error: bool
+) -> None:
+    """About 95 % of 40 histories whose coefficient scatters as the materials say."""
+    draw = np.random.default_rng(count)
+    covered = 0
+    for _ in range(40):
+        factor, readings = history(draw, count, error, has_error)
+        left = remaining_life(RESULT, readings).remaining
+        covered += left.low <= LIFE / factor - readings[-1].strokes <= left.high
+    low, high = stats.binom.ppf((0.001, 0.999), 40, 0.95)
+    assert low <= covered <= high
+
+
+def observed(
+    values: Any, strokes: Any = (1e6, 2e6, 3e6), error: float | None = 1e-6
+) -> Observed:
+    known = None if error is None else np.full(len(values), error)
+    return Observed(np.array(strokes, float), np.array(values, float), known, False)
+
+
+EVEN = Shape.of(np.linspace(0.0, 8e6, 9)[1:], RATE * np.linspace(0.0, 8e6, 9)[1:], 0.0)
+
+
+@pytest.mark.parametrize("error", [3e-6, None], ids=["known", "unknown"])
+def test_posterior_is_the_integral_over_prior_and_likelihood(
+    error: float | None,
+) -> None:
+    """Even wear, whose readings are linear in the coefficient; errors integrated over."""
+    values = np.array([6e-6, 9e-6, 17e-6])
+    strokes = np.array([1e6, 2e6, 3e6])
+    deviation = math.sqrt(math.log1p(0.5**2))
+    f = np.linspace(1e-3, 6.0, 200_001)
+    squares = ((values - RATE * f[:, np.newaxis] * strokes) ** 2).sum(axis=1)
+    likelihood = squares**-1.5 if error is None else np.exp(-0.5 * squares / error**2)
+    density = likelihood * stats.lognorm.pdf(f, deviation)
+    below = np.cumsum(density) / density.sum()
+    levels = np.array([0.025, 0.5, 0.975])
+    exact = np.interp(levels, below, f)
+    posterior = posterior_of(EVEN, observed(values, error=error), 0.5)
+    assert posterior.has_prior
+    assert posterior.quantiles(levels) == pytest.approx(exact, rel=2e-3)
+
+
+def test_a_joint_without_readings_keeps_the_scatter_of_its_materials() -> None:
+    """The first of two limits is that of the minimum of independent lives."""
+    scene = pw.scenes.press_blanking(life=pw.Life(until="depth > 50 um"))
+    courses = np.column_stack([depth_after(STROKES)] * 3)
+    curves = {"strokes": STROKES, "A.depth": courses, "C.depth": courses}
+    life = LifeResult("limit", "", 7e6, 0.0, 0.0, 0.9, (), (), curves=curves)
+    result = Result(scene, (), "completed", "", {}, 0.0, None, life)
+    value = float(depth_after(1e6))
+    left = remaining_life(result, [Reading("A", 1e6, "depth", value, 1e-9)])
+    deviation = math.sqrt(math.log1p(0.5**2))
+    ends = LIFE * np.exp(1.96 * deviation * np.array([-1.0, 0.0, 1.0]))
+    other = left.each["C"]
+    assert [other.low, other.mean, other.high] == pytest.approx(ends, rel=5e-3)
+    assert left.each["A"].mean == pytest.approx(LIFE, rel=2e-3)
+    # Half of the lives of C are longer than that of A, so that A ends the others.
+    assert left.remaining.high == pytest.approx(LIFE - 1e6, rel=5e-3)
+    assert left.remaining.low == pytest.approx(ends[0] - 1e6, rel=0.02)
+    assert [joint.joint for joint in left.joints] == ["A"]
+
+
+def test_readings_far_from_the_prior_are_used_alone() -> None:
+    """An oiled joint that wears a ten-thousandth of the coefficient of the scene."""
+    strokes = np.array([1e9, 4e9, 8e9])
+    values = depth_after(1e-4 * strokes)
+    rows = zip(strokes, values, strict=True)
+    left = remaining_life(
+        RESULT, [Reading("B", n, "depth", float(h), 1e-7) for n, h in rows]
+    )
+    factor = left.joints[0].factor
+    assert factor.low < 1e-4 < factor.high < 1.1e-4
+    assert "the readings are used alone" in left.lines[-1]
+    assert left.remaining.low < 1e4 * LIFE - 8e9 < left.remaining.high
+
+
+def test_clearance_when_new_is_taken_from_the_readings() -> None:
+    """A joint made with more clearance than in the scene reaches the limit sooner."""
+    scene = scene_with("B.diametral_clearance > 3 x new")
+    new = 2.0 * scene.bearing("B").clearance
+    limit = scene.life_limits[0].value
+    curves = {"diametral_clearance": new + 40.0 * depth_after(STROKES)}
+    result = result_with(scene, **curves)
+    more = 0.2 * new
+    strokes = np.array([0.0, 1e6, 2e6])
+    values = new + more + 40.0 * depth_after(strokes)
+    rows = zip(strokes, values, strict=True)
+    readings = [Reading("B", n, "diametral_clearance", float(d), 1e-7) for n, d in rows]
+    left = remaining_life(result, readings)
+    depth = (limit - more - new) / 40.0
+    exact = float(LAW.archard_depth(np.array(depth))) / RATE
+    assert left.remaining.mean == pytest.approx(exact - 2e6, rel=2e-3)
+    assert not left.joints[0].warnings
+    wrong = remaining_life(
+        result, [Reading("B", 2e6, "diametral_clearance", values[2], 1e-7)]
+    )
+    assert wrong.remaining.mean < 0.99 * left.remaining.mean
+
+
+def test_readings_of_another_course_are_told() -> None:
+    """Residuals widen the interval, and the exponent is that of the readings."""
+    strokes = np.linspace(0.5e6, 4e6, 8)
+    values = depth_after(1e6 * (strokes / 1e6) ** 0.6)
+    both = [
+        remaining_life(
+            RESULT,
+            [
+                Reading("B", n, "depth", float(h), 2e-7)
+                for n, h in zip(strokes, course, strict=True)
+            ],
+        )
+        for course in (values, depth_after(strokes))
+    ]
+    unlike, alike = (one.joints[0] for one in both)
+    assert unlike.exponent.value.mean == pytest.approx(0.6, abs=1e-3)
+    assert unlike.exponent.disagrees
+    assert sum("disagree" in line for line in both[0].lines) == 2
+    assert alike.exponent.value.mean == pytest.approx(1.0, abs=1e-3)
+    assert not alike.warnings
+    widths = [math.log(one.factor.high / one.factor.low) for one in (unlike, alike)]
+    assert widths[0] > 3.0 * widths[1]
+
+
+def test_straight_line_is_that_of_least_squares() -> None:
+    """Its life ends where the limit leaves the band of the line."""
+    strokes = np.array([1e6, 2e6, 3e6, 4e6, 5e6])
+    values = np.array([9e-6, 12e-6, 18e-6, 21e-6, 27e-6])
+    line = steady_wear(observed(values, strokes, None), 1e-6, LIMIT)
+    fit = stats.linregress(strokes, values - 1e-6)
+    student = stats.t.ppf(0.975, 3)
+    assert line.rate.mean == pytest.approx(fit.slope)
+    assert line.rate.half_width == pytest.approx(student * fit.stderr)
+    assert line.running_in.mean == pytest.approx(fit.intercept)
+    assert line.running_in.half_width == pytest.approx(student * fit.intercept_stderr)
+    spread = math.sqrt(
+        ((values - 1e-6 - fit.intercept - fit.slope * strokes) ** 2).sum() / 3
+    )
+    about = ((strokes - 3e6) ** 2).sum()
+    for end in (line.until.low, line.until.high):
+        band = spread * math.sqrt(0.2 + (end - 3e6) ** 2 / about)
+        distance = abs(fit.intercept + fit.slope * end - (LIMIT - 1e-6))
+        assert distance == pytest.approx(student * band, rel=1e-6)
+    assert line.until.low < line.until.mean < line.until.high
+
+
+def test_a_line_without_wear_has_no_last_stroke() -> None:
+    line = steady_wear(observed([9e-6, 8e-6, 10e-6], error=None), 0.0, LIMIT)
+    assert math.isinf(line.until.high)
+    assert steady_wear(observed([1e-6, 2e-6], (1e6, 2e6)), 0.0, LIMIT) is None
+
+
+def test_a_limit_that_is_exceeded_leaves_no_strokes() -> None:
+    left = remaining_life(RESULT, [Reading("B", 4e6, "depth", 60e-6, 1e-6)])
+    assert left.remaining.high == 0.0
+    assert left.exceeded > 0.99
+    assert "already exceeded with a probability of over 0.99" in str(left)
+
+
+@pytest.mark.parametrize("strokes", [3e6, 6e6])
+def test_error_of_the_computed_life_widens_the_interval(strokes: float) -> None:
+    """It grows as the root of the strokes from an early reading on."""
+    value = float(depth_after(strokes))
+    readings = [Reading("B", strokes, "depth", value, 1e-9)]
+    left = remaining_life(result_with(SCENE, step=0.3), readings)
+    half = 0.3 * math.sqrt(max(LIFE / strokes - 1.0, 1.0))
+    assert math.log(left.each["B"].high / LIFE) == pytest.approx(half, rel=0.02)
+
+
+TABLE = "joint,strokes,depth (um),error (um)"
+
+
+def test_table_of_readings(tmp_path: Path) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(
+        "# gauge 7\nstrokes;joint;clearance (mm);error\n1e6;B;0.11;\n2e6;A;12;4 um\n"
+    )
+    assert read_readings(file) == (
+        Reading("B", 1e6, "radial_clearance", 0.11e-3),
+        Reading("A", 2e6, "radial_clearance", 12e-3, 4e-6),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "it has no rows"),
+        ("joint,strokes\nB,1\n", "a header as joint,strokes"),
+        (f"{TABLE},depth (mm)\nB,1,2,1,1\n", "a header as joint,strokes"),
+        (f"{TABLE}\nB,1,2\n", "line 2: 3 values for 4 columns"),
+        (f"{TABLE}\nB,-1,2,1\n", "line 2: strokes = -1"),
+        (f"{TABLE}\nB,1,2,0\n", "line 2: B, 1 strokes: error = 0: must be positive"),
+        (f"{TABLE}\nB,1,many,1\n", "line 2: depth = 'many um'"),
+        ("joint,strokes,depth\nB,1,2\n", "line 2: depth = '2' has no unit"),
+        (f"{TABLE}\nX,1,2,1\n", "unknown joint with clearance in the readings 'X'"),
+        (f"{TABLE}\nB,1,2,\n", "1 without an error; add the column error"),
+        (f"{TABLE}\nB,1,2,1\nB,2,3,\n", "1 of 2 have an error"),
+        (f"{TABLE}\nB,0,0,1\n", "one after some strokes is needed"),
+        ("joint,strokes,clearance (mm),error (mm)\nB,1,2,1\n", "does not follow"),
+    ],
+)
+def test_wrong_tables_are_refused(text: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(text)
+    with pytest.raises(pw.InputError) as caught:
+        remaining_life(RESULT, file)
+    assert words in str(caught.value)
+
+
+def test_lives_that_readings_do_not_fit_are_refused() -> None:
+    reading = [Reading("B", 1e6, "depth", 1e-5, 1e-6)]
+    cases = {
+        "bushings that are serviced": pw.changed(SCENE, {"life.replaced": "B@1e6"}),
+        "has no service life": pw.scenes.slider_crank(),
+        "omit --quick": pw.changed(SCENE, {"life.quick": "on"}),
+    }
+    for words, scene in cases.items():
+        with pytest.raises(pw.InputError, match=words):
+            remaining_life(result_with(scene), reading)
