@@ -142,6 +142,35 @@ two_point = _named(
     cycles=10,
 )
 
+# 60 strokes a minute; the slide in gibs of 100 mm. All assumed.
+press_off_centre = _named(
+    "press-off-centre",
+    "A press of 100 kN cuts beside the middle: the slide tilts in its guide",
+    mechanism=SliderCrank(
+        crank_length=0.04,
+        rod_length=0.6,
+        crank_mass=60.0,
+        rod_mass=50.0,
+        slider_mass=300.0,
+        crank_inertia=0.5,
+        speed=2.0 * math.pi,
+        guide_length=0.4,
+        guide_width=0.3,
+    ),
+    joints="guide",
+    bearings=Bearing(0.05e-3, width=0.1, friction=0.1, restitution=0.8),
+    process=Blanking(
+        force=100e3,
+        height=5e-3,
+        thickness=3e-3,
+        rise=0.2e-3,
+        snap=0.15e-3,
+        offset=0.06,
+    ),
+    wear_updates=0,
+    cycles=10,
+)
+
 _KNOWN = (
     *("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution"),
     *("exponent", "crank_inertia", "rod_inertia", "slide_angle"),
