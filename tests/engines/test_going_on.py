@@ -12,7 +12,12 @@ from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.base import Run
 from presswear.recording.observer import Observer
 from presswear.scene.bearing import Bearing
-from presswear.scene.catalog import clearance_c, slider_crank, wear_times
+from presswear.scene.catalog import (
+    clearance_c,
+    press_off_centre,
+    slider_crank,
+    wear_times,
+)
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import State, read_arrays, write_arrays
@@ -78,6 +83,11 @@ CASES = {
             {"engine": "exudyn-joints", **COARSE},
         ),
         2,
+    ),
+    "in-house, a slide that tilts": Case(press_off_centre(engine="dae"), 3),
+    "open tree, a slide that tilts": Case(press_off_centre(engine="exudyn-tree"), 2),
+    "bodies and joints, a slide that tilts": Case(
+        press_off_centre(engine="exudyn-joints", **COARSE), 2
     ),
     "bodies and joints": Case(
         changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2

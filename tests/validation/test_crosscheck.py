@@ -205,3 +205,12 @@ def test_the_engines_agree_up_to_the_horizon_and_beyond(
     document = document_of(tmp_path / "check")
     assert document["diverged"] is True
     assert len(document["touchdowns"]) > 10
+
+
+@pytest.mark.slow
+def test_the_engines_agree_on_a_slide_that_tilts(
+    tmp_path: Path, command: Callable[..., str]
+) -> None:
+    command(f"crosscheck press-off-centre --out {tmp_path / 'check'}")
+    document = document_of(tmp_path / "check")
+    assert len(document["touchdowns"]) > 9
