@@ -156,9 +156,9 @@ class _Cycles:
             return finding
         if 1.0 in plan.sections:
             recorder.note_section()
-        added = recorder.end_cycle()
+        dose = recorder.end_cycle()
         if plan.wear is not None:
-            self._wear(plan.wear(done + 1, added, recorder.surface_depth))
+            self._wear(plan.wear(done + 1, dose, recorder.surface_depth))
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()
         return None
@@ -189,11 +189,11 @@ class _Cycles:
         )
         return examine(self.linkage, recorder, now)
 
-    def _wear(self, lost: Array) -> None:
+    def _wear(self, depth: Array) -> None:
         """Wear the surfaces; the elastic energy of what is worn off under load goes with it."""
         running = self.running
         before = running.ledger().residual
-        self.recorder.wear(lost, running.worn)
+        self.recorder.wear(depth, running.worn)
         running.sums[_WORN_OFF] += running.ledger().residual - before
 
     def _state(self) -> State:

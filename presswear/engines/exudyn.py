@@ -166,10 +166,10 @@ class Solver:
         """Return a finding if contacts have created energy, or if time stands still."""
         records = self.recorder.records
         if self.recorder.nominal_time > self.plan.settled:
-            lost, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
-            if made := made_energy(records.packed, lost, exchange):
+            loss, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
+            if message := made_energy(records.packed, loss, exchange):
                 return Finding(
-                    "energy", made, t, "", made_remedy(records.packed, self.remedy)
+                    "energy", message, t, "", made_remedy(records.packed, self.remedy)
                 )
         stalled = check_motor(self.recorder, t)
         return stalled or self._progress.judge(int(self.sums["steps"]), t)

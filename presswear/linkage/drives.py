@@ -102,15 +102,15 @@ class Pieces(NamedTuple):
         within = phase - _TURN * np.floor(phase / _TURN)
         place = np.searchsorted(self.start, within, side="right") - 1
         x = np.where(place < 0, within + _TURN, within) - self.start[place]
-        value, slope, bend = np.zeros((3, *x.shape))
+        value, slope, curvature = np.zeros((3, *x.shape))
         for power in range(DEGREE, -1, -1):
-            bend = bend * x + 2.0 * slope
+            curvature = curvature * x + 2.0 * slope
             slope = slope * x + value
             value = value * x + self.polynomial[place, power]
         amplitude, w, first = self.wave[place].T
         sine, cosine = np.sin(w * x + first), np.cos(w * x + first)
         value, slope = value + amplitude * sine, slope + amplitude * w * cosine
-        return value, slope, bend - amplitude * w * w * sine
+        return value, slope, curvature - amplitude * w * w * sine
 
 
 NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0)
@@ -153,20 +153,20 @@ def _pieces_of_table(rows: Array) -> Pieces:
     return _periodic(phase[:-1], polynomial, np.zeros((count, 3)), net)
 
 
-def _quintics(phase: Array, value: Array, slope: Array, bend: Array) -> Array:
+def _quintics(phase: Array, value: Array, slope: Array, curvature: Array) -> Array:
     """Return the polynomials of degree 5 between nodes with two derivatives, shape (n, 6)."""
     h = np.diff(phase)
-    far = np.diff(value) - h * (slope[:-1] + 0.5 * h * bend[:-1])
-    faster = h * (np.diff(slope) - h * bend[:-1])
-    bent = h * h * np.diff(bend)
+    value_change = np.diff(value) - h * (slope[:-1] + 0.5 * h * curvature[:-1])
+    slope_change = h * (np.diff(slope) - h * curvature[:-1])
+    curvature_change = h * h * np.diff(curvature)
     return np.column_stack(
         [
             value[:-1],
             slope[:-1],
-            0.5 * bend[:-1],
-            (10.0 * far - 4.0 * faster + 0.5 * bent) / h**3,
-            (-15.0 * far + 7.0 * faster - bent) / h**4,
-            (6.0 * far - 3.0 * faster + 0.5 * bent) / h**5,
+            0.5 * curvature[:-1],
+            (10.0 * value_change - 4.0 * slope_change + 0.5 * curvature_change) / h**3,
+            (-15.0 * value_change + 7.0 * slope_change - curvature_change) / h**4,
+            (6.0 * value_change - 3.0 * slope_change + 0.5 * curvature_change) / h**5,
         ]
     )
 
@@ -266,21 +266,21 @@ class _Motion(Checked):
 
 def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Array]:
     """Return the repeating part and two time derivatives at times, s; ``base`` in rad/s."""
-    place, speed, faster = np.zeros((3, *time.shape))
+    place, speed, acceleration = np.zeros((3, *time.shape))
     for k, (a, b) in enumerate(motion.harmonics, start=1):
         w = k * base
         cosine, sine = np.cos(w * time), np.sin(w * time)
         place = place + (a * (cosine - 1.0) + b * sine)
         speed = speed + w * (b * cosine - a * sine)
-        faster = faster - w * w * (a * cosine + b * sine)
+        acceleration = acceleration - w * w * (a * cosine + b * sine)
     if motion.pieces.start.size:
-        value, slope, bend = motion.pieces.at(base * time)
-        place, speed, faster = (
+        value, slope, curvature = motion.pieces.at(base * time)
+        place, speed, acceleration = (
             place + value,
             speed + base * slope,
-            faster + base**2 * bend,
+            acceleration + base**2 * curvature,
         )
-    return place, speed, faster
+    return place, speed, acceleration
 
 
 @dataclass(frozen=True)
@@ -422,8 +422,8 @@ class Drive(_Motion):
         """Return angle, rad, speed and acceleration at times, s; not of a drive that follows."""
         assert self.follow is None
         mean = self.mean_speed
-        beside, faster, acceleration = series(self, self.base, time)
-        return self.angle + mean * time + beside, mean + faster, acceleration
+        deviation, deviation_rate, acceleration = series(self, self.base, time)
+        return self.angle + mean * time + deviation, mean + deviation_rate, acceleration
 
 
 # A servo moves crank 7 of the press while crank 2 turns evenly. The crank swings

@@ -93,8 +93,8 @@ def greatest_bristle_damping(
     """
     x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
     part = np.exp(-x * x)
-    held = coefficient + (static - coefficient) * part  # g
-    steepest = float((part * x * (static / held - 1.0)).max()) * stribeck
+    level = coefficient + (static - coefficient) * part  # g
+    steepest = float((part * x * (static / level - 1.0)).max()) * stribeck
     return static / steepest if steepest > 0.0 else math.inf
 
 
@@ -168,10 +168,10 @@ def greatest_penetration(
     energy = (exponent + 1.0) * mass * speed**2 / stiffness
     # chi -> 0 of (chi - ln(1 + chi)) / chi^2 is 1/2; the quotient cancels before that.
     if damping > 1e-5:
-        lost = (damping - math.log1p(damping)) / damping**2
+        loss_factor = (damping - math.log1p(damping)) / damping**2
     else:
-        lost = 0.5 - damping / 3.0
-    return float((energy * lost) ** (1.0 / (exponent + 1.0)))
+        loss_factor = 0.5 - damping / 3.0
+    return float((energy * loss_factor) ** (1.0 / (exponent + 1.0)))
 
 
 @dataclass(frozen=True)

@@ -111,10 +111,10 @@ class Linkage(Checked):
             for joint in self.with_closed_guides.clearances
         )
         elastic = {guide.name: guide for guide in self.elastic_guides}
-        held = (elastic.get(joint.name, joint) for joint in self.joints)
+        others = (elastic.get(joint.name, joint) for joint in self.joints)
         return replace(
             self,
-            joints=(*held, *pins, *self.elastic_pins, *self.loose_guides),
+            joints=(*others, *pins, *self.elastic_pins, *self.loose_guides),
             drives=self.without_motors.drives,
             clearances=(),
             elastic_pins=(),

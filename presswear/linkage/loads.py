@@ -542,6 +542,6 @@ def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosi
     )
     laws = {process.kind: law}
     if process.cushion > 0.0:
-        held = ((0.0, 0.0), (process.curve[1][0], process.cushion))
-        laws["cushion"] = OverPosition(table(held), outside="hold", zero=contact)
+        constant = ((0.0, 0.0), (process.curve[1][0], process.cushion))
+        laws["cushion"] = OverPosition(table(constant), outside="hold", zero=contact)
     return laws

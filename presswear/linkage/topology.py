@@ -49,19 +49,19 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
             if len(assigned[name]) < 3:
                 assigned[name].append(row)
                 return True
-            for held in assigned[name]:
-                if assign(held, visited):
+            for earlier in assigned[name]:
+                if assign(earlier, visited):
                     # By position: equal rows are interchangeable.
-                    assigned[name][assigned[name].index(held)] = row
+                    assigned[name][assigned[name].index(earlier)] = row
                     return True
         return False
 
     for row in rows:
         assign(row, set())
-    free = {name for name, held in assigned.items() if len(held) < 3}
+    free = {name for name, rows in assigned.items() if len(rows) < 3}
     while True:
         more = {
-            name for name, held in assigned.items() if any(row & free for row in held)
+            name for name, rows in assigned.items() if any(row & free for row in rows)
         } - free
         if not more:
             return frozenset(assigned.keys() - free)

@@ -82,7 +82,7 @@ class Rows:
             rows.append((drive.name, point, frame, along, turn, 0.0))
         self.names = tuple(row[0] for row in rows)  # joint, guide or drive
         self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
-        self.turn, self.held = np.array([row[4:] for row in rows]).reshape(-1, 2).T
+        self.turn, self.target = np.array([row[4:] for row in rows]).reshape(-1, 2).T
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
         # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
         # second
@@ -112,7 +112,7 @@ class Rows:
         if self.following:
             assert start is not None, "curves begin where the linkage starts"
             initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
-            self.held[self.following] = initial[self.following]
+            self.target[self.following] = initial[self.following]
 
     @property
     def repeated(self) -> int:
@@ -134,12 +134,14 @@ class Rows:
 
         ``levels`` are coordinates, and their first and second derivatives.
         """
-        held = np.zeros((3, len(time), len(self.names)))
+        prescribed = np.zeros((3, len(time), len(self.names)))
         drives = self.linkage.prescribed_drives
         for row, drive in enumerate(drives, -len(drives)):
-            for level, value in zip(held, motion_of_row(drive, time), strict=True):
+            for level, value in zip(
+                prescribed, motion_of_row(drive, time), strict=True
+            ):
                 level[:, row] = value
-        held[0] += self.held
+        prescribed[0] += self.target
         moving = [self._moving(level) for level in levels]
         arms = self._arms(moving[0])
         result = []
@@ -154,7 +156,7 @@ class Rows:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
                 gap = gap + sign * point
             angle = self.turn * level[:, self.ends[0][0], 2]
-            result.append((gap * self.normal).sum(axis=-1) + angle - held[order])
+            result.append((gap * self.normal).sum(axis=-1) + angle - prescribed[order])
         return result
 
     def _parts(self, q: Array) -> list[Array]:
@@ -341,17 +343,19 @@ def _guessed(linkage: Linkage) -> Array:
 
 def _free_coordinates(linkage: Linkage) -> int:
     """Return the coordinates less the constraint rows; below zero where rows are repeated."""
-    held = sum(joint.rows for joint in linkage.joints) + len(linkage.prescribed_drives)
-    return 3 * len(linkage.bodies) - held
+    constrained = sum(joint.rows for joint in linkage.joints) + len(
+        linkage.prescribed_drives
+    )
+    return 3 * len(linkage.bodies) - constrained
 
 
 def _count(linkage: Linkage) -> str:
     """Return the numbers of coordinates and of constraint rows in words."""
     coordinates = 3 * len(linkage.bodies)
-    held = coordinates - _free_coordinates(linkage)
+    constrained = coordinates - _free_coordinates(linkage)
     return (
         f"{len(linkage.bodies)} bodies have {coordinates} coordinates; pins and guides (2 each) "
-        f"and drives (1 each) hold {held}"
+        f"and drives (1 each) hold {constrained}"
     )
 
 

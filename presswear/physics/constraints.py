@@ -26,16 +26,16 @@ CONSTRAINT = np.dtype(
         *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
         *floats("normal_x", "normal_y"),  # the direction; 0 for an angle
         ("turns", np.bool_),  # the angle of the first body
-        ("held", np.float64),  # value of the row, m or rad, before that of a drive
+        ("target", np.float64),  # value of the row, m or rad, before that of a drive
         ("drive", np.int64),  # its place among the motions; -1 for none
     ]
 )
 
 
-class Held(NamedTuple):
+class ConstraintSystem(NamedTuple):
     """Constraints that hold a linkage, with the working space to solve for their multipliers."""
 
-    constraints: Records
+    records: Records
     motions: Records
     inverse_mass: Array  # (3 bodies,)
     phi: Array  # (rows,), as its derivative and gamma of equation 16
@@ -57,21 +57,26 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 
 
 @compiled
-def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
+def evaluate_constraints(
+    constraints: ConstraintSystem, t: float, q: Array, v: Array
+) -> None:
     """Evaluate Phi, dPhi/dt, gamma (equation 16) and the Jacobian in the working space."""
-    phi, phi_t, gamma, jacobian = held.phi, held.phi_t, held.gamma, held.jacobian
-    for row in range(held.constraints.shape[0]):
-        c = held.constraints[row]
+    phi = constraints.phi
+    phi_t = constraints.phi_t
+    gamma = constraints.gamma
+    jacobian = constraints.jacobian
+    for row in range(constraints.records.shape[0]):
+        c = constraints.records[row]
         nx, ny = c.normal_x, c.normal_y
-        gap_x = gap_y = rate_x = rate_y = bend_x = bend_y = 0.0
+        gap_x = gap_y = rate_x = rate_y = centripetal_x = centripetal_y = 0.0
         for b, x, y, sign in ((c.first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
             px, py = lever(b, x, y, q)
             if b >= 0:
                 spin = v[b + 2]
                 rate_x += sign * (v[b] - spin * py)
                 rate_y += sign * (v[b + 1] + spin * px)
-                bend_x += sign * (spin * spin * px)
-                bend_y += sign * (spin * spin * py)
+                centripetal_x += sign * (spin * spin * px)
+                centripetal_y += sign * (spin * spin * py)
                 jacobian[row, b], jacobian[row, b + 1] = sign * nx, sign * ny
                 jacobian[row, b + 2] = sign * (px * ny - py * nx)
                 px += q[b]
@@ -80,35 +85,36 @@ def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
             gap_y += sign * py
         phi[row] = gap_x * nx + gap_y * ny
         phi_t[row] = rate_x * nx + rate_y * ny
-        gamma[row] = bend_x * nx + bend_y * ny
+        gamma[row] = centripetal_x * nx + centripetal_y * ny
         if c.turns:
-            phi[row], phi_t[row] = q[c.first + 2] - c.held, v[c.first + 2]
+            phi[row], phi_t[row] = q[c.first + 2] - c.target, v[c.first + 2]
             jacobian[row, c.first + 2] = 1.0
         if c.drive >= 0:
-            turned, speed, gamma[row] = drive_motion(held.motions[c.drive], t)
-            phi[row] -= held.motions[c.drive].angle
-            phi[row] -= turned
+            motion = constraints.motions[c.drive]
+            angle, speed, gamma[row] = drive_motion(motion, t)
+            phi[row] -= motion.angle
+            phi[row] -= angle
             phi_t[row] -= speed
 
 
 @compiled
-def factor(held: Held) -> None:
+def factor(constraints: ConstraintSystem) -> None:
     """Factor S = L D L^T."""
-    matrix, jacobian = held.matrix, held.jacobian
+    matrix, jacobian = constraints.matrix, constraints.jacobian
     for i in range(matrix.shape[0]):
         for j in range(i + 1):
             total = 0.0
             for c in range(jacobian.shape[1]):
-                total += jacobian[i, c] * jacobian[j, c] * held.inverse_mass[c]
+                total += jacobian[i, c] * jacobian[j, c] * constraints.inverse_mass[c]
             for k in range(j):
                 total -= matrix[i, k] * matrix[j, k] * matrix[k, k]
             matrix[i, j] = total / matrix[j, j] if j < i else total
 
 
 @compiled
-def substitute(held: Held) -> None:
+def substitute(constraints: ConstraintSystem) -> None:
     """Solve for the multipliers with the factors of S; overwrites ``right``."""
-    matrix, right = held.matrix, held.right
+    matrix, right = constraints.matrix, constraints.right
     rows = right.shape[0]
     for i in range(rows):
         for k in range(i):
@@ -116,65 +122,77 @@ def substitute(held: Held) -> None:
     for i in range(rows - 1, -1, -1):
         value = right[i] / matrix[i, i]
         for k in range(i + 1, rows):
-            value -= matrix[k, i] * held.multipliers[k]
-        held.multipliers[i] = value
+            value -= matrix[k, i] * constraints.multipliers[k]
+        constraints.multipliers[i] = value
 
 
 @compiled
-def solve(held: Held) -> None:
+def solve(constraints: ConstraintSystem) -> None:
     """Solve for the multipliers by S = L D L^T; overwrites ``right``."""
-    factor(held)
-    substitute(held)
+    factor(constraints)
+    substitute(constraints)
 
 
 @compiled
-def multipliers_of(held: Held, alpha: float, beta: float, force: Array) -> None:
+def multipliers_of(
+    constraints: ConstraintSystem, alpha: float, beta: float, force: Array
+) -> None:
     """Fill the multipliers under generalized forces, from the factors of their matrix."""
     damping = 2.0 * alpha
     stiffness = beta * beta
-    for row in range(held.phi.shape[0]):
-        right = damping * held.phi_t[row] + stiffness * held.phi[row] - held.gamma[row]
+    for row in range(constraints.phi.shape[0]):
+        right = (
+            damping * constraints.phi_t[row]
+            + stiffness * constraints.phi[row]
+            - constraints.gamma[row]
+        )
         for c in range(force.shape[0]):
-            right += held.jacobian[row, c] * held.inverse_mass[c] * force[c]
-        held.right[row] = right
-    substitute(held)
+            right += (
+                constraints.jacobian[row, c] * constraints.inverse_mass[c] * force[c]
+            )
+        constraints.right[row] = right
+    substitute(constraints)
 
 
 @compiled
-def move(held: Held, level: Array) -> None:
+def move(constraints: ConstraintSystem, level: Array) -> None:
     """Correct positions, velocities or accelerations by the error in ``right``."""
-    solve(held)
-    for row in range(held.phi.shape[0]):
+    solve(constraints)
+    for row in range(constraints.phi.shape[0]):
         for c in range(level.shape[0]):
             level[c] -= (
-                held.inverse_mass[c] * held.jacobian[row, c] * held.multipliers[row]
+                constraints.inverse_mass[c]
+                * constraints.jacobian[row, c]
+                * constraints.multipliers[row]
             )
 
 
 @compiled
-def project(held: Held, t: float, q: Array, v: Array) -> None:
+def project(constraints: ConstraintSystem, t: float, q: Array, v: Array) -> None:
     """Move a state onto the constraints: one Newton step for q, an exact one for v.
 
     Both use the metric of the mass matrix, so that the change of kinetic energy is of
     second order in the violation.
     """
-    evaluate_constraints(held, t, q, v)
-    copy_to(held.right, held.phi)
-    move(held, q)
-    evaluate_constraints(held, t, q, v)
-    copy_to(held.right, held.phi_t)
-    move(held, v)
+    evaluate_constraints(constraints, t, q, v)
+    copy_to(constraints.right, constraints.phi)
+    move(constraints, q)
+    evaluate_constraints(constraints, t, q, v)
+    copy_to(constraints.right, constraints.phi_t)
+    move(constraints, v)
 
 
 @compiled
-def project_acceleration(held: Held, t: float, q: Array, v: Array, a: Array) -> None:
+def project_acceleration(
+    constraints: ConstraintSystem, t: float, q: Array, v: Array, a: Array
+) -> None:
     """Move accelerations onto the constraints; leaves the change of the multipliers."""
-    evaluate_constraints(held, t, q, v)
-    for row in range(held.phi.shape[0]):
-        held.right[row] = -held.gamma[row]
+    evaluate_constraints(constraints, t, q, v)
+    for row in range(constraints.phi.shape[0]):
+        constraints.right[row] = -constraints.gamma[row]
         for c in range(a.shape[0]):
-            held.right[row] += held.jacobian[row, c] * a[c]
-    move(held, a)
+            constraints.right[row] += constraints.jacobian[row, c] * a[c]
+    move(constraints, a)
 
 
 @dataclass(frozen=True)
@@ -193,20 +211,20 @@ class Constraints:
         """Number of constraint equations."""
         return len(self.names)
 
-    def held(self, mass: Array) -> Held:
+    def system(self, mass: Array) -> ConstraintSystem:
         """Return the constraints for the kernels; ``mass`` is the diagonal, shape (3 bodies,)."""
         rows, bodies = self.rows, mass.size
         vectors = tuple(np.zeros((5, rows)))
         working = *vectors, np.zeros((rows, bodies)), np.zeros((rows, rows))
-        return Held(self.records, self.motions, 1.0 / mass, *working)
+        return ConstraintSystem(self.records, self.motions, 1.0 / mass, *working)
 
     def evaluate(
         self, t: float, q: Array, v: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Return Phi, dPhi/dt and gamma, each (rows,), and the Jacobian (rows, 3 bodies)."""
-        held = self.held(np.ones(q.size))
-        evaluate_constraints(held, t, np.asarray(q), np.asarray(v))
-        return held.phi, held.phi_t, held.gamma, held.jacobian
+        system = self.system(np.ones(q.size))
+        evaluate_constraints(system, t, np.asarray(q), np.asarray(v))
+        return system.phi, system.phi_t, system.gamma, system.jacobian
 
 
 def constraints_of(linkage: Linkage) -> Constraints:
@@ -219,7 +237,9 @@ def constraints_of(linkage: Linkage) -> Constraints:
         records[body] = np.where(places < 0, -1, 3 * places)
         records["x" + end], records["y" + end] = x, y
     records["normal_x"], records["normal_y"] = rows.normal.T
-    records["turns"], records["held"], records["drive"] = rows.turn, rows.held, -1
+    records["turns"] = rows.turn
+    records["target"] = rows.target
+    records["drive"] = -1
     drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
     records["drive"][len(records) - len(drives) :] = drives
     return Constraints(records, motions, rows.names)

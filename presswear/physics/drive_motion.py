@@ -41,8 +41,8 @@ def run_up_motion(duration: float, t: float) -> tuple[float, float, float]:
     square = x * x
     passed = duration * square * square * (2.5 - x * (3.0 - x))
     rate = square * x * (10.0 - x * (15.0 - 6.0 * x))
-    bend = x * (1.0 - x)
-    return passed, rate, 30.0 * bend * bend / duration
+    middle = x * (1.0 - x)
+    return passed, rate, 30.0 * middle * middle / duration
 
 
 @compiled
@@ -68,9 +68,9 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
         i = drive.pieces - 1
         within += _TURN
     x = within - drive.start[i]
-    value, slope, bend = 0.0, 0.0, 0.0
+    value, slope, curvature = 0.0, 0.0, 0.0
     for power in range(DEGREE, -1, -1):
-        bend = bend * x + 2.0 * slope
+        curvature = curvature * x + 2.0 * slope
         slope = slope * x + value
         value = value * x + drive.polynomial[i, power]
     amplitude = drive.wave[i, 0]
@@ -79,8 +79,8 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
         sine = math.sin(w * x + drive.wave[i, 2])
         value += amplitude * sine
         slope += amplitude * w * math.cos(w * x + drive.wave[i, 2])
-        bend -= amplitude * w * w * sine
-    return value, slope, bend
+        curvature -= amplitude * w * w * sine
+    return value, slope, curvature
 
 
 @lazily_compiled((0.0, 0.0, 0.0), MOTION, 0)
@@ -90,24 +90,24 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     rise = 0.0
     if drive.run_up > 0.0:
         t, rate, rise = run_up_motion(drive.run_up, t)
-    turned: float = drive.speed * t
+    angle: float = drive.speed * t
     speed: float = drive.speed
-    faster = 0.0
+    acceleration = 0.0
     for k in range(drive.count):
         w = (k + 1) * drive.fundamental
         cosine, sine = math.cos(w * t), math.sin(w * t)
-        turned += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
+        angle += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
         speed += w * (drive.sine[k] * cosine - drive.cosine[k] * sine)
-        faster -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)
+        acceleration -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)
     if drive.pieces > 0:
-        value, slope, bend = piece_motion(drive, drive.fundamental * t)
-        turned += value
+        value, slope, curvature = piece_motion(drive, drive.fundamental * t)
+        angle += value
         speed += drive.fundamental * slope
-        faster += drive.fundamental * drive.fundamental * bend
+        acceleration += drive.fundamental * drive.fundamental * curvature
     if drive.run_up > 0.0:
-        faster = faster * rate * rate + speed * rise
+        acceleration = acceleration * rate * rate + speed * rise
         speed *= rate
-    return turned, speed, faster
+    return angle, speed, acceleration
 
 
 @inlined

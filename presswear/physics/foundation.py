@@ -688,21 +688,21 @@ def deposit_round(
     clearance: float,
     direction: float,
     half: float,
-    added: float,
+    depth_sum: float,
     depth: Array,
 ) -> None:
     """Add depths in proportion to the overlap of round surfaces to the bins of a map, shape (n,).
 
     The arc reaches ``half`` rad to both sides of the direction of e in the map.
-    ``added`` is the sum of the depths, m.
+    ``depth_sum`` is the sum of the depths, m.
     """
     count = depth.shape[0]
     overlap = round_area(eccentricity, clearance, half)
     if not overlap > 0.0:
-        depth[bin_of(direction, count)] += added
+        depth[bin_of(direction, count)] += depth_sum
         return
     # The area is odd in x, so that the whole arc has twice that up to its end.
-    scale = 0.5 * added / overlap
+    scale = 0.5 * depth_sum / overlap
     width = 2.0 * math.pi / count
     k = int(np.floor((direction - half) / width))
     place = k % count

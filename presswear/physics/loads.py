@@ -47,7 +47,7 @@ LOAD = np.dtype(
         ("count", np.int64),
         ("period", np.float64),  # of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
-        ("held", np.bool_),  # beyond the table its ends are held
+        ("is_constant_outside", np.bool_),  # beyond the table its ends are held
         ("sense", np.float64),  # 0: of both senses of motion; 1; -1: turned round
         ("release", np.bool_),
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
@@ -111,7 +111,7 @@ def load_size(
     behind = load.first + mode.piece
     if mode.piece == 0 or mode.piece == load.count:
         size: float = 0.0
-        if load.held:
+        if load.is_constant_outside:
             size = nodes[behind if mode.piece == 0 else behind - 1, 1]
     else:
         at = (t if load.kind == TIME else s) - mode.turn * load.period
@@ -484,10 +484,13 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
         table: Sequence[tuple[float, float]] = ()
         if isinstance(law, OverTime):
             period = linkage.period if law.period is None else law.period
-            record["kind"], record["held"], record["period"] = TIME, True, period
+            record["kind"] = TIME
+            record["is_constant_outside"] = True
+            record["period"] = period
             table = _whole_period(law, period)
         elif isinstance(law, OverPosition):
-            record["kind"], record["held"] = POSITION, law.outside == "hold"
+            record["kind"] = POSITION
+            record["is_constant_outside"] = law.outside == "hold"
             record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
             record["zero"], record["release"] = law.zero, law.release
             record["unloading"], table = law.unloading, law.table

@@ -147,12 +147,12 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         weight[i : i + 3] += load.x, load.y, load.moment
     most = int(joints["surface_nodes"].max(initial=0))
     surfaces = np.zeros((len(joints), ROWS, TURNS * most + 2 if most else 0))
-    turned = np.array(
+    driven = np.array(
         [offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64
     )
     loads = pack_loads(linkage)
     rubbing = _pack_rubbing(linkage, offset)
-    packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, turned, rubbing)
+    packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, driven, rubbing)
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed

@@ -7,7 +7,7 @@ relative to the bearing, the moment on the pin is r F_t(r omega, |F|); the ramp 
 
 import math
 
-from presswear.physics.constraints import Held, multipliers_of
+from presswear.physics.constraints import ConstraintSystem, multipliers_of
 from presswear.physics.friction_and_normal import friction_force
 from presswear.physics.packed import RUBBING
 from presswear.tools.arrays import Array
@@ -41,15 +41,20 @@ def friction_moment(joint: Records, v: Array, joint_force: float) -> float:
 @compiled
 def friction_power(rubbing: Records, v: Array) -> float:
     """Return the power that the present moments turn into heat, W."""
-    lost = 0.0
+    power = 0.0
     for k in range(rubbing.shape[0]):
-        lost -= rubbing[k].moment * relative_spin(rubbing[k], v)
-    return lost
+        power -= rubbing[k].moment * relative_spin(rubbing[k], v)
+    return power
 
 
 @compiled
 def add_friction(
-    held: Held, rubbing: Records, alpha: float, beta: float, v: Array, force: Array
+    constraints: ConstraintSystem,
+    rubbing: Records,
+    alpha: float,
+    beta: float,
+    v: Array,
+    force: Array,
 ) -> None:
     """Add the friction moments of rigid joints to generalized forces, and solve again.
 
@@ -64,17 +69,18 @@ def add_friction(
         change = greatest = 0.0
         for k in range(rubbing.shape[0]):
             joint = rubbing[k]
-            x, y = held.multipliers[joint.row], held.multipliers[joint.row + 1]
+            x = constraints.multipliers[joint.row]
+            y = constraints.multipliers[joint.row + 1]
             moment = friction_moment(joint, v, math.sqrt(x * x + y * y))
-            added = moment - joint.moment
+            difference = moment - joint.moment
             joint.moment = moment
             if joint.pin_body >= 0:
-                force[joint.pin_body + 2] += added
+                force[joint.pin_body + 2] += difference
             if joint.bearing_body >= 0:
-                force[joint.bearing_body + 2] -= added
-            change, greatest = max(change, abs(added)), max(greatest, abs(moment))
+                force[joint.bearing_body + 2] -= difference
+            change, greatest = max(change, abs(difference)), max(greatest, abs(moment))
         if change <= FRICTION_TOL * greatest:
             return
-        multipliers_of(held, alpha, beta, force)
+        multipliers_of(constraints, alpha, beta, force)
     for c in range(force.shape[0]):
         force[c] = math.nan

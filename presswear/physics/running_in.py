@@ -25,15 +25,15 @@ class RunningIn(NamedTuple):
     ratio: float  # rho = K_0 / K_inf, of new surfaces to those that have run in
     depth: float  # h_0, worn depth over which the excess falls to 1/e, m
 
-    def worn(self, depth: Array, added: Array) -> Array:
-        """Return the depth that wears off, m, where Archard's law takes off ``added``, m.
+    def worn(self, depth: Array, archard: Array) -> Array:
+        """Return the depth that wears off, m, where Archard's law takes off ``archard``, m.
 
-        h_0 x + h_0 ln[1 + (rho - 1) exp(-h / h_0) (1 - exp(-x))] with x = added / h_0;
+        h_0 x + h_0 ln[1 + (rho - 1) exp(-h / h_0) (1 - exp(-x))] with x = archard / h_0;
         bumps that stand out of the round surface, h < 0, wear as a new one.
         """
-        x = added / self.depth
+        x = archard / self.depth
         excess = (self.ratio - 1.0) * np.exp(-np.maximum(depth, 0.0) / self.depth)
-        return np.asarray(added + self.depth * np.log1p(-excess * np.expm1(-x)))
+        return np.asarray(archard + self.depth * np.log1p(-excess * np.expm1(-x)))
 
     def archard_depth(self, depth: Array) -> Array:
         """Return the depth that Archard's law takes off a new surface for a worn depth, m.
@@ -58,8 +58,8 @@ def running_in_of(joints: Sequence[ClearanceJoint]) -> Laws:
     )
 
 
-def worn_off(laws: Laws, depth: Array, added: Array) -> Array:
-    """Return the depth that wears off where Archard's law takes off ``added``, m.
+def worn_off(laws: Laws, depth: Array, archard: Array) -> Array:
+    """Return the depth that wears off where Archard's law takes off ``archard``, m.
 
     Parameters
     ----------
@@ -67,16 +67,16 @@ def worn_off(laws: Laws, depth: Array, added: Array) -> Array:
         Law of each joint.
     depth : ndarray
         Worn depth before, m, shape (..., joints, 2, bins) of bearings and pins.
-    added : ndarray
+    archard : ndarray
         Depth by Archard's law with K_inf, m, of the same shape or broadcast to it.
     """
     if not any(laws):
-        return added
-    depth, added = np.broadcast_arrays(depth, added)
-    worn = added.copy()
+        return archard
+    depth, archard = np.broadcast_arrays(depth, archard)
+    worn = archard.copy()
     for k, law in enumerate(laws):
         if law is not None:
-            worn[..., k, :, :] = law.worn(depth[..., k, :, :], added[..., k, :, :])
+            worn[..., k, :, :] = law.worn(depth[..., k, :, :], archard[..., k, :, :])
     return worn
 
 

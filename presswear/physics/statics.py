@@ -89,10 +89,12 @@ def forces_in_motion(
     forces_of = partial(
         ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3)
     )
-    held = forces_of(right[..., np.newaxis])[..., 0]
+    reactions = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
     return (
-        _Friction(linkage, motion, rubbing, forces_of).added(held) if rubbing else held
+        _Friction(linkage, motion, rubbing, forces_of).with_friction(reactions)
+        if rubbing
+        else reactions
     )
 
 
@@ -168,14 +170,14 @@ class _Friction:
             moments[:, k] = radius * friction
         return moments
 
-    def added(self, held: Array) -> Array:
+    def with_friction(self, reactions: Array) -> Array:
         """Return multipliers with friction from those without, (n, rows)."""
         pairs = self._rows[:, np.newaxis] + np.arange(2)
         changes = self._changes[:, pairs]  # (n, joints, 2, joints)
-        size = np.linalg.norm(held[:, pairs], axis=2)
+        size = np.linalg.norm(reactions[:, pairs], axis=2)
         moments = self._moments_of(size)
         for _ in range(MAX_ITERATIONS):
-            total = held - np.einsum("nrj,nj->nr", self._changes, moments)
+            total = reactions - np.einsum("nrj,nj->nr", self._changes, moments)
             force = total[:, pairs]
             size = np.linalg.norm(force, axis=2)
             friction = self._moments_of(size)
@@ -373,8 +375,8 @@ class _Rest:
         )
         force[i : i + 3] += fx, fy, x * fy - y * fx
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
-        held = -np.linalg.solve(jacobian.T, force)
-        return np.where(self.offset_rows >= 0, held[self.offset_rows], 0.0)
+        reactions = -np.linalg.solve(jacobian.T, force)
+        return np.where(self.offset_rows >= 0, reactions[self.offset_rows], 0.0)
 
 
 def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:

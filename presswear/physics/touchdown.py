@@ -99,10 +99,10 @@ def hermite(
     value = p0 + s * (a + s * (curve + s * twist))
     # By how much the mean rate differs from that of a parabola; over a very short step
     # nothing but the round-off of the positions.
-    bend = 6.0 * rise - 3.0 * (a + b)
-    if abs(bend) < POSITION_NOISE:
-        bend = 0.0
-    return value, r0 + s * (r1 - r0) + s * (1.0 - s) * bend / h
+    curvature = 6.0 * rise - 3.0 * (a + b)
+    if abs(curvature) < POSITION_NOISE:
+        curvature = 0.0
+    return value, r0 + s * (r1 - r0) + s * (1.0 - s) * curvature / h
 
 
 @compiled

@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.dynamics import evaluate_held
+from presswear.engines.dae.dynamics import evaluate_constrained
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
@@ -48,11 +48,11 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     y = np.zeros(system.layout.size)
     y[:36] = *q, *v
     out = np.zeros_like(y)
-    assert system.held is not None
-    evaluate_held(system, system.held, 0.1, y, out, END)
+    assert system.constraints is not None
+    evaluate_constrained(system, system.constraints, 0.1, y, out, END)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
     np.testing.assert_allclose(
-        system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9
+        system.constraints.multipliers, exact[18:], rtol=1e-9, atol=1e-9
     )
 
 
@@ -71,10 +71,10 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
         for level in (motion.position, motion.velocity, motion.acceleration)
     ]
     q, v, a = (level.copy() for level in given)
-    held = constraints.held(mass)
-    project(held, 0.1, q, v)
-    project_acceleration(held, 0.1, q, v, a)
-    added = held.multipliers.copy()
+    system = constraints.system(mass)
+    project(system, 0.1, q, v)
+    project_acceleration(system, 0.1, q, v, a)
+    multipliers = system.multipliers.copy()
     phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
     free = null_space(jacobian)
     assert np.abs(phi).max() < 1e-13 > 1e-2 * np.abs(phi_t).max()
@@ -83,7 +83,7 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
         forces = mass * (level - before)
         assert np.abs(free.T @ forces).max(initial=0.0) < 1e-6 * np.abs(forces).max()
     np.testing.assert_allclose(
-        -jacobian.T @ added, mass * (a - given[2]), rtol=1e-6, atol=1e-12
+        -jacobian.T @ multipliers, mass * (a - given[2]), rtol=1e-6, atol=1e-12
     )
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from presswear.physics.constraints import (
     Constraints,
-    Held,
+    ConstraintSystem,
     evaluate_constraints,
     factor,
     multipliers_of,
@@ -44,7 +44,7 @@ class System(NamedTuple):
     """Linkage as the kernels see it, with working space."""
 
     packed: Packed
-    held: Held | None  # constraints, in all coordinates
+    constraints: ConstraintSystem | None  # in all coordinates
     equations: Written  # where there are constraints, the forces on all bodies
     layout: Layout  # places of the parts of the state
     # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3
@@ -71,7 +71,7 @@ def system_of(
     """
     return System(
         packed=packed,
-        held=None if constraints is None else constraints.held(packed.mass),
+        constraints=None if constraints is None else constraints.system(packed.mass),
         equations=written(equations, model),
         layout=equations.layout,
         state=model.bodies,
@@ -84,16 +84,21 @@ def system_of(
 
 @inlined
 def evaluate(
-    system: System, held: Held | None, t: float, y: Array, out: Array, level: int
+    system: System,
+    constraints: ConstraintSystem | None,
+    t: float,
+    y: Array,
+    out: Array,
+    level: int,
 ) -> None:
     """Fill dy/dt, and at level END the motion and the contacts; leaves multipliers behind.
 
-    ``held`` is that of the system, so that the compiler sees whether it is None.
+    ``constraints`` is that of the system, so that the compiler sees whether it is None.
     """
-    if held is None:
+    if constraints is None:
         fill(system.equations, t, y, out, level)
     else:
-        evaluate_held(system, held, t, y, out, level)
+        evaluate_constrained(system, constraints, t, y, out, level)
 
 
 @inlined
@@ -107,8 +112,13 @@ def place_held(system: System, t: float, y: Array, out: Array, level: int) -> No
 
 
 @compiled
-def evaluate_held(
-    system: System, held: Held, t: float, y: Array, out: Array, level: int
+def evaluate_constrained(
+    system: System,
+    constraints: ConstraintSystem,
+    t: float,
+    y: Array,
+    out: Array,
+    level: int,
 ) -> None:
     """Fill dy/dt, the motion and the contacts of a linkage with constraints."""
     packed, layout = system.packed, system.layout
@@ -122,7 +132,7 @@ def evaluate_held(
         force[i] += packed.weight[i]
     coefficients = system.alpha, system.beta
     power, heat = solve_multipliers(
-        held, packed.rubbing, *coefficients, system.state, t, out
+        constraints, packed.rubbing, *coefficients, system.state, t, out
     )
     copy_to(out[:n], v)
     copy_to(a, out[n : 2 * n])
@@ -130,10 +140,10 @@ def evaluate_held(
         energies[DRIVE_WORK] += power
         energies[DRIVE_EXCHANGE] += abs(power)
         energies[FRICTION_LOSS] += heat
-    for row in range(held.constraints.shape[0]):
-        drive = held.constraints[row].drive
+    for row in range(constraints.records.shape[0]):
+        drive = constraints.records[row].drive
         if drive >= 0:
-            torque = -held.multipliers[row]
+            torque = -constraints.multipliers[row]
             base = layout.first_torque + TORQUE_INTEGRALS * drive
             power = torque * v[packed.driven[drive]]
             out[base + TORQUE] = torque
@@ -144,7 +154,7 @@ def evaluate_held(
 
 @compiled
 def solve_multipliers(
-    held: Held,
+    constraints: ConstraintSystem,
     rubbing: Records | None,
     alpha: float,
     beta: float,
@@ -160,22 +170,25 @@ def solve_multipliers(
     q, v, _, force, _ = state
     out = slopes[v.shape[0] : 2 * v.shape[0]]
     copy_to(out, force)
-    evaluate_constraints(held, t, q, v)
-    factor(held)
-    multipliers_of(held, alpha, beta, out)
+    evaluate_constraints(constraints, t, q, v)
+    factor(constraints)
+    multipliers_of(constraints, alpha, beta, out)
     heat = 0.0
     if rubbing is not None:
-        add_friction(held, rubbing, alpha, beta, v, out)
+        add_friction(constraints, rubbing, alpha, beta, v, out)
         heat = friction_power(rubbing, v)
-    for row in range(held.phi.shape[0]):
-        multiplier = held.multipliers[row]
+    for row in range(constraints.phi.shape[0]):
+        multiplier = constraints.multipliers[row]
         for c in range(out.shape[0]):
-            out[c] -= held.jacobian[row, c] * multiplier
+            out[c] -= constraints.jacobian[row, c] * multiplier
     power = 0.0
-    for row in range(held.constraints.shape[0]):
-        drive = held.constraints[row].drive
+    for row in range(constraints.records.shape[0]):
+        drive = constraints.records[row].drive
         if drive >= 0:
-            power -= held.multipliers[row] * drive_motion(held.motions[drive], t)[1]
+            power -= (
+                constraints.multipliers[row]
+                * drive_motion(constraints.motions[drive], t)[1]
+            )
     for i in range(out.shape[0]):
-        out[i] *= held.inverse_mass[i]
+        out[i] *= constraints.inverse_mass[i]
     return power, heat

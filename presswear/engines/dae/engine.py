@@ -82,9 +82,9 @@ def dependent_joint(
 ) -> str | None:
     """Return the first joint whose constraint adds less than ``least`` to those before it."""
     rows = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
-    added = np.abs(np.diag(np.linalg.qr(rows.T).R))
+    norms = np.abs(np.diag(np.linalg.qr(rows.T).R))
     # Constraints beyond the number of coordinates add nothing.
-    pairs = zip(names, [*added, 0.0], strict=False)
+    pairs = zip(names, [*norms, 0.0], strict=False)
     return next((name for name, size in pairs if size < least), None)
 
 
@@ -213,8 +213,10 @@ class _Solver:
     def _bind_kernels(self) -> None:
         """Choose the run loop."""
         settings, packed = self.settings, self.records.packed
-        held = () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
-        system = system_of(packed, self.equations, self.model, *held)
+        stabilized = (
+            () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
+        )
+        system = system_of(packed, self.equations, self.model, *stabilized)
         rest = self.records, self.control, self.steps
         if settings.has_equal_steps:
             run = Integration(system, None, 4, *rest, last=3)
@@ -244,21 +246,19 @@ class _Solver:
             began = clock.perf_counter()
             status = self._march(end, _CHUNK)
             self.sums["solve"] += clock.perf_counter() - began
-            finding = self._look(status)
+            finding = self._examine(status)
         return finding
 
-    def _look(self, status: int) -> Finding | None:
+    def _examine(self, status: int) -> Finding | None:
         """Report the time reached; return what went wrong in the last steps, if anything."""
         packed, time = self.records.packed, self.time
         self.plan.advanced(self.recorder)
         is_settled = self.recorder.nominal_time > self.plan.settled
-        lost, exchange = (
-            float(self.energies[CONTACT_LOSS]),
-            float(self.energies[DRIVE_EXCHANGE]),
-        )
-        made = made_energy(packed, lost, exchange) if is_settled else ""
-        if made:
-            return Finding("energy", made, time, "", made_remedy(packed, REMEDY))
+        loss = float(self.energies[CONTACT_LOSS])
+        exchange = float(self.energies[DRIVE_EXCHANGE])
+        message = made_energy(packed, loss, exchange) if is_settled else ""
+        if message:
+            return Finding("energy", message, time, "", made_remedy(packed, REMEDY))
         if status in (BROKEN, STUCK):
             rubs = bool(self.linkage.rubbing_pins)
             return _problem(status, self.constraints, rubs, *self.motion())

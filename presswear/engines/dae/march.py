@@ -15,7 +15,7 @@ from presswear.engines.dae.runge_kutta import (
     rates,
 )
 from presswear.engines.dormand_prince import Tableau
-from presswear.physics.constraints import Held, project
+from presswear.physics.constraints import ConstraintSystem, project
 from presswear.physics.contact import copy_contacts
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import END
@@ -348,11 +348,13 @@ def search_event(
 
 
 @compiled
-def keep_constraints(held: Held | None, is_projected: bool, t: float, y: Array) -> None:
+def keep_constraints(
+    constraints: ConstraintSystem | None, is_projected: bool, t: float, y: Array
+) -> None:
     """Move a state onto the constraints where that is requested."""
-    if held is not None and is_projected:
-        n = held.inverse_mass.shape[0]
-        project(held, t, y[:n], y[n : 2 * n])
+    if constraints is not None and is_projected:
+        n = constraints.inverse_mass.shape[0]
+        project(constraints, t, y[:n], y[n : 2 * n])
 
 
 @compiled
@@ -385,7 +387,7 @@ def place_state(address: PackedArguments, t: float) -> None:
 
 @compiled
 def finish_step(
-    address: PackedArguments, held: Held | None, t: float, h: float
+    address: PackedArguments, constraints: ConstraintSystem | None, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
     (run,) = unpack(address)
@@ -414,10 +416,12 @@ def finish_step(
     state = control[0]
     state.time = t
     state.steps += 1
-    if held is not None:
-        for row in range(held.phi.shape[0]):
-            state.position_error = max(state.position_error, abs(held.phi[row]))
-            state.velocity_error = max(state.velocity_error, abs(held.phi_t[row]))
+    if constraints is not None:
+        for row in range(constraints.phi.shape[0]):
+            state.position_error = max(state.position_error, abs(constraints.phi[row]))
+            state.velocity_error = max(
+                state.velocity_error, abs(constraints.phi_t[row])
+            )
 
 
 @compiled
@@ -488,12 +492,12 @@ def judge_step(
     changed = settle_loads(system.packed.loads, t, q, v, a)
     changed += settle_joints(address, k, t)
     if state.projected or k >= 0 or changed > 0:
-        keep_constraints(system.held, state.projected, t, motion.y)
+        keep_constraints(system.constraints, state.projected, t, motion.y)
         rates(address, t, motion.y, START)
         state.evaluations += 1
     else:
         copy_to(motion.slopes[0], motion.slopes[last])
-    finish_step(address, system.held, t, h)
+    finish_step(address, system.constraints, t, h)
     return RUNNING
 
 
@@ -565,7 +569,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
         q, v, a, _, _ = system.state
-        if system.held is None:
+        if system.constraints is None:
             rates(address, t, motion.y, SPARE)
         else:
             # Multipliers are dear: the accelerations stay those of the last stage.
@@ -573,7 +577,7 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         settle_loads(system.packed.loads, t, q, v, a)
         copy_contacts(records.contacts, system.contacts)
         settle(records, t, LEAST_STEPS)
-        keep_constraints(system.held, state.projected, t, motion.y)
+        keep_constraints(system.constraints, state.projected, t, motion.y)
         rates(address, t, motion.y, START)
-        finish_step(address, system.held, t, h)
+        finish_step(address, system.constraints, t, h)
     return RUNNING

@@ -92,7 +92,7 @@ def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
     """Evaluate dy/dt in a state and store it as the slopes of a stage."""
     (run,) = unpack(address)
     system = run.system
-    evaluate(system, system.held, t, y, run.motion.slopes[stage], END)
+    evaluate(system, system.constraints, t, y, run.motion.slopes[stage], END)
 
 
 @compiled
@@ -197,13 +197,18 @@ def embedded_step(
         # Powers are summed with the weights of the step.
         level = RATES if tableau.b[stage] != 0.0 else ACCELERATIONS
         evaluate(
-            system, system.held, t + tableau.c[stage] * h, new, slopes[stage], level
+            system,
+            system.constraints,
+            t + tableau.c[stage] * h,
+            new,
+            slopes[stage],
+            level,
         )
     size = y.shape[0]
     weighted_sum(new, slopes, tableau.b, stages, size)
     for i in range(size):
         new[i] = y[i] + h * new[i]
-    evaluate(system, system.held, t + h, new, slopes[stages], END)
+    evaluate(system, system.constraints, t + h, new, slopes[stages], END)
     error = mean_error(run, tableau.error)
     if tableau.second_error[0] == 0.0:
         return abs(h) * math.sqrt(error)

@@ -91,12 +91,12 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
-        held = frozenset[str]().union(
+        connected = frozenset[str]().union(
             *(bodies for bodies in joined if not bodies <= omitted)
         )
-        if not held & omitted:
+        if not connected & omitted:
             return omitted
-        omitted -= held
+        omitted -= connected
 
 
 def add_bodies(
@@ -188,7 +188,7 @@ def add_joints(
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body in omitted or not linkage.prescribes(drive):
             continue
-        turned = add(
+        driven = add(
             system,
             "Marker",
             "NodeCoordinate",
@@ -204,7 +204,7 @@ def add_joints(
             system,
             "Object",
             "ConnectorCoordinate",
-            markerNumbers=[fixed, turned],
+            markerNumbers=[fixed, driven],
             velocityLevel=True,
             **turning,
         )
@@ -325,7 +325,9 @@ def _drives(
         multiplier=np.array(rows, np.int64),
         multipliers=multipliers,
         force=np.zeros(3 * len(linkage.bodies)),
-        held=None if are_steady and not bends else constraints_of(linkage).held(mass),
+        constraints=None
+        if are_steady and not bends
+        else constraints_of(linkage).system(mass),
     )
 
 
@@ -399,8 +401,8 @@ class _Joints:
         self.place()
         if friction is not None:
             packed = self.records.packed
-            held = constraints_of(linkage).held(packed.mass)
-            begin_friction(frame, held, packed, self.drives, friction)
+            constraints = constraints_of(linkage).system(packed.mass)
+            begin_friction(frame, constraints, packed, self.drives, friction)
         self.energies = self.records.memory["energy"]
         self.energies[:] = self.records.contacts[
             "energy"
@@ -491,7 +493,7 @@ class _Joints:
         """Integrate up to a time, s."""
         # Exudyn's own are those of even drives; a cycle goes on with what the last one
         # ended with.
-        compute = self.drives.held is None or self.solver.time == 0.0
+        compute = self.drives.constraints is None or self.solver.time == 0.0
         integration = self.solver.settings.timeIntegration
         integration.generalizedAlpha.computeInitialAccelerations = compute
         return self.solver.run(self.system, self.live, end)

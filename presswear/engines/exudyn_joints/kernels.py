@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.closed_loops import drive_torques, place_prescribed
 from presswear.physics.constraints import (
-    Held,
+    ConstraintSystem,
     evaluate_constraints,
     factor,
     multipliers_of,
@@ -262,7 +262,7 @@ class Drives(NamedTuple):
     force: Array  # working space, (3 bodies,)
     # Constraints, where a drive of Exudyn's turns unevenly or a load bends over
     # position: see ``hold``
-    held: Held | None
+    constraints: ConstraintSystem | None
 
 
 @compiled
@@ -286,37 +286,44 @@ def place_start(address: PackedArguments, t: float) -> None:
 
 @compiled
 def begin_friction(
-    frame: Frame, held: Held, packed: Packed, drives: Drives, friction: Friction
+    frame: Frame,
+    constraints: ConstraintSystem,
+    packed: Packed,
+    drives: Drives,
+    friction: Friction,
 ) -> None:
     """Fill the joint forces in the initial state, from which Exudyn finds its accelerations."""
     force = drives.force
     all_forces(frame, packed, force)
-    evaluate_constraints(held, 0.0, frame.q, frame.v)
-    factor(held)
-    multipliers_of(held, 0.0, 0.0, force)
-    add_friction(held, friction.joints, 0.0, 0.0, frame.v, force)
+    evaluate_constraints(constraints, 0.0, frame.q, frame.v)
+    factor(constraints)
+    multipliers_of(constraints, 0.0, 0.0, force)
+    add_friction(constraints, friction.joints, 0.0, 0.0, frame.v, force)
     for k in range(friction.joints.shape[0]):
         row = friction.joints[k].row
         for c in range(2):
-            friction.multipliers[friction.rows[k] + c] = held.multipliers[row + c]
+            place = friction.rows[k] + c
+            friction.multipliers[place] = constraints.multipliers[row + c]
 
 
 @compiled
-def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
+def hold(
+    frame: Frame, drives: Drives, constraints: ConstraintSystem | None, t: float
+) -> None:
     """Move an accepted state onto joints and drives: to round-off in all levels.
 
     The trapezoidal rule holds them in velocities alone.  Of an uneven speed it makes an
     angle with an error of third order in each step, and an acceleration that swings
     about the right one for ever, as it does behind a very short step.
     """
-    if held is None:
+    if constraints is None:
         return
-    project(held, t, frame.q, frame.v)
-    project_acceleration(held, t, frame.q, frame.v, frame.a)
-    for row in range(held.constraints.shape[0]):
-        drive = held.constraints[row].drive
+    project(constraints, t, frame.q, frame.v)
+    project_acceleration(constraints, t, frame.q, frame.v, frame.a)
+    for row in range(constraints.records.shape[0]):
+        drive = constraints.records[row].drive
         if drive >= 0 and drives.multiplier[drive] >= 0:
-            drives.multipliers[drives.multiplier[drive]] += held.multipliers[row]
+            drives.multipliers[drives.multiplier[drive]] += constraints.multipliers[row]
     for i in range(frame.places.shape[0]):
         place = frame.places[i]
         frame.solved_q[i] = frame.q[place]
@@ -384,7 +391,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     frame, drives, records, steps, _, _ = unpack(address)
     h = t - records.output[0].now
     refresh(frame, t)
-    hold(frame, drives, drives.held, t)
+    hold(frame, drives, drives.constraints, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
     place_forces(frame, records, t, END)

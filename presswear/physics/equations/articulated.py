@@ -182,8 +182,8 @@ class Articulated:
         if link.drive is None:
             rest = difference(self.effort, self.momentum.dot(carried))
             link.alpha = text.let(f"{prefix}_alpha", product(self.mobility, rest))
-        turned = self.way.times(link.alpha)
-        link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(turned))
+        tangential = self.way.times(link.alpha)
+        link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(tangential))
 
     def _release_loose(self) -> None:
         """Write the accelerations of a body that no ideal joint holds.

@@ -213,7 +213,7 @@ def _links(
         if linkage.prescribes(drive)
     }
     links = {GROUND: frame} | {link.body.name: link for link in before}
-    added = []
+    new_links = []
     for branch in branches:
         name = branch.end.body
         number = linkage.index(name)
@@ -224,5 +224,5 @@ def _links(
         )
         drive, body = drives.get(name), linkage.bodies[number]
         links[name] = Link(body, *names, 3 * number, branch, parent, drive)
-        added.append(links[name])
-    return added
+        new_links.append(links[name])
+    return new_links
