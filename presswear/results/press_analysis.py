@@ -34,6 +34,7 @@ from presswear.recording.columns import (
     names_of,
 )
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.results.corners import tilt_series
 from presswear.results.stage import JointResult, StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -113,6 +114,26 @@ def height_of(scene: Scene, stage: StageResult) -> Array:
     return np.asarray(stage.displacement + start - scene.bottom)
 
 
+def _motion_of_work(scene: Scene, stage: StageResult) -> tuple[Array, Array]:
+    """Return height, m, and velocity, m/s, of the point that the work presses on, (n,).
+
+    Beside the middle of a slide that tilts it is higher than the output by the offset
+    times the sine of the tilt. Without a series of the joints the tilt is unknown and
+    left out.
+    """
+    height, velocity = height_of(scene, stage), stage.velocity
+    offset = 0.0 if scene.process is None else scene.process.offset
+    body = scene.base_linkage.output.body
+    guides = [guide for guide in scene.loose_guides if guide.body == body]
+    if offset == 0.0 or not guides or not stage.has_joint_series:
+        return height, velocity
+    rise = offset * np.sin(tilt_series(stage, guides[0]))
+    # Times of successive rows may differ by round-off only.
+    time, rows = np.unique(stage.clock, return_index=True)
+    rate = np.interp(stage.clock, time, np.gradient(rise[rows], time))
+    return height + rise, velocity + rate
+
+
 def process_force(scene: Scene, stage: StageResult) -> Array | None:
     """Return the force of the work on the output at the times of the series, shape (n,), N.
 
@@ -120,8 +141,9 @@ def process_force(scene: Scene, stage: StageResult) -> Array | None:
     """
     if scene.process is None:
         return None
-    place = height_of(scene, stage) + scene.bottom
-    motion = np.column_stack([stage.clock, place, stage.velocity, stage.acceleration])
+    height, velocity = _motion_of_work(scene, stage)
+    place = height + scene.bottom
+    motion = np.column_stack([stage.clock, place, velocity, stage.acceleration])
     sizes = sizes_over(scene.process_laws.values(), scene.loaded, motion)
     return np.asarray(sizes.sum(axis=1))
 
@@ -136,16 +158,17 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     process = scene.process
     if process is None:
         return None
-    height = height_of(scene, stage)
+    height, velocity = _motion_of_work(scene, stage)
     missing = np.full((1, 2), math.nan)
     rows = []
     top = process.height
     broken = math.nan if process.fracture is None else top - process.fracture
     contacts, fractures = (
-        _passes(stage, height, level, -1.0) for level in (top, broken)
+        _passes(stage, height, velocity, level, -1.0) for level in (top, broken)
     )
     leavings, turns = (
-        _passes(stage, height, level, 1.0) for level in (top, top + scene.lift)
+        _passes(stage, height, velocity, level, 1.0)
+        for level in (top, top + scene.lift)
     )
 
     def between(instants: Array, start: float, end: float) -> Array:
@@ -163,10 +186,12 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     return Strokes(*np.array(rows).reshape(-1, 3, 2).transpose(1, 0, 2))
 
 
-def _passes(stage: StageResult, height: Array, level: float, sign: float) -> Array:
+def _passes(
+    stage: StageResult, height: Array, velocity: Array, level: float, sign: float
+) -> Array:
     """Return times at which the height rises (1.0) or falls (-1.0) to a level, and heights then."""
     off = sign * (height - level)
-    rate = sign * stage.velocity
+    rate = sign * velocity
     time = stage.clock
     instants = []
     for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
@@ -263,7 +288,7 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     time = stage.clock
     peak = work = before = after = None
     if force is not None:
-        height = height_of(scene, stage)
+        height, _ = _motion_of_work(scene, stage)
         rows = [_rows(time, item.start, item.end) for item in strokes]
         peak = mean_of_strokes(float(force[part].max()) for part in rows)
         # The force is linear in height between two rows.

@@ -7,6 +7,12 @@ from typing import Any
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results import press_analysis as press
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
+from presswear.results.guide_tilt import (
+    ALLOWED_TILT,
+    LEAST_ALLOWED_TILT,
+    guide_tilts,
+    self_locking,
+)
 from presswear.results.life import (
     QUICK,
     WITHOUT_CURVES,
@@ -28,6 +34,8 @@ from presswear.tools import numbers
 from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
 
+# Tilt that press makers ask for, as a text
+_ASKED = f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f} µm/m"
 ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
 _MADE = 0.02  # energy that contacts make, relative to what they dissipate
 _FOUNDATION = ' Use --set contact=foundation, or contact = "foundation" in [settings].'
@@ -316,6 +324,7 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         text = f"Greatest force of the work on {scene.output} in a stroke."
         result.append(measured("Working force", tonnage.peak_force, "N", text))
     result += _frame_numbers(scene, stage)
+    result += _guide_numbers(scene, stage)
     if bdc is None or not scene.has_deviations:
         return result
     text = f"Lowest position of {scene.output} compared with rigid joints without clearance; "
@@ -346,6 +355,49 @@ def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
             text += f"allow {100.0 * ALLOWED_REVERSE:.0f} %."
         result.append(measured("Stretch of the frame", load.stretch, "m", text))
     return result
+
+
+def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the tilt of each slide in a guide with clearance, and its greatest corner force."""
+    result = []
+    for name, tilt in guide_tilts(scene, stage).items():
+        tilts = dict(tilt.at_work)
+        if not tilts:
+            continue
+        at = next(iter(tilts))
+        text = f"Tilt in {name} at {at}; press makers ask for {_ASKED}."
+        first = tilts.pop(at)
+        rest = [f"at {words} {_microns(one)}" for words, one in tilts.items()]
+        if tilt.greatest is not None:
+            rest.append(f"greatest in a stroke {_microns(tilt.greatest)}")
+        text += f" Also {', '.join(rest)} µm/m."
+        if tilt.corner_force is not None:
+            force = numbers.quantity_text(tilt.corner_force.mean, "N")
+            text += f" Greatest force of a corner: {force}."
+        scaled = first.scaled(1e6)
+        result.append(measured("Tilt of the slide", scaled, "µm/m", text))
+    return result
+
+
+def _microns(tilt: Estimate) -> str:
+    return numbers.readable(1e6 * tilt.mean, 2)
+
+
+def _guide_warnings(scene: Scene, stage: StageResult) -> list[str]:
+    """Return sentences on slides that tilt more than press makers ask for."""
+    lines = []
+    for name, tilt in guide_tilts(scene, stage).items():
+        if tilt.is_excessive:
+            tilts = ", ".join(
+                f"{_microns(one)} µm/m at {words}"
+                for words, one in tilt.at_work.items()
+                if one.mean > ALLOWED_TILT
+            )
+            lines.append(
+                f"{stage.name.capitalize()}: the slide tilts in {name} by {tilts}; press "
+                f"makers ask for {_ASKED}."
+            )
+    return lines
 
 
 def _motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
@@ -513,6 +565,12 @@ def warnings(result: Result) -> list[str]:
     scene = result.scene
     lines = doubts(result.scene)
     lines += press.contact_warnings(scene, result.stages)
+    lines += [
+        f"The slide may jam in {name}: with the force of the work beside the middle its "
+        f"friction = {friction:g} is above {numbers.readable(limit)}, from which two "
+        "opposite corners hold it (self-locking)."
+        for name, (friction, limit) in self_locking(scene).items()
+    ]
     stages = [stage for stage in result.stages if not stage.failed]
     for stage in stages:
         settling = stage.statistics.settling
@@ -534,6 +592,7 @@ def warnings(result: Result) -> list[str]:
             if load.is_excessive and load.reverse_fraction is not None
         ]
         lines += _motor_warnings(scene, stage)
+        lines += _guide_warnings(scene, stage)
         created_fraction = stage.statistics.energy_made_fraction
         if created_fraction > _MADE:
             part = numbers.readable(100.0 * created_fraction, 2)

@@ -37,6 +37,12 @@ from presswear.recording.statistics import Estimate
 from presswear.results import press_analysis as press
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
+from presswear.results.guide_tilt import (
+    ALLOWED_TILT,
+    LEAST_ALLOWED_TILT,
+    STATES,
+    guide_tilts,
+)
 from presswear.results.life import (
     WITHOUT_CURVES,
     LifeResult,
@@ -90,6 +96,7 @@ Record = dict[str, Any]
 _TABLES = TEMPLATES.from_string(
     (files(__package__) / "templates/tables.toml").read_text("utf-8")
 )
+_TILTS = ("touch", "fracture", "bottom", "greatest")  # of a slide
 _HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 _TOGETHER = 8  # most frequent modes of all joints together that are listed
 # spectral lines per order; with fewer, noise too has most power at whole orders
@@ -245,6 +252,9 @@ def _tables(result: Result, **names: Any) -> Record:
         "joints": scene.loose_pins,
         "drives": [drive.body for drive in linkage.drives],
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
+        "guides": [guide.name for guide in scene.loose_guides],
+        "states": STATES,
+        "asked": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
         "allowed_reverse": ALLOWED_REVERSE,
         "leader": scene.linkage().leader,
         "motors": [
@@ -343,6 +353,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                 "worn": {joint: _deepest(stage, joint) for joint in scene.loose_pins},
                 "tonnage": press.tonnage_of(scene, stage),
                 "frames": frame_loads(scene, stage),
+                "guides": _guides_of(scene, stage),
                 "motors": motor_loads(scene, stage),
                 "speed": speed,
                 "strokes_per_minute": speed and speed.stroke_rate.scaled(60.0),
@@ -353,12 +364,28 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
         )
     sound = [record for record in records if not record["stage"].failed]
     names: tuple[str, ...] = ("joints", "bottom", "tonnage")
+    if scene.loose_guides:
+        names = (*names, "guide")
     if scene.linkage().leader is not None:
         names = (*names, "motor")
     tables = {name: _result_table(name, result, sound) for name in names}
     tables.setdefault("motor", None)
+    tables.setdefault("guide", None)
     tables["endings"] = _line_table("endings", result, records)
     return {**tables, "diagnostics": _result_table("diagnostics", result, records)}
+
+
+def _guides_of(scene: Scene, stage: StageResult) -> Record:
+    """Return the tilts and loads of slides by guide; tilts in um/m, shares by state."""
+    guides: Record = {}
+    for name, tilt in guide_tilts(scene, stage).items():
+        each = {key: getattr(tilt, key) for key in _TILTS}
+        guides[name] = {
+            key: estimate and estimate.scaled(1e6) for key, estimate in each.items()
+        }
+        guides[name] |= {"force": tilt.corner_force, "loss": tilt.friction_loss}
+        guides[name] |= {"time": tilt.time_shares, "load": tilt.load_shares}
+    return guides
 
 
 def _factor_range(steps: Sequence[WearStep]) -> str:

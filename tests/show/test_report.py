@@ -489,6 +489,8 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
     assert "Joints with clearance: 300 µm at A." in text
     assert "The walls do not wear in this model" in text
     assert "left front" not in text
+    assert "Tilt and load" not in page_of(made_up(made.BOTH, 1)).text
+    assert "greatest tilt in a stroke (µm/m)" in text
     assert "600 kg mm²" in text  # 28.8 g (0.4^2 + 0.3^2) / 12
     assert "not modelled" in str(result)
     assert {one.file for one in drawings(result)} >= OF_PINS

@@ -1,0 +1,243 @@
+"""Tilt of a slide in a guide with clearance, in the sampled strokes of a stage."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import CORNERS, Guide
+from presswear.recording.columns import cycle_column
+from presswear.recording.statistics import Estimate
+from presswear.results.corners import tilt_series
+from presswear.results.press_analysis import (
+    SampledStroke,
+    mean_of_strokes,
+    sampled_cycles,
+    sampled_strokes,
+)
+from presswear.results.stage import JointResult, StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+# Tilt under load that press makers ask for, rad
+LEAST_ALLOWED_TILT, ALLOWED_TILT = 20e-6, 50e-6
+STATES = ("free", "one corner", "one face", "two opposite corners", "other")
+_FREE, _CORNER, _FACE, _OPPOSITE, _OTHER = range(len(STATES))
+_MIN_ROWS = 4  # of the series in a contact whose force they show
+_PARTS = np.linspace(0.0, 1.0, 9)[1:-1]  # of the duration of a contact with fewer rows
+
+
+@dataclass(frozen=True)
+class GuideTilt:
+    """Tilt and load of a slide in a guide, means over the sampled strokes.
+
+    Tilts are sizes, rad, of either sign. The load of a state is the integral over time
+    of the normal forces of all corners. Without a series of the joints only the corner
+    force is available.
+    """
+
+    touch: Estimate | None  # at the touch of the work; None: no work
+    fracture: Estimate | None  # None: nothing breaks
+    bottom: Estimate | None  # at bottom dead centre of the ideal motion
+    greatest: Estimate | None  # in a stroke
+    time_shares: Mapping[str, Estimate]  # by STATES that occur
+    load_shares: Mapping[str, Estimate]
+    friction_loss: Estimate | None  # in a stroke, J
+    corner_force: Estimate | None  # greatest normal force of all corners in a cycle, N
+
+    @property
+    def at_work(self) -> Mapping[str, Estimate]:
+        """Tilts that press makers limit, by the words of their instants."""
+        named = {
+            "the fracture": self.fracture,
+            "the touch of the work": self.touch,
+            "bottom dead centre": self.bottom,
+        }
+        return {words: tilt for words, tilt in named.items() if tilt is not None}
+
+    @property
+    def is_excessive(self) -> bool:
+        """True if a tilt at the work is above what press makers ask for."""
+        return any(tilt.mean > ALLOWED_TILT for tilt in self.at_work.values())
+
+
+def guide_tilts(scene: Scene, stage: StageResult) -> dict[str, GuideTilt]:
+    """Return the tilts of slides by guide; empty without a guide with clearance."""
+    if stage.failed or not stage.arrays["cycles"].size:
+        return {}
+    return {guide.name: _tilt_of(scene, stage, guide) for guide in scene.loose_guides}
+
+
+def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
+    force = _corner_force(scene, stage, guide)
+    if not stage.has_joint_series:
+        return GuideTilt(None, None, None, None, {}, {}, None, force)
+    strokes = sampled_strokes(scene, stage)
+    time, size = stage.clock, np.abs(tilt_series(stage, guide))
+    at = {
+        name: mean_of_strokes(_value(time, size, getattr(one, name)) for one in strokes)
+        for name in ("contact", "fracture", "bottom")
+    }
+    greatest = mean_of_strokes(
+        float(size[_rows(time, one)].max(initial=0.0)) for one in strokes
+    )
+    joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
+    friction = scene.bearing(guide.name).friction
+    loads = [_load_of(time, joint, friction) for joint in joints]
+    losses = mean_of_strokes(
+        sum(load.loss(one.start, one.end) for load in loads) for one in strokes
+    )
+    times, forces = _shares(loads, strokes)
+    instants = at["contact"], at["fracture"], at["bottom"]
+    return GuideTilt(*instants, greatest, times, forces, losses, force)
+
+
+def _value(time: Array, values: Array, instant: float) -> float:
+    """Return a series at an instant, linear between rows; nan for a missing instant."""
+    return math.nan if math.isnan(instant) else float(np.interp(instant, time, values))
+
+
+def _rows(time: Array, stroke: SampledStroke) -> NDArray[np.bool_]:
+    return (time >= stroke.start) & (time <= stroke.end)
+
+
+def _corner_force(scene: Scene, stage: StageResult, guide: Guide) -> Estimate | None:
+    """Return the greatest normal force of the corners in a cycle, N, mean over cycles."""
+    names = [f"{guide.name} {corner}" for corner in CORNERS]
+    columns = [
+        cycle_column("force_max", stage.joint_names.index(name)) for name in names
+    ]
+    return mean_of_strokes(sampled_cycles(scene, stage)[:, columns].max(axis=1))
+
+
+class _Load(NamedTuple):
+    """Normal force of a corner over time, linear between the times, and its friction power."""
+
+    spans: Array  # touchdown and separation of each contact, s, shape (k, 2)
+    time: Array  # s, shape (n,)
+    force: Array  # N
+    power: Array  # W
+
+    def at(self, times: Array) -> Array:
+        """Return the force at some times, N."""
+        return np.asarray(np.interp(times, self.time, self.force))
+
+    def loss(self, start: float, end: float) -> float:
+        """Return the energy that friction takes between two times, J."""
+        inside = self.time[(self.time > start) & (self.time < end)]
+        times = np.array([start, *inside, end])
+        return float(np.trapezoid(np.interp(times, self.time, self.power), times))
+
+
+def _load_of(time: Array, joint: JointResult, friction: float) -> _Load:
+    """Return the load of a corner from the series and the list of its contacts.
+
+    The force is zero outside of the contacts. A contact with few rows, a light impact,
+    is half a wave of a sine up to its peak force, with Coulomb's friction.
+    """
+    spans = _closed_spans(time, joint)
+    first, last = np.searchsorted(time, spans.T, side="right")
+    count = last - first
+    is_short = count < _MIN_ROWS
+    is_shown = np.zeros(time.size + 1)
+    np.add.at(is_shown, first[~is_short], 1.0)
+    np.add.at(is_shown, last[~is_short], -1.0)
+    rows = np.cumsum(is_shown[:-1]) > 0.0
+    short = np.flatnonzero(is_short[: joint.contact("peak_force").size])
+    begin, end = spans[short].T
+    inner = begin[:, np.newaxis] + np.outer(end - begin, _PARTS)
+    peaks = joint.contact("peak_force")[short]
+    waves = np.outer(peaks, np.sin(np.pi * _PARTS)).ravel()
+    speeds = np.abs(np.interp(inner.ravel(), time, joint.sliding))
+    ends = spans.ravel()
+    zero = np.zeros(ends.size)
+    power = -joint.force[rows, 1] * joint.sliding[rows]
+    times = np.concatenate([ends, inner.ravel(), time[rows]])
+    order = np.argsort(times, kind="stable")
+    forces = np.concatenate([zero, waves, joint.force[rows, 0]])
+    powers = np.concatenate([zero, friction * waves * speeds, power])
+    return _Load(spans, times[order], forces[order], powers[order])
+
+
+def _shares(
+    loads: list[_Load], strokes: list[SampledStroke]
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Return the shares of time and of load of each state that occurs."""
+    knots = np.unique(np.concatenate([load.time for load in loads]))
+    shares: list[list[Array]] = [[], []]
+    for stroke in strokes:
+        inside = knots[(knots > stroke.start) & (knots < stroke.end)]
+        edges = np.array([stroke.start, *inside, stroke.end])
+        middle, step = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        state = _states([_is_within(load.spans, middle) for load in loads])
+        force = np.sum([load.at(middle) for load in loads], axis=0)
+        for rows, weight in zip(shares, (step, step * force), strict=True):
+            sums = np.bincount(state, weight, len(STATES))
+            rows.append(sums / sums.sum() if sums.sum() > 0.0 else sums)
+    times, forces = (_means(rows) for rows in shares)
+    return times, forces
+
+
+def _means(rows: list[Array]) -> dict[str, Estimate]:
+    """Return the means over strokes of the states that occur."""
+    values = zip(STATES, np.array(rows).reshape(-1, len(STATES)).T, strict=True)
+    means = {name: mean_of_strokes(each) for name, each in values if each.any()}
+    return {name: _at_most_one(mean) for name, mean in means.items() if mean}
+
+
+def _at_most_one(share: Estimate) -> Estimate:
+    """Return a share whose interval ends at 1."""
+    return share if share.high is None else replace(share, high=min(share.high, 1.0))
+
+
+def _closed_spans(time: Array, joint: JointResult) -> Array:
+    """Return touchdown and separation of all contacts of a corner, s, shape (k, 2)."""
+    spans = np.column_stack([joint.contact("touchdown"), joint.contact("separation")])
+    last = float(spans[-1, 1]) if len(spans) else float(time[0])
+    # A contact that continues at the end is not recorded as one.
+    lasting = time[(time > last) & (joint.penetration > 0.0)]
+    if lasting.size:
+        spans = np.append(spans, [[lasting[0], time[-1]]], axis=0)
+    return spans
+
+
+def _is_within(spans: Array, times: Array) -> NDArray[np.bool_]:
+    """Return whether each time lies in one of some spans, which are in order."""
+    if not len(spans):
+        return np.zeros(times.size, dtype=np.bool_)
+    place = np.searchsorted(spans[:, 0], times, side="right") - 1
+    return np.asarray((place >= 0) & (times < spans[place, 1]))
+
+
+def _states(closed: list[NDArray[np.bool_]]) -> NDArray[np.int64]:
+    """Return the numbers of the states of a slide from its closed corners."""
+    left_front, left_back, right_front, right_back = closed
+    count = np.sum(closed, axis=0)
+    is_face = (left_front & left_back) | (right_front & right_back)
+    is_opposite = (left_front & right_back) | (left_back & right_front)
+    state = np.full(count.size, _OTHER)
+    state[count == 0] = _FREE
+    state[count == 1] = _CORNER
+    state[(count == 2) & is_face] = _FACE
+    state[(count == 2) & is_opposite] = _OPPOSITE
+    return state
+
+
+def self_locking(scene: Scene) -> dict[str, tuple[float, float]]:
+    """Return friction and its limit L / (2 a) by guide, where off-centre work jams the slide.
+
+    The force F of the work at a distance a is borne by two opposite corners with F a /
+    L each. Their friction exceeds F where its coefficient is above L / (2 a).
+    """
+    offset = 0.0 if scene.process is None else abs(scene.process.offset)
+    body = scene.base_linkage.output.body
+    limits = {}
+    for guide in scene.loose_guides:
+        friction = scene.bearing(guide.name).friction
+        assert guide.length is not None
+        if guide.body == body and 2.0 * offset * friction > guide.length:
+            limits[guide.name] = friction, guide.length / (2.0 * offset)
+    return limits

@@ -1,0 +1,170 @@
+"""Tilt of a slide in its guide: closed forms, and each number by another path."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.linkage.elements import CORNERS
+from presswear.results.corners import corner_paths, tilt_series
+from presswear.results.guide_tilt import (
+    STATES,
+    GuideTilt,
+    _load_of,
+    _states,
+    guide_tilts,
+    self_locking,
+)
+from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.report import stage_tables
+
+L, C, FORCE, OFFSET = 0.4, 0.05e-3, 100e3, 0.06
+
+
+def press(offset: float = OFFSET, friction: float = 0.1) -> pw.Scene:
+    """Upright press of 100 kN that cuts beside the middle of its slide."""
+    crank = pw.SliderCrank(
+        crank_length=0.04,
+        rod_length=0.6,
+        crank_mass=60.0,
+        rod_mass=50.0,
+        slider_mass=300.0,
+        speed=2.0 * math.pi,
+        guide_length=L,
+        guide_width=0.3,
+    )
+    bearing = pw.Bearing(C, width=0.1, friction=friction, restitution=0.8)
+    sheet = pw.Blanking(
+        force=FORCE, height=5e-3, thickness=3e-3, rise=0.2e-3, snap=0.15e-3
+    )
+    process = replace(sheet, offset=offset)
+    return pw.Scene(crank, bearings={"guide": bearing}, process=process, cycles=2)
+
+
+@pytest.fixture(scope="module")
+def result() -> pw.Result:
+    return pw.run(press())
+
+
+@pytest.fixture(scope="module")
+def tilt(result: pw.Result) -> GuideTilt:
+    return guide_tilts(result.scene, result.stages[0])["guide"]
+
+
+def test_two_opposite_corners_hold_the_work_at_the_fracture(
+    result: pw.Result, tilt: GuideTilt
+) -> None:
+    """Each corner sinks in by F a / (L K), which adds to the clearance: 2 (c + d) / L."""
+    (corner, *_) = result.scene.linkage().corners
+    depth = FORCE * OFFSET / L / corner.normal.stiffness
+    assert tilt.fracture is not None
+    assert tilt.fracture.mean == pytest.approx(2.0 * (C + depth) / L, rel=5e-3)
+
+
+def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None:
+    """The film has the angle of the slide, 500 times in a cycle."""
+    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    film = stage.film
+    column = 3 * result.scene.linkage().index(guide.body) + 2
+    angle = film.position[:, column] - guide.angle
+    rows = np.interp(film.time, stage.time, tilt_series(stage, guide))
+    assert np.abs(angle).max() > 2e-4
+    assert rows == pytest.approx(angle, abs=2e-6)
+    strokes = result.strokes(0)
+    assert strokes is not None
+    for name, instant in (("touch", "contact"), ("fracture", "fracture")):
+        # the only complete stroke is from half a turn on
+        when = getattr(strokes, instant)[0, 0]
+        value = abs(angle[film.time <= when][-1])  # of the frame before
+        assert getattr(tilt, name).mean == pytest.approx(value, rel=0.02, abs=5e-6)
+    assert tilt.greatest is not None
+    whole = (film.time > 0.5) & (film.time < 1.5)
+    assert tilt.greatest.mean >= np.abs(angle[whole]).max() - 1e-7
+
+
+def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> None:
+    """Touch and fracture end a step of the engine; the energies are those of the run."""
+    stage, strokes = result.stages[0], result.strokes(0)
+    tonnage = result.tonnage(0)
+    assert strokes is not None
+    assert tonnage is not None
+    assert tonnage.work is not None
+    for instant in (*strokes.contact[:, 0], *strokes.fracture[:, 0]):
+        assert np.abs(stage.time - instant).min() < 1e-10
+    work = -0.5 * float(stage.diagnostics["load_work_J"])
+    assert tonnage.work.mean == pytest.approx(work, rel=1e-3)
+
+
+def test_the_friction_loss_is_that_of_the_energy_balance(result: pw.Result) -> None:
+    stage = result.stages[0]
+    joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
+    loss = sum(_load_of(stage.time, one, 0.1).loss(0.0, 2.0) for one in joints)
+    total = stage.diagnostics["friction_loss_J"]
+    assert loss == pytest.approx(total, rel=0.02)
+
+
+def test_shares_and_corner_force_by_the_rows(
+    result: pw.Result, tilt: GuideTilt
+) -> None:
+    stage = result.stages[0]
+    joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
+    assert sum(one.mean for one in tilt.time_shares.values()) == pytest.approx(1.0)
+    assert sum(one.mean for one in tilt.load_shares.values()) == pytest.approx(1.0)
+    rows = (stage.time >= 0.5) & (stage.time <= 1.5)
+    time = stage.time[rows]
+    lf, lb, rf, rb = (joint.penetration[rows] > 0.0 for joint in joints)
+    opposite = ((lf & rb) | (lb & rf)).astype(float)
+    share = float(np.trapezoid(opposite, time)) / (time[-1] - time[0])
+    name = "two opposite corners"
+    assert tilt.time_shares[name].mean == pytest.approx(share, abs=2e-3)
+    load = np.sum([joint.force[rows, 0] for joint in joints], axis=0)
+    part = np.trapezoid(opposite * load, time) / np.trapezoid(load, time)
+    assert tilt.load_shares[name].mean == pytest.approx(float(part), abs=0.03)
+    peaks = [joint.each_cycle("force_max") for joint in joints]
+    assert tilt.corner_force is not None
+    assert tilt.corner_force.mean == pytest.approx(np.max(peaks, axis=0)[-1])
+
+
+def test_the_report_has_the_tilt(result: pw.Result) -> None:
+    texts = [f"{number}" for number in key_numbers(result)]
+    assert any("press makers ask for 20 to 50 µm/m" in text for text in texts)
+    assert any("slide tilts in guide by" in line for line in warnings(result))
+    table = f"{stage_tables(result)['guide']}"
+    assert "share of the time, two opposite corners" in table
+
+
+def test_every_state_of_four_corners() -> None:
+    closed = np.array(list(np.ndindex(2, 2, 2, 2)), dtype=bool)
+    names = [STATES[k] for k in _states(list(closed.T))]
+    named = dict(zip(map(tuple, closed.astype(int).tolist()), names, strict=True))
+    assert named[0, 0, 0, 0] == "free"
+    assert named[0, 1, 0, 0] == "one corner"
+    assert named[1, 1, 0, 0] == named[0, 0, 1, 1] == "one face"
+    assert named[1, 0, 0, 1] == named[0, 1, 1, 0] == "two opposite corners"
+    assert named[1, 0, 1, 0] == named[1, 1, 1, 0] == "other"
+
+
+def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:
+    """Corners placed by geometry: the middle of the slide 12 um to the left, tilted."""
+    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    angle, way = 1.7e-4, 12e-6
+    arrays: dict[str, Any] = dict(stage.arrays)
+    for name, (along, side) in CORNERS.items():
+        x = 0.5 * along * L * math.sin(angle) + 0.5 * side * 0.3 * math.cos(angle)
+        across = way + x - 0.5 * side * 0.3
+        normal = np.array([-math.sin(guide.direction), math.cos(guide.direction)])
+        arrays[f"guide {name}_eccentricity"] = np.tile(across * normal, (2, 1))
+    placed = replace(stage, arrays=arrays)
+    assert tilt_series(placed, guide) == pytest.approx([angle, angle], rel=1e-12)
+    paths = corner_paths(placed, guide)
+    assert sum(paths.values())[0] == pytest.approx(4.0 * way, rel=1e-9)
+
+
+def test_self_locking_from_half_the_length_over_the_offset() -> None:
+    assert self_locking(press()) == {}
+    assert self_locking(press(offset=1.0, friction=0.19)) == {}
+    limits = self_locking(press(offset=-1.0, friction=0.21))
+    assert limits["guide"] == pytest.approx((0.21, 0.2))
