@@ -25,6 +25,7 @@ from presswear.tools.arrays import State, read_arrays, write_arrays
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
 RUBBING = {"B": Bearing(), "O": Bearing(clearance=0.0), "A": Bearing(clearance=0.0)}
+OILED = {"film": "run", "viscosity": "0.01 Pa s", "clearance": "50 um"}
 COARSE = {"steps_per_contact": "20", "steps_sustained": "5"}
 
 
@@ -89,6 +90,12 @@ CASES = {
     "bodies and joints, a slide that tilts": Case(
         press_off_centre(engine="exudyn-joints", **COARSE), 2
     ),
+    **{
+        f"oiled pin, {engine}": Case(
+            changed(slider_crank(), {"engine": engine, **OILED}), 2
+        )
+        for engine in ("dae", "exudyn-tree", "exudyn-joints")
+    },
     "bodies and joints": Case(
         changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2
     ),

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import presswear as pw
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import (
     Engine,
@@ -99,3 +100,23 @@ def test_ledger_of_a_pin_that_oil_slows() -> None:
     sheared = float(run.diagnostics["friction_loss_J"])
     assert min(sheared, lost) > 0.0
     assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-7 * (lost + sheared)
+
+
+@pytest.mark.parametrize(
+    ("engine", "within"), [("exudyn-tree", 1e-4), ("exudyn-joints", 1e-3)]
+)
+def test_engines_agree_on_an_oiled_slider_crank(engine: str, within: float) -> None:
+    oil = {"film": "run", "viscosity": "0.01 Pa s", "clearance": "50 um"}
+    scene = pw.scenes.slider_crank(cycles=1, replicates=1, **oil)
+    stages = [
+        pw.run(pw.changed(scene, {"engine": name})).stages[0]
+        for name in ("dae", engine)
+    ]
+    gaps = [
+        5e-5 - float(np.hypot(*stage.joints["B"].eccentricity.T).max())
+        for stage in stages
+    ]
+    assert gaps[1] == pytest.approx(gaps[0], rel=within)
+    for key in ("contact_loss_J", "friction_loss_J"):
+        lost = [float(stage.diagnostics[key] or 0.0) for stage in stages]
+        assert lost[1] == pytest.approx(lost[0], rel=2.0 * within)
