@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from presswear.physics.interactions.oil import OiledBearing, film_loss, film_rate
+from presswear.physics.mixed_lubrication import DECAY
 from presswear.physics.oil_film import film_force, film_of
 
 CLEARANCE = 5e-5
@@ -22,21 +23,25 @@ SMOOTH = OiledBearing(FILM, CLEARANCE, 0.0, 1e-6)
 
 
 def film_under(
-    load: Callable[[float], complex], speeds: float, duration: float
+    load: Callable[[float], complex],
+    speeds: float,
+    duration: float,
+    bearing: OiledBearing | None = None,
 ) -> tuple[complex, float]:
     """Return eccentricity over clearance at the end, and the time of eccentricity 0.5."""
 
     def rate(time: float, place: tuple[float, float]) -> tuple[float, float]:
         force = -load(time)
         parts = force.real, force.imag
-        vx, vy, _ = film_rate((place[0], place[1]), parts, speeds, 0.0, SMOOTH)
+        known = bearing or SMOOTH
+        vx, vy, _ = film_rate((place[0], place[1]), parts, speeds, 0.0, known)
         return vx, vy
 
     def half(_: float, place: tuple[float, float]) -> float:
         return math.hypot(*place) - 0.5 * CLEARANCE
 
     run = solve_ivp(
-        rate, (0.0, duration), (0.0, 0.0), "DOP853", rtol=1e-10, atol=1e-16, events=half
+        rate, (0.0, duration), (0.0, 0.0), "LSODA", rtol=1e-10, atol=1e-16, events=half
     )
     times = run.t_events[0]
     return complex(*run.y[:, -1]) / CLEARANCE, times[0] if times.size else math.inf
@@ -49,6 +54,26 @@ def test_steady_rotation_and_squeeze() -> None:
     assert ahead == pytest.approx(58.0543735, abs=1e-6)
     _, time = film_under(lambda _: 20e3, 0.0, 0.1)
     assert time == pytest.approx(67.849038761e-3, rel=1e-9)
+
+
+def test_load_that_turns_with_the_bearing() -> None:
+    duration = 20.0
+    place, _ = film_under(lambda t: cmath.rect(5e3, 6.28 * t), 6.28, duration)
+    assert abs(place) == pytest.approx(0.6578239676, abs=1e-8)
+    behind = math.degrees(cmath.phase(cmath.rect(1.0, 6.28 * duration) / place))
+    assert behind == pytest.approx(45.775299, abs=1e-5)
+
+
+def test_gap_of_a_long_dwell_falls_and_stays_open() -> None:
+    """The load stands still and nothing turns; asperities bear it in the end."""
+    rough = SMOOTH._replace(asperity_size=50e6 * 0.08 * 0.045, roughness=0.42e-6)
+    smooth, _ = film_under(lambda _: 20e3, 0.0, 50.0)
+    held, _ = film_under(lambda _: 20e3, 0.0, 5e3, rough)
+    reach = DECAY * rough.roughness
+    share = math.sqrt(2.0 * math.pi * reach / CLEARANCE)
+    gap = reach / CLEARANCE * math.log(rough.asperity_size * share / 20e3)
+    assert 0.0 < 1.0 - abs(smooth) < 0.5 * gap
+    assert 1.0 - abs(held) == pytest.approx(gap, rel=1e-3)
 
 
 @given(
