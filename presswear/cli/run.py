@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
-from presswear.linkage.laws import MATERIALS
+from presswear.linkage.laws import MATERIALS, listed_pair
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import Estimate
 from presswear.scene.catalog import title_of
@@ -433,8 +433,8 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
         each: terminal.parse_settings(each.split(",")) for each in arguments.compare
     }
     for joint in scene.loose_pins if arguments.materials else ():
-        for name, pair in MATERIALS.items():
-            if pair != scene.bearing(joint).materials:
+        for name in MATERIALS:
+            if name != listed_pair(scene.bearing(joint).materials):
                 variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}
     return variants
 

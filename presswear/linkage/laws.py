@@ -12,7 +12,7 @@ returns the whole force; its elastic part is its value at rest.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -326,6 +326,14 @@ def _steels(pin: float, bearing: float) -> Materials:
     return Materials(wear_coefficient=total, bearing_share=bearing / total)
 
 
+# Numbers of the wear law that no listed pair states
+UNLISTED = (
+    "wear_scatter",
+    "running_in",
+    "running_in_depth",
+    "pressure_exponent",
+    "pressure_reference",
+)
 # Beside the paper's pair: stainless steels, rods in bores in water, after code_aster's
 # data bank of POST_USURE (``usuban``, GRAPPE_ALESAGE). Pin first.
 MATERIALS: dict[str, Materials] = {
@@ -335,3 +343,13 @@ MATERIALS: dict[str, Materials] = {
     "nitrided-304L": _steels(0.1e-15, 70e-15),
     "chromed-304L": _steels(0.1e-15, 50e-15),
 }
+
+
+def listed_pair(pair: Materials) -> str:
+    """Return the name of the listed pair with the same numbers, or nothing.
+
+    Numbers that no listed pair states are not compared.
+    """
+    stated = {key: getattr(pair, key) for key in UNLISTED}
+    names = (name for name, one in MATERIALS.items() if replace(one, **stated) == pair)
+    return next(names, "")

@@ -360,7 +360,8 @@ def _remaining(
     first = firsts[min(each, key=lambda name: each[name].mean)]
     whole = _estimate(grid, together)
     ends = (whole.mean, whole.low or 0.0, whole.high or 0.0)
-    left = Estimate(*(max(end - now, 0.0) for end in ends))
+    mean, low, high = (max(end - now, 0.0) for end in ends)
+    left = Estimate(mean, low, high)
     survival = float(np.interp(math.log(now), grid, together, left=1.0, right=0.0))
     return RemainingLife(now, left, 1.0 - survival, first, each, joints, remarks)
 

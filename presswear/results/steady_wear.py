@@ -66,7 +66,7 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
     if observed.errors is not None:
         variance = max(variance, 1.0)
         student = quantile(math.inf)
-    covariance = student**2 * variance * inverse
+    covariance = np.asarray(student**2 * variance * inverse, dtype=float)
     ends = _fieller(limit - new - intercept, slope, covariance)
     halves = np.sqrt(np.diag(covariance))
     return SteadyWear(

@@ -134,7 +134,7 @@ class Bearing(Checked):
         0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True
     )
     materials: laws.Materials | Any = named_set(
-        "paper", laws.MATERIALS, "materials, pin first"
+        "paper", laws.MATERIALS, "materials, pin first", laws.UNLISTED
     )
     contact_stiffness: float | None = quantity(
         *(None, "N/m^n", 1e3, 1e15, "chosen"),

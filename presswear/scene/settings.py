@@ -363,7 +363,9 @@ def _changed(
         if isinstance(meaning, Choice) and result is not value and meaning.is_part:
             is_same = result == meaning.shown(value)
             result = (
-                value if is_same else meaning.convert(f"{message_prefix}{key}", result)
+                value
+                if is_same
+                else meaning.chosen(f"{message_prefix}{key}", result, value)
             )
         if _has_settings(result) and name not in updates:
             mine = _without_single(settings) if name == _COMMON else settings

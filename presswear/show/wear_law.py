@@ -1,6 +1,6 @@
 """Numbers of the wear law of each joint, and the origin of each of them."""
 
-from presswear.linkage.laws import MATERIALS, Materials
+from presswear.linkage.laws import UNLISTED, Materials, listed_pair
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT
 from presswear.tools.quantities import written
@@ -45,6 +45,5 @@ def _origin(scene: Scene, joint: str, key: str, value: float) -> str:
         return origin
     if value == getattr(Materials(), key):
         return "assumed"
-    pair = scene.bearing(joint).materials
-    names = (name for name, one in MATERIALS.items() if one == pair)
-    return next((f"materials {name}" for name in names), "set by the user")
+    name = "" if key in UNLISTED else listed_pair(scene.bearing(joint).materials)
+    return f"materials {name}" if name else "set by the user"

@@ -308,6 +308,8 @@ class Choice:
     several: bool = False
     # by name; the field holds one, or a changed one
     instances: Mapping[str, Any] | None = None
+    # fields that no named instance states: they stay when another name is chosen
+    stays: tuple[str, ...] = ()
     # classes by kind; the field holds an instance, or None
     kinds: Mapping[str, Any] | None = None
     # first values of a part that is either ``on`` or absent: those without a default
@@ -355,11 +357,27 @@ class Choice:
         """Return the word by which a field value is set: a name, a kind, or the value itself."""
         if self.instances is not None:
             return next(
-                (name for name, one in self.instances.items() if one == value), "custom"
+                (
+                    name
+                    for name, one in self.instances.items()
+                    if self._with_fields_that_stay(one, value) == value
+                ),
+                "custom",
             )
         if self.kinds is not None:
             return NONE if value is None else getattr(value, "kind", ON)
         return value
+
+    def chosen(self, name: str, value: Any, before: Any) -> Any:
+        """Return the field value as ``convert`` does, with the fields that stay as before."""
+        result = self.convert(name, value)
+        is_word = isinstance(value, str)
+        return self._with_fields_that_stay(result, before) if is_word else result
+
+    def _with_fields_that_stay(self, value: Any, before: Any) -> Any:
+        if not self.stays:
+            return value
+        return replace(value, **{key: getattr(before, key) for key in self.stays})
 
     def convert(self, name: str, value: Any) -> Any:
         """Return the field value for a word, an instance or stored data; raise InputError."""
@@ -440,11 +458,18 @@ def free_text(default: str, example: str, text: str) -> Any:
     return _field(default, Choice((), text, example=example))
 
 
-def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
-    """Return a data class field for one of some data class instances, or a changed one."""
-    return _field(
-        instances[default], Choice(tuple(instances), text, instances=instances)
-    )
+def named_set(
+    default: str,
+    instances: Mapping[str, Any],
+    text: str,
+    stays: tuple[str, ...] = (),
+) -> Any:
+    """Return a data class field for one of some data class instances, or a changed one.
+
+    ``stays`` are fields that no instance states: they stay when a name is chosen.
+    """
+    choice = Choice(tuple(instances), text, instances=instances, stays=stays)
+    return _field(instances[default], choice)
 
 
 def one_of(kinds: Mapping[str, Any], text: str) -> Any:

@@ -1,5 +1,5 @@
 """Remaining life from readings: closed forms, and histories of known wear coefficients."""
-# mypy: disable-error-code="union-attr,operator"
+# mypy: disable-error-code="union-attr,operator,arg-type"
 
 import math
 from pathlib import Path
@@ -155,8 +155,8 @@ def test_clearance_when_new_is_taken_from_the_readings() -> None:
     scene = scene_with("B.diametral_clearance > 3 x new")
     new = 2.0 * scene.bearing("B").clearance
     limit = scene.life_limits[0].value
-    curves = {"diametral_clearance": new + 40.0 * depth_after(STROKES)}
-    result = result_with(scene, **curves)
+    course = new + 40.0 * depth_after(STROKES)
+    result = result_with(scene, diametral_clearance=course)
     more = 0.2 * new
     strokes = np.array([0.0, 1e6, 2e6])
     values = new + more + 40.0 * depth_after(strokes)

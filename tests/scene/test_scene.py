@@ -19,6 +19,7 @@ from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, used_settings_of
+from presswear.sweeps.improve import changes_of
 from presswear.tools.errors import InputError
 
 BASE = replace(wear_times(), name="base", title="a scene")
@@ -182,6 +183,27 @@ def test_bearings_by_joint_open_those_joints() -> None:
     assert Scene.from_dict(scene.as_dict()) == scene
     with pytest.raises(InputError, match="unknown joint in bearings 'F'"):
         Scene(bearings={"F": one})
+
+
+def test_numbers_that_no_pair_states_stay_with_other_materials() -> None:
+    """Running-in and pressure exponent are not dropped by a comparison of materials."""
+    law = {
+        "running_in": 30.0,
+        "running_in_depth": 2e-6,
+        "pressure_exponent": 0.7,
+        "pressure_reference": 5e6,
+        "wear_scatter": 0.3,
+    }
+    scene = changed(BASE, law)
+    assert setting_of(scene, "materials").value == "paper"
+    for key in ("materials", "C.materials"):
+        pair = changed(scene, {key: "316L-304L"}).bearing("C").materials
+        assert pair.wear_coefficient == pytest.approx(15e-15)
+        assert {name: getattr(pair, name) for name in law} == law
+    names = [change for change in changes_of(BASE) if "materials" in change]
+    assert [change for change in changes_of(scene) if "materials" in change] == names
+    reset = changed(scene, {"materials": "316L-304L", "running_in": 1.0})
+    assert reset.bearing("C").materials.running_in == 1.0
 
 
 def test_materials_set_the_wear_of_both_sides() -> None:
