@@ -401,6 +401,13 @@ def slide_inertia(mass: float, guide: Guide) -> float:
     return mass * (guide.length**2 + guide.width**2) / 12.0
 
 
+def turning_clearance(guide: Guide) -> float:
+    """Return the clearance, m, with which the walls are as far apart as the slide's diagonal."""
+    assert guide.length is not None
+    assert guide.width is not None
+    return 0.5 * (math.hypot(guide.length, guide.width) - guide.width)
+
+
 CORNERS: Mapping[str, tuple[float, float]] = {
     "left front": (1.0, 1.0),
     "left back": (-1.0, 1.0),

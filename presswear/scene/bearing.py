@@ -653,11 +653,19 @@ class Bearing(Checked):
                     f"{key} of {guide.name}: a guide with clearance needs it; set {key} of the "
                     f"guide, or guide_{key} of a press or slider-crank, such as 300 mm"
                 )
+        assert guide.length is not None
         assert guide.width is not None
         if self.clearance > 0.5 * guide.width:
             raise InputError(
                 f"clearance of {guide.name} = {written(self.clearance, 'm')}: allowed is up to "
                 f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
+            )
+        if self.clearance >= elements.turning_clearance(guide):
+            sizes = (written(size, "m") for size in (guide.length, guide.width))
+            raise InputError(
+                f"clearance of {guide.name} = {written(self.clearance, 'm')}: allowed is below "
+                f"{written(elements.turning_clearance(guide), 'm')}, with which a slide of "
+                f"{' by '.join(sizes)} can turn over"
             )
         if self.elasticity not in (AUTO, "power"):
             raise InputError(

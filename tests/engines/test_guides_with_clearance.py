@@ -194,6 +194,11 @@ SLIDE = pw.SliderCrank(guide_length=0.06, guide_width=0.04)
             {"clearance": 0.021, "bearing_radius": 0.1},
             "clearance of guide = 21 mm: allowed is up to half the width",
         ),
+        (
+            pw.SliderCrank(guide_length=0.03, guide_width=0.04),
+            {"clearance": 0.006, "bearing_radius": 0.1},
+            "clearance of guide = 6 mm: allowed is below 5 mm, with which a slide of 30 mm by 40",
+        ),
         (SLIDE, {"elasticity": "liu"}, "guide.elasticity = liu: in a guide allowed is"),
     ],
 )
