@@ -16,6 +16,7 @@ from typing import Any
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
+from presswear.linkage.elements import MAX_SLIDE, MIN_SLIDE
 from presswear.linkage.laws import (
     DAMPINGS,
     KELVIN_VOIGT,
@@ -26,6 +27,7 @@ from presswear.linkage.laws import (
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (
+    LEAST_CLEARANCE,
     LEAST_RAMP,
     LEAST_RELAXATION,
     LEAST_SLIP,
@@ -56,6 +58,10 @@ UNEXCHANGED = 1e-7
 # of 1e-9. Measured: 8e-9 in 2,853 steps of free flight, and a tenth of it with a
 # tolerance of 1e-10.
 UNSOLVED = 1e-8
+GUIDES = 0.3  # part of the scenes in which the slide tilts in its guide
+SLIDE = (0.05, 2.0)  # length and width of a slide, parts of the rod to it
+# Greatest clearance of a guide, part of the width and of what lets the slide turn over
+GUIDE_CLEARANCE = 0.1
 STEPS_BETWEEN_REPORTS = {"dae": 2000, "exudyn-tree": 512, "exudyn-joints": 512}
 _ENDS = 0.08  # part of all draws that are an end of their range
 _LEAST = 1e-9  # smallest value drawn from a range that begins at zero, part of its end
@@ -101,7 +107,8 @@ def _drawn(draw: Random, owner: Any, excluded: tuple[str, ...] = ()) -> dict[str
 
 def _bearings(draw: Random, shortest: float) -> Bearing:
     """Bearing whose quantities fit together, no larger than the shortest link, m."""
-    values = _drawn(draw, Bearing(), ("contact_stiffness",))
+    # A film that acts needs a width that fits the diameter.
+    values = _drawn(draw, Bearing(), ("contact_stiffness", "film"))
     values["materials"] = Materials(**_drawn(draw, Materials(), ("bearing_modulus",)))
     if values["elasticity"] in ("liu", "foundation"):
         values["exponent"] = 1.5
@@ -183,6 +190,33 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
     return Press(geometry=placed, **values)
 
 
+def _with_guide(draw: Random, scene: Scene) -> Scene:
+    """Scene whose slide tilts in a guide that fits its links."""
+    mechanism = scene.mechanism
+    assert isinstance(mechanism, Press | SliderCrank)
+    rods = ("rod_length", "length_5")
+    longest = max(getattr(mechanism, name, 0.0) for name in rods)
+    length, width = (longest * _spread(draw, *SLIDE) for _ in range(2))
+    length, width = (min(max(one, MIN_SLIDE), MAX_SLIDE) for one in (length, width))
+    most = GUIDE_CLEARANCE * min(width, math.hypot(length, width) - width)
+    clearance = _spread(draw, max(1e-6 * most, LEAST_CLEARANCE), most)
+    # Flat walls have neither Liu's law nor a foundation.
+    bearing = replace(
+        scene.bearings,
+        elasticity="auto",
+        clearance=clearance,
+        bearing_radius=max(scene.bearings.bearing_radius, 2.0 * clearance),
+    )
+    loosened = replace(mechanism, guide_length=length, guide_width=width)
+    others = () if scene.joints == "none" else scene.bearing_joints
+    return replace(
+        scene,
+        mechanism=loosened,
+        joints=",".join([*others, "guide"]),
+        joint_bearings={"guide": bearing},
+    )
+
+
 def _numerics(draw: Random) -> Numerics:
     usual = Numerics()
     values: dict[str, Any] = {}
@@ -205,7 +239,6 @@ def scene_of(draw: Random) -> Scene:
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5, elasticity="auto")
-    # A guide with clearance has other bounds than a pin.
     pins = [name for name in mechanism.allowed_joints if name != "guide"]
     joints = draw.choice([*pins, ",".join(pins), "none"])
     parts: dict[str, Any] = {
@@ -214,7 +247,8 @@ def scene_of(draw: Random) -> Scene:
         "conventions": conventions,
     }
     parts |= {"numerics": _numerics(draw), "joints": joints, "origins": {}}
-    return replace(base, **parts, wear_updates=0, replicates=1)
+    scene = replace(base, **parts, wear_updates=0, replicates=1)
+    return _with_guide(draw, scene) if draw.random() < GUIDES else scene
 
 
 def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
