@@ -175,7 +175,7 @@ def _shares(
         state = _states([_is_within(load.spans, middle) for load in loads])
         force = np.sum([load.at(middle) for load in loads], axis=0)
         for rows, weight in zip(shares, (step, step * force), strict=True):
-            sums = np.bincount(state, weight, len(STATES))
+            sums = np.bincount(state, weight, len(STATES)).astype(np.float64)
             rows.append(sums / sums.sum() if sums.sum() > 0.0 else sums)
     times, forces = (_means(rows) for rows in shares)
     return times, forces

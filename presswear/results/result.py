@@ -157,9 +157,10 @@ class Result:
         """Draw figures and return their axes; a notebook shows the figures.
 
         Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response,
-        bottom, force, path, phase, poincare, impacts, modes, spectrum, drives and oil;
-        without a name all figures that have data are drawn. ``stage`` is the only stage
-        to draw. InputError for an unknown name or stage, and for a figure without data.
+        bottom, force, path, tilt, corners, phase, poincare, impacts, modes, spectrum,
+        drives and oil; without a name all figures that have data are drawn. ``stage``
+        is the only stage to draw. InputError for an unknown name or stage, and for a
+        figure without data.
         """
         # Imported here, because results are in a lower layer.
         return import_module("presswear.show.figures").plot(self, names, stage)

@@ -18,6 +18,7 @@ from presswear.results.guide_tilt import (
     guide_tilts,
     self_locking,
 )
+from presswear.show.figures.guide import largest_tilt
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.report import stage_tables
 
@@ -134,6 +135,31 @@ def test_the_report_has_the_tilt(result: pw.Result) -> None:
     assert any("slide tilts in guide by" in line for line in warnings(result))
     table = f"{stage_tables(result)['guide']}"
     assert "share of the time, two opposite corners" in table
+
+
+def test_figures_have_the_tilt_and_the_ways_between_the_walls(
+    result: pw.Result,
+) -> None:
+    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    assert largest_tilt(guide, C) == pytest.approx(2.500234445e-4, rel=1e-9)
+    (axes,) = result.plot("tilt")
+    time, tilt = axes.lines[0].get_data()
+    series = 1e6 * tilt_series(stage, guide)
+    assert tilt == pytest.approx(np.interp(np.asarray(time), stage.time, series))
+    lines = [np.asarray(line.get_ydata()) for line in axes.lines]
+    levels = {round(float(each[0]), 6) for each in lines if each.size == 2}
+    assert levels == {-250.023445, -50.0, 50.0, 250.023445}
+    front, back = result.plot("corners")
+    for panel, corner in ((front, "left front"), (back, "left back")):
+        drawn = [np.asarray(line.get_xdata()) for line in panel.lines]
+        ways = -1e6 * corner_paths(stage, guide)[corner]
+        assert drawn[0].size > 1000
+        assert np.isin(drawn[0], ways).all()
+        walls = sorted(float(each[0]) for each in drawn if each.size == 2)
+        assert walls == pytest.approx([-50.0, 50.0])
+    ideal = replace(result, scene=replace(result.scene, joints="none", bearings={}))
+    with pytest.raises(pw.InputError, match="nothing to draw"):
+        ideal.plot("tilt")
 
 
 def test_every_state_of_four_corners() -> None:

@@ -35,7 +35,13 @@ from presswear.tools.numbers import readable
 UNIT = re.compile(
     r"^strokes |\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
 )
-NOT_MADE_UP = ("life", "tonnage", "oil")  # figures that need what made-up results lack
+NOT_MADE_UP = (
+    "life",
+    "tonnage",
+    "oil",
+    "tilt",
+    "corners",
+)  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [
     *(

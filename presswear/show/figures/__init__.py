@@ -15,7 +15,7 @@ from PIL import Image
 
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
-from presswear.show.figures import dynamics, life, mechanism, motion, style, wear
+from presswear.show.figures import dynamics, guide, life, mechanism, motion, style, wear
 from presswear.show.figures.style import (
     DOTS_PER_INCH,
     SETTINGS,
@@ -53,6 +53,8 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "bottom": ("shown", motion.bottom_dead_centre),
     "force": ("loose", motion.contact_force),
     "path": ("loose", motion.centre_trajectory),
+    "tilt": ("guides", guide.tilt_over_angle),
+    "corners": ("guides", guide.corner_trajectories),
     "phase": ("sampled", dynamics.phase_portrait),
     "poincare": ("sampled pins", dynamics.poincare_section),
     "impacts": ("sampled pins", dynamics.impact_section),
@@ -130,6 +132,7 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
             "pins": shown if has_pins else (),
             "moving": moving,
             "loose": loose if has_pins else (),
+            "guides": loose if result.scene.loose_guides else (),
             "sampled": sampled,
             "sampled pins": sampled if has_pins else (),
         }

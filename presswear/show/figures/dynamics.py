@@ -166,8 +166,8 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     for stage in shown:
         spectra = spectra_of(scene, stage.data)
         for axes, name in zip(column, ("", *joints), strict=True):
-            order, density = spectra[name].order[1:], spectra[name].density[1:]
-            stage.pen.draw(axes, order, density, linewidth=0.6)
+            each = spectra[name]
+            stage.pen.draw(axes, each.order[1:], each.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
         hertz = []
         for stage in shown:

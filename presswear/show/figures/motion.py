@@ -33,7 +33,7 @@ _TAIL = 0.005  # fraction of the time beyond either end of a panel of the drives
 _TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
-_MOMENTS = {
+MOMENTS = {
     "contact": ("v", "triangle down: touches the work"),
     "fracture": ("x", "cross: the work breaks"),
     "separation": ("^", "triangle up: leaves the work"),
@@ -123,7 +123,7 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
             axes, stage.data.time, factor * press.height_of(scene, stage.data)
         )
         strokes = press.strokes_of(scene, full.data)
-        for name, (mark, words) in _MOMENTS.items() if strokes else ():
+        for name, (mark, words) in MOMENTS.items() if strokes else ():
             when, height = getattr(strokes, name).T
             inside = (when >= window.start) & (when <= window.end)
             if inside.any():

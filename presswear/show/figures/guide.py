@@ -1,0 +1,122 @@
+"""Figures of guides with clearance: tilt of the slide, paths of its corners between the walls."""
+
+import math
+
+from presswear.linkage.elements import CORNERS, Guide
+from presswear.results import press_analysis as press
+from presswear.results.corners import corner_paths, tilt_series
+from presswear.results.guide_tilt import ALLOWED_TILT
+from presswear.results.result import Result
+from presswear.show.figures import style
+from presswear.show.figures.motion import MOMENTS, Window, sampled
+from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
+from presswear.tools.numbers import unit_scale
+
+_LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
+_ASKED = Pen("limit that press makers ask for", style.MUTED, "dotted", 1.2)
+_WALL = Pen("walls", style.REFERENCE, width=1.0)
+_ENDS = ("front", "back")  # of a slide along its guide
+_PATH_WIDTH = 0.5  # of the line of a path, points
+_EDGE = (
+    1.35  # half of the width of a panel of paths, in clearances, if no path is wider
+)
+
+
+def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
+    """Draw the tilt of the slide in each guide with clearance over the crank angle."""
+    guides = result.scene.loose_guides
+    shown, window = sampled(result, moving)
+    sheet, panels, lowest = style.panel_list(len(guides), 2.4, 1, sharex=True)
+    marks: dict[str, str] = {}
+    for axes, guide in zip(panels, guides, strict=True):
+        for stage, full in zip(shown, moving, strict=True):
+            tilt = 1e6 * tilt_series(stage.data, guide)
+            stage.pen.draw(axes, stage.data.time, tilt, linewidth=0.8)
+            marks |= _mark_moments(axes, result, stage, full, guide, window)
+        _draw_limits(axes, result, guide)
+        axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
+    for axes in lowest:
+        window.label(axes)
+    pens = [*(stage.pen for stage in shown), _LARGEST, _ASKED]
+    content = {"window": window, "marks": marks.values()}
+    return style.finished("tilt", sheet, pens, **content)
+
+
+def _mark_moments(
+    axes: Axes,
+    result: Result,
+    stage: ShownStage,
+    full: ShownStage,
+    guide: Guide,
+    window: Window,
+) -> dict[str, str]:
+    """Mark where the work is touched, breaks and is left; return the words of the marks."""
+    strokes = press.strokes_of(result.scene, full.data)
+    marks = {}
+    tilt = 1e6 * tilt_series(full.data, guide)
+    for name, (mark, words) in MOMENTS.items() if strokes else ():
+        when = getattr(strokes, name)[:, 0]
+        when = when[(when >= window.start) & (when <= window.end)]
+        if when.size:
+            marks[mark] = words
+            places = [tilt[(abs(full.data.time - time)).argmin()] for time in when]
+            axes.plot(when, places, mark, color=stage.pen.colour, markersize=6.0)
+    return marks
+
+
+def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:
+    """Draw the tilt in two opposite corners of rigid walls, and that which makers ask for."""
+    largest = 1e6 * largest_tilt(guide, result.scene.bearing(guide.name).clearance)
+    for sign in (-1.0, 1.0):
+        for pen, size in ((_LARGEST, largest), (_ASKED, 1e6 * ALLOWED_TILT)):
+            axes.axhline(sign * size, **pen.line_style)
+
+
+def largest_tilt(guide: Guide, clearance: float) -> float:
+    """Return the tilt at which two opposite corners touch rigid walls, rad.
+
+    It solves (W / 2) (1 - cos p) = (L / 2) sin p - c.
+    """
+    assert guide.length is not None
+    assert guide.width is not None
+    diagonal = math.hypot(guide.length, guide.width)
+    slope = math.atan2(guide.width, guide.length)
+    return math.asin((guide.width + 2.0 * clearance) / diagonal) - slope
+
+
+def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
+    """Draw the paths of the corners of each slide between the walls over the stroke."""
+    shown, window = sampled(result, moving)
+    drawings = []
+    for guide in result.scene.loose_guides:
+        clearance = result.scene.bearing(guide.name).clearance
+        paths = [corner_paths(stage.data, guide) for stage in shown]
+        widest = max(float(abs(way).max()) for each in paths for way in each.values())
+        factor, unit = unit_scale("m", clearance)
+        edge = factor * max(_EDGE * clearance, 1.06 * widest)
+        sheet, (row,) = style.panels(1, 2, 3.6, sharex=True, sharey=True)
+        for axes, end in zip(row, _ENDS, strict=True):
+            for stage, each in zip(shown, paths, strict=True):
+                # the way is positive to the left
+                for name in (name for name in CORNERS if name.endswith(end)):
+                    axes.plot(
+                        -factor * each[name],
+                        1e3 * stage.data.displacement,
+                        color=stage.pen.colour,
+                        linewidth=_PATH_WIDTH,
+                    )
+            for sign in (-1.0, 1.0):
+                axes.axvline(sign * factor * clearance, **_WALL.line_style)
+            axes.set_title(f"{end} corners", loc="left", fontweight="bold")
+            axes.set_xlim(-edge, edge)
+            axes.set_xlabel(f"way across the guide, to the right ({unit})")
+        row[0].set_ylabel(f"displacement of {result.scene.output} (mm)")
+        pens = [*(stage.pen for stage in shown), _WALL]
+        content = {
+            "scene": result.scene,
+            "guide": guide,
+            "window": window,
+            "clearance": clearance,
+        }
+        drawings += style.finished("corners", sheet, pens, **content)
+    return drawings
