@@ -17,6 +17,7 @@ from presswear.campaign.ensemble import (
 )
 from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
 from presswear.campaign.service_life import (
+    FIRST_CHANGE,
     FIRST_WEAR,
     BlockPlan,
     LifeProblem,
@@ -160,6 +161,27 @@ class WearHistories:
         if ensemble.failure:
             raise RunFailed(ensemble.failure, ensemble.finding)
         self.store(watched=ensemble.state)
+
+    def limit_first_block(self) -> LifeProblem:
+        """Return the problem with a first block that wears no more than a coarse step.
+
+        K_d tells how much a stroke wears at ``pressure_reference`` only. The watched
+        cycles tell it at the pressures of the scene.
+        """
+        joints = self.runner.scene.linkage().clearances
+        laws = [joint.wear for joint in joints if joint.wear is not None]
+        runs = () if self.state.watched is None else self.state.watched.runs
+        maps = [run.maps for run in runs if run]
+        if not maps or all(law.pressure_exponent == 1.0 for law in laws):
+            return self.problem
+        removed = np.mean([one.sampled / max(one.samples, 1) for one in maps], axis=0)
+        change = wear_update.largest_change(joints, removed)
+        change *= max(max(law.running_in, 1.0) for law in laws)
+        share = self.problem.first_share
+        if change > 0.0:
+            share = min(share, FIRST_CHANGE / change)
+        self.problem = replace(self.problem, first_share=share)
+        return self.problem
 
     def start_up(self, interval: int) -> EnsembleState:
         """Return the runs that the histories of a service interval go on from, if any.
@@ -355,6 +377,7 @@ def run_life(
     histories = WearHistories(runner, initial, problem, state, keep)
     if not state.refinements:
         histories.watch()
+    problem = histories.limit_first_block()
 
     def keep_blocks(refinements: Refinements) -> None:
         histories.store(refinements=tuple(refinements))

@@ -556,6 +556,19 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(
     assert left.remaining.low < expected < left.remaining.high
 
 
+def test_first_block_is_that_of_the_pressures_of_the_scene() -> None:
+    """The strokes of steel at K_d, 1 kPa, would wear off ten times the limit at once."""
+    law = {"pressure_exponent": 3.0, "pressure_reference": "1 kPa"}
+    lives = [
+        life_of_scene(changed(scene_of(), law | {"B.wear_coefficient": f"{size}/Pa"}))
+        for size in (1e-20, 1e-22)
+    ]
+    assert [life.ended for life in lives] == ["limit", "limit"]
+    assert lives[0].curves["B.depth"][0, 0] < 0.5 * 0.02 * GAP
+    ratio = lives[1].strokes / lives[0].strokes
+    assert ratio == pytest.approx(100.0, rel=1e-6)
+
+
 def test_readings_of_a_stored_life(
     whole: tuple[Path, Any], tmp_path: Path, command: Callable[..., str]
 ) -> None:
