@@ -21,6 +21,9 @@ SECTION_TOL = 1e-11
 
 # Part of the nominal speed below which a motor that has run stalls
 STALLED = 0.05
+ADVANCE = 1e-3  # of a turn, by which a motor that starts turns on
+
+_PART = 2.0 * math.pi * ADVANCE  # rad
 
 # Leader and nominal time of a run
 NOMINAL = np.dtype(
@@ -39,6 +42,9 @@ NOMINAL = np.dtype(
         ("runs", np.bool_),  # its rate was above STALLED
         # nominal time at which the rate fell below STALLED, s; infinite: not yet
         ("stall", np.float64),
+        # Until it runs: the furthest nominal time, s, in parts of ADVANCE, and the
+        # time since then, s
+        *floats("furthest", "idle"),
     ]
 )
 
@@ -104,8 +110,14 @@ def note_nominal(
         state.rise = rise
         if now[1] >= STALLED:
             state.runs = True
-        elif state.runs and math.isinf(state.stall):
-            state.stall = now[0]
+        elif state.runs:
+            if math.isinf(state.stall):
+                state.stall = now[0]
+        elif now[0] * abs(state.speed) > state.furthest * abs(state.speed) + _PART:
+            state.furthest = now[0]
+            state.idle = 0.0
+        else:
+            state.idle += h
 
 
 @inlined

@@ -10,9 +10,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.loads import PROCESSES, Force, OverPosition
 from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
+from presswear.physics.ideal import ideal_motion
 from presswear.physics.ledger import Ledger, made_remedy
 from presswear.physics.packed import mass_of, pack
 from presswear.recording.nominal_time import STALLED
@@ -39,7 +41,9 @@ MIN_CONTACTS = 20  # of a joint, before these are judged
 DRIFT = 0.01  # error of a constraint, m or rad, of the smallest clearance
 MIN_DRIFT = 1e-7  # m or rad, which harms no linkage
 DRIFT_IDEAL = 1e-4  # m, without clearance
-START_CYCLES = 1000  # nominal cycles in which a motor must have started
+# Nominal cycles in which a motor that starts must turn on
+START_CYCLES = 20
+BACKWARDS = 0.25  # of a cycle, by which it may turn back
 STALL_STEPS = 1000  # after which the progress of a run is judged
 # Least mean step, s, and as a part of a cycle; in a clearance of 1 nm it is far longer
 STALL = 1e-12
@@ -94,7 +98,8 @@ def check_motor(recorder: Recorder, time: float) -> Finding | None:
     """Return a finding if the motor that leads a run has stalled, or does not start."""
     nominal = recorder.records.nominal[0]
     cycle = float(recorder.records.output["period"][0])
-    remedy = "a motor with more torque, or with a larger inertia, may help"
+    more = "a motor with more torque"
+    remedy = f"{more}, or with a larger inertia, may help"
     if math.isfinite(nominal["stall"]):
         angle = math.degrees(nominal["start"] + nominal["speed"] * nominal["stall"])
         what = (
@@ -102,10 +107,15 @@ def check_motor(recorder: Recorder, time: float) -> Finding | None:
         )
         what += f": its speed falls below {100.0 * STALLED:g} % of the nominal speed"
         return Finding("motor", what, time, "", remedy)
-    if recorder.has_leader and not nominal["runs"] and time > START_CYCLES * cycle:
+    remedy = f"{more}, or an initial speed, may help"
+    if nominal["now"] < -BACKWARDS * cycle:
+        what = "the motor turns backwards from its start, because the load is larger"
+        return Finding("motor", what, time, "", remedy)
+    if nominal["idle"] > START_CYCLES * cycle:
+        angle = math.degrees(nominal["start"] + nominal["speed"] * nominal["furthest"])
         what = (
-            f"the motor does not start: after {time:.6g} s its speed has never reached "
-            f"{100.0 * STALLED:g} % of the nominal speed"
+            f"the motor does not start: in {nominal['idle']:.6g} s its crank has not turned "
+            f"beyond an angle of {angle % 360.0:.1f} degrees"
         )
         return Finding("motor", what, time, "", remedy)
     return None
@@ -222,13 +232,18 @@ _BESIDE = 1e-6
 def with_cause(
     finding: Finding, linkage: Linkage, recorder: Recorder, q: Array, v: Array
 ) -> Finding:
-    """Return a finding on a state that is not finite with the element whose force is not.
+    """Return a finding with its cause.
 
+    A motor that stalls in the work does so at a depth. A state that is not finite has
+    an element whose force is not.
     The forces are evaluated at the last finite state and close to it: along the motion
     and, for what depends on the speed, to both sides of it. Without such an element
     viscous damping of joints is the cause. Without both, or without a finite state, the
     finding stays.
     """
+    if finding.kind == "motor":
+        what = f"{finding.what}{_depth_in_work(linkage, recorder)}"
+        return replace(finding, what=what)
     if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
         return finding
     one = np.ones_like(q)
@@ -250,6 +265,25 @@ def with_cause(
             finding, remedy=f"less viscous_damping at {', '.join(damped)} may help"
         )
     return finding
+
+
+def _depth_in_work(linkage: Linkage, recorder: Recorder) -> str:
+    """Return how deep a stalled motor is in the work, from the ideal motion; else nothing."""
+    stall = float(recorder.records.nominal["stall"][0])
+    if not math.isfinite(stall):
+        return ""
+    motion = ideal_motion(linkage.ideal, linkage.period).at(np.array([stall]))
+    position = motion.position[0].tolist()
+    for load in linkage.live_loads:
+        is_process = isinstance(load, Force) and load.name in PROCESSES
+        if not is_process or not isinstance(load.law, OverPosition):
+            continue
+        x, y = place_of(linkage, load.attachment, position)
+        along = x * math.cos(load.direction) + y * math.sin(load.direction)
+        depth = load.law.zero - along
+        if 0.0 < depth < -load.law.table[0][0]:
+            return f", {1e3 * depth:.3g} mm in the work"
+    return ""
 
 
 class _Element(NamedTuple):

@@ -113,6 +113,36 @@ def test_a_stalled_motor_ends_the_run(engine: Engine) -> None:
     assert stalled == pytest.approx(math.degrees(angle) % 360.0, abs=3.0)
 
 
+@pytest.mark.parametrize("engine", [ENGINES[0][0], ENGINES[3][0], ENGINES[4][0]])
+def test_a_motor_that_turns_backwards_at_the_start_ends_the_run(engine: Engine) -> None:
+    """From rest under a brake of twice the torque of standstill."""
+    run = run_of(engine, 2, 0.0, rotor(brake=2.0 * INERTIA * SPEED / TIME))
+    assert run.status == "failed"
+    assert run.message.startswith("the motor turns backwards from its start")
+    # It has gone a quarter turn back, and is looked at every few cycles.
+    assert math.pi / 2.0 < ANGLE - run.end.position[2] < 20.0 * math.pi
+
+
+@pytest.mark.parametrize("engine", [ENGINES[0][0], ENGINES[3][0], ENGINES[4][0]])
+def test_a_motor_that_does_not_start_ends_the_run(engine: Engine) -> None:
+    """A hanging crank swings about the angle at which its weight holds the motor."""
+    radius, mass, part = 0.1, 50.0, 0.02
+    torque = part * mass * 9.81 * radius * SLIP
+    motor = pw.Motor(torque, slip=SLIP, breakdown=None)
+    linkage = pw.assemble(
+        [pw.Body("crank", mass, 2.0, points={"axis": (-radius, 0.0)})],
+        [pw.Pin("A", (0.0, 0.0), "crank.axis")],
+        [pw.Drive("crank", SPEED, -0.5 * math.pi, motor=motor)],
+    )
+    start = Start(np.array([0.0, -radius, -0.5 * math.pi]), np.zeros(3))
+    run = engine.for_cycle(1.0).simulate(linkage, start, Plan(1.0, 1))
+    assert run.status == "failed"
+    assert run.message.startswith("the motor does not start")
+    assert 20.0 < run.time < 40.0
+    rest = -0.5 * math.pi + math.asin(part)
+    assert run.end.position[2] == pytest.approx(rest, abs=0.03)
+
+
 def test_a_flywheel_approaches_the_even_crank_with_one_over_its_inertia() -> None:
     """Durations of a crank with an unbalanced mass, which starts at its top.
 
