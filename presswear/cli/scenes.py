@@ -15,7 +15,7 @@ from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import ENGINES, Scene
-from presswear.scene.settings import changed, settings_of
+from presswear.scene.settings import applicable_settings_of, changed
 from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.files import check_ending
 from presswear.tools.quantities import Quantity, parse_quantity
@@ -35,7 +35,8 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         return 0
     scene = load_scene(arguments.scene)
     lines = (
-        f"{setting.key:20} {setting.described()}" for setting in settings_of(scene)
+        f"{setting.key:20} {setting.described()}"
+        for setting in applicable_settings_of(scene)
     )
     print_lines(console, *lines)
     return 0

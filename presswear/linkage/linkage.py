@@ -586,22 +586,33 @@ def _check(linkage: Linkage) -> None:
 
 
 def _check_motors(linkage: Linkage) -> None:
-    """Raise InputError for a moving drive beside a motor, and for a leader without a speed."""
+    """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
     leader = linkage.leader
+    moving = [
+        drive
+        for drive in linkage.drives
+        if drive.motor is None and not drive.is_at_rest
+    ]
     if leader is None:
+        servos = [drive for drive in linkage.drives if drive.motor is not None]
+        if servos and moving:
+            raise InputError(
+                f"motor of {servos[0].body}: a servo follows the angle of a motor, and "
+                f"{moving[0].body} has none; give it one, motor = {{torque, inertia}}, or leave "
+                f"out the servo, and {servos[0].body} follows its motion exactly"
+            )
         return
     if leader.speed == 0.0:
         raise InputError(
             f"speed of {leader.body} = 0 rad/s: cycles are counted by the angle of this drive, the "
             "first with a motor; a nominal speed is needed"
         )
-    for drive in linkage.drives:
-        if drive.motor is None and not drive.is_at_rest:
-            raise InputError(
-                f"{drive.name}: its motion follows the time, but the motor of {leader.body} does "
-                "not; give it a servo, motor = {stiffness, damping}, which follows the angle of "
-                f"{leader.body}"
-            )
+    for drive in moving:
+        raise InputError(
+            f"{drive.name}: its motion follows the time, but the motor of {leader.body} does "
+            "not; give it a servo, motor = {stiffness, damping}, which follows the angle of "
+            f"{leader.body}"
+        )
 
 
 def _check_drawing(linkage: Linkage) -> None:

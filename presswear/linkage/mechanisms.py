@@ -194,6 +194,13 @@ class Mechanism(Checked, ABC):
         """Time of one cycle, s."""
         return 2.0 * math.pi / self.speed
 
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Settings without effect: of a frame that is rigid, and the limit of a motor."""
+        rigid = self.frame_stiffness is None
+        frame = ("frame_mass", "frame_damping") if rigid else ()
+        return (*frame, *(("torque_limit",) if self.motor else ()))
+
     def _drive(self, crank: str, start: float = 0.0) -> Drive:
         """Return the drive of the only driven crank, from an angle, rad."""
         limit = None if self.motor else self.torque_limit
@@ -323,12 +330,28 @@ class Press(Mechanism):
     def __post_init__(self) -> None:
         super().__post_init__()
         has_servo = self.servo is not None and self.servo.motor is not None
+        if self.motor is None and has_servo:
+            raise InputError(
+                "servo.stiffness: the servo follows the angle of crank 2, which has no motor; give "
+                "it one, such as motor.torque = 20 N m, or leave out servo.stiffness, and crank 7 "
+                "follows the motion exactly"
+            )
         if self.motor is not None and not has_servo:
             raise InputError(
                 "motor: crank 7 follows the time, but the motor of crank 2 does not; give crank 7 "
                 "a servo, which follows the angle of crank 2, such as servo.stiffness = "
                 "1e5 N m/rad"
             )
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Settings without effect; a servo saturates at its limit or at that of the press."""
+        names = super().unread
+        if self.servo is not None and self.servo.stiffness is None:
+            names += ("servo.damping",)
+        if self.servo is None or self.servo.torque_limit is None:
+            names = tuple(name for name in names if name != "torque_limit")
+        return names
 
     def plate_corners(self) -> dict[str, Attachment]:
         """Return B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""

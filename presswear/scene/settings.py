@@ -78,6 +78,14 @@ def settings_of(scene: Scene) -> list[Setting]:
     return [*settings_in(scene, scene.origins), *differing]
 
 
+def applicable_settings_of(scene: Scene) -> list[Setting]:
+    """Return the settings of a scene without those that its mechanism does not read."""
+    unread = {*getattr(scene.mechanism, "unread", ())}
+    if "guide" not in scene.bearing_joints:
+        unread |= {"guide_length", "guide_width"}
+    return [one for one in settings_of(scene) if one.key not in unread]
+
+
 def used_settings_of(scene: Scene) -> list[Setting]:
     """Return the settings whose values a run of the scene uses.
 
@@ -102,7 +110,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     }
     return [
         one
-        for one in settings_of(scene)
+        for one in applicable_settings_of(scene)
         if one.key not in unused
         and (one.key not in common or (one.key, one.value) in used)
     ]
@@ -286,6 +294,12 @@ def _add_motor_and_servo(scene: Scene, settings: dict[str, Any]) -> None:
     has_none = getattr(mechanism, MOTOR, NONE) is None
     if not keys or not has_none or f"{settings.get(MOTOR)}".strip() == NONE:
         return
+    torque = f"{settings.get(f'{MOTOR}.torque')}".strip()
+    if torque == NONE and f"{MOTOR}.law" not in settings:
+        raise InputError(
+            f"{MOTOR}.torque = none: a motor has a torque, such as 20 N m, or 0 N m for a free "
+            f"crank; {MOTOR} = none leaves out the motor"
+        )
     if f"{MOTOR}.torque" not in settings and MOTOR in vars(mechanism):
         raise InputError(
             f"{keys[0]}: a motor needs a torque, such as {MOTOR}.torque = 20 N m, or 0 N m for a "

@@ -96,6 +96,9 @@ def test_drives_that_do_not_fit_a_motor_are_refused() -> None:
         pw.InputError, match="drive of two: its motion follows the time"
     ):
         two_cranks(INDUCTION, None)
+    message = "motor of two: a servo follows the angle of a motor, and one has none"
+    with pytest.raises(pw.InputError, match=message):
+        two_cranks(None, SERVO)
     with pytest.raises(pw.InputError, match="motor of crank: with harmonics a servo"):
         pw.Drive("crank", 1.0, harmonics=[(0.0, 0.1)], motor=INDUCTION)
     with pytest.raises(pw.InputError, match="speed of crank = 0 rad/s: a motor needs"):

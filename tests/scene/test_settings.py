@@ -17,7 +17,13 @@ from presswear.linkage.mechanisms import GEOMETRIES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.files import example_file, scene_from
-from presswear.scene.settings import changed, setting_of, settings_of, values_of
+from presswear.scene.settings import (
+    applicable_settings_of,
+    changed,
+    setting_of,
+    settings_of,
+    values_of,
+)
 from presswear.tools.errors import AssemblyError
 from presswear.tools.quantities import SYMBOLS, Quantity, parse_quantity
 
@@ -497,12 +503,40 @@ def test_a_motor_begins_with_its_torque() -> None:
     assert pw.Scene.from_dict(scene.as_dict()) == scene
 
 
+def test_keys_that_nothing_reads_are_not_listed() -> None:
+    """Of a rigid frame, a guide without clearance, an exact servo and the limit of a motor."""
+
+    def keys(mechanism: Any, **settings: Any) -> set[str]:
+        scene = pw.Scene(mechanism, **settings)
+        return {one.key for one in applicable_settings_of(scene)}
+
+    rigid = keys(pw.SliderCrank())
+    frame, guide = {"frame_mass", "frame_damping"}, {"guide_length", "guide_width"}
+    assert not (frame | guide) & rigid
+    assert {"frame_stiffness", "torque_limit"} <= rigid
+    motor = pw.Motor("20 N m")
+    elastic = pw.SliderCrank(frame_mass=10.0, frame_stiffness=1e6, motor=motor)
+    assert frame <= keys(elastic)
+    assert "torque_limit" not in keys(elastic)
+    assert guide <= keys(
+        pw.SliderCrank(guide_length=0.1, guide_width=0.1),
+        bearings={"guide": pw.Bearing(1e-4)},
+    )
+    exact = keys(pw.Press(servo=pw.Dwell()))
+    assert "servo.stiffness" in exact
+    assert "servo.damping" not in exact
+    servo = pw.Dwell(stiffness=1e4)
+    assert {"servo.damping", "torque_limit"} <= keys(pw.Press(motor=motor, servo=servo))
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
         ({"motor.inertia": "1 kg m^2"}, "motor.inertia: a motor needs a torque"),
         ({"motor.torque": "20 N m"}, "motor: crank 7 follows the time"),
         ({"servo.damping": "1 N m s/rad"}, "servo.damping: servo = none"),
+        ({"servo.stiffness": "1 N m/rad"}, "servo.stiffness: the servo follows the"),
+        ({"motor.torque": "none"}, "motor.torque = none: a motor has a torque, such"),
     ],
 )
 def test_incomplete_motors_are_refused(keys: dict[str, str], message: str) -> None:
