@@ -322,8 +322,9 @@ def _guessed(linkage: Linkage) -> Array:
     def place(end: Attachment) -> Array:
         x, y, angle = q[indices[end.body]]
         cosine, sine = math.cos(angle), math.sin(angle)
-        turned = cosine * end.x - sine * end.y, sine * end.x + cosine * end.y
-        return np.array([x + turned[0], y + turned[1]])
+        across = cosine * end.x - sine * end.y
+        up = sine * end.x + cosine * end.y
+        return np.array([x + across, y + up])
 
     reached = {GROUND}
     for _ in linkage.bodies:
@@ -499,8 +500,8 @@ def _crank_angle(rows: Rows, time: float) -> str:
     """Return the angle of the first drive that turns a body, as the beginning of a message."""
     for drive in rows.linkage.drives:
         if drive.follow is None:
-            turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
-            return f"at crank angle {math.degrees(abs(turned)):.1f} deg "
+            angle = float(drive.motion(np.array([time]))[0][0]) - drive.angle
+            return f"at crank angle {math.degrees(abs(angle)):.1f} deg "
     return ""
 
 

@@ -50,8 +50,8 @@ def place_prescribed(
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
             motion = motions[parts[i].drive]
-            turned, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
-            work[COORDINATE, i] = motion.angle + turned
+            angle, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
+            work[COORDINATE, i] = motion.angle + angle
         else:
             work[COORDINATE, i] += ahead * (
                 work[RATE, i] + 0.5 * ahead * work[ACCELERATION, i]

@@ -81,9 +81,9 @@ class Motion:
             point.x * sine + point.y * cosine,
         )
         unit = np.array([math.cos(direction), math.sin(direction)])
-        faster = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
+        acceleration = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
         place, speed = q[:, :2] @ unit + along, v[:, :2] @ unit - v[:, 2] * across
-        return np.column_stack([place, speed, faster])
+        return np.column_stack([place, speed, acceleration])
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +214,9 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     # Where points follow curves, those of the joints are seen when the motion is found.
     if not (rows.following or distance[worst] > NEAREST_DEAD_POINT):
         raise stuck(rows, times[worst : worst + 1], q[worst : worst + 1])
-    turned = q[-1] - q[0]
-    turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))
-    off = np.abs(turned).max(axis=1)
+    change = q[-1] - q[0]
+    change[:, 2] -= 2.0 * math.pi * np.round(change[:, 2] / (2.0 * math.pi))
+    off = np.abs(change).max(axis=1)
     if off.max() > 1e-6:
         raise AssemblyError(
             f"the linkage does not come back: after a cycle of {period:.6g} s "
@@ -400,9 +400,9 @@ def _lowest(
         return list(map(float, sign * ideal.at(at).output(linkage)[0]))
 
     for _ in range(_STEPS):
-        _, speed, faster = moved(time)
+        _, speed, acceleration = moved(time)
         low, high = (time, high) if speed < 0.0 else (low, time)
-        nearer = time - speed / faster if faster > 0.0 else low
+        nearer = time - speed / acceleration if acceleration > 0.0 else low
         nearer = nearer if low <= nearer <= high else 0.5 * (low + high)
         if abs(nearer - time) < 1e-15 * period:
             break
@@ -443,8 +443,8 @@ def followed(linkage: Linkage) -> Linkage:
     base = 2.0 * math.pi / period
     for drive in (linkage.drives[k] for k in following):
         place = linkage.index(drive.body)
-        turned = (inverse.position[-1] - inverse.position[0])[place, 2]
-        speed = base * round(turned / (2.0 * math.pi))
+        angle = (inverse.position[-1] - inverse.position[0])[place, 2]
+        speed = base * round(angle / (2.0 * math.pi))
         if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
             raise AssemblyError(
                 f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
@@ -493,10 +493,10 @@ def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
     for k, drive in enumerate(linkage.drives):
         if drive.follow is not None:
             place = 3 * linkage.index(drive.body) + 2
-            turned = motion.position[:, place] - drive.speed * nodes
+            deviation = motion.position[:, place] - drive.speed * nodes
             rate = (motion.velocity[:, place] - drive.speed) / base
-            faster = motion.acceleration[:, place] / base**2
-            table = np.column_stack([base * nodes, turned, rate, faster])
+            curvature = motion.acceleration[:, place] / base**2
+            table = np.column_stack([base * nodes, deviation, rate, curvature])
             drives[k] = replace(
                 drive, frequency=base, table=table.tolist(), follow=None
             )

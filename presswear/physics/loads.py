@@ -70,7 +70,8 @@ MODE = np.dtype(
         *floats("slow", "fast"),  # speeds between which it does
         ("deepest", np.float64),  # where the motion turned back last, m or rad
         ("borne", np.float64),  # size there, N or N m
-        *floats("place", "speed", "faster"),  # in the last accepted state, m or rad
+        # in the last accepted state, m or rad
+        *floats("place", "speed", "acceleration"),
         ("change", np.float64),  # of the acceleration, over the last step
         # of the size on leaving that state, part of the greater one
         ("jump", np.float64),
@@ -135,12 +136,12 @@ def load_motion(
         return along * q[b + 2] - load.zero, along * v[b + 2], along * a[b + 2]
     rx, ry = lever(b, load.x, load.y, q)
     spin = v[b + 2]
-    turned = across * rx - along * ry
+    arm = across * rx - along * ry
     place = along * (q[b] + rx) + across * (q[b + 1] + ry) - load.zero
-    speed = along * v[b] + across * v[b + 1] + spin * turned
-    faster = along * a[b] + across * a[b + 1] + a[b + 2] * turned
-    faster -= spin * spin * (along * rx + across * ry)
-    return place, speed, faster
+    speed = along * v[b] + across * v[b + 1] + spin * arm
+    acceleration = along * a[b] + across * a[b + 1] + a[b + 2] * arm
+    acceleration -= spin * spin * (along * rx + across * ry)
+    return place, speed, acceleration
 
 
 @compiled
@@ -305,7 +306,7 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     for k in range(loads.records.shape[0]):
         load, mode = loads.records[k], loads.modes[k]
         changes_before = changes
-        s, speed, faster = load_motion(load, q, v, a)
+        s, speed, acceleration = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
         while load.kind == TIME and mode.high <= t + TIME_NOISE:
             mode.piece += 1
@@ -314,21 +315,25 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
                 mode.piece = 1
             set_limits(load, nodes, mode)
             changes += 1
-        mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
+        mode.change = (
+            (acceleration - mode.acceleration) / (t - mode.time)
+            if t > mode.time
+            else 0.0
+        )
         mode.time = t
         mode.place = s
         mode.speed = speed
-        mode.faster = faster
+        mode.acceleration = acceleration
         for _ in range(MAX_CHANGES):
             past = False
             for transition in range(TRANSITIONS):
                 value, rate, _, _ = switching(
-                    load, mode, transition, s, speed, faster, 0.0
+                    load, mode, transition, s, speed, acceleration, 0.0
                 )
                 past = past or is_past(value, rate)
             if not past:
                 break
-            change_mode(load, nodes, mode, s, speed, faster)
+            change_mode(load, nodes, mode, s, speed, acceleration)
             changes += 1
         after = load_size(load, nodes, mode, t, s, speed)
         if changes > changes_before:
@@ -363,8 +368,10 @@ def transition_value(
     if loads is None:
         return -math.inf, 0.0
     load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
-    s, speed, faster = load_motion(load, q, v, a)
-    value, rate, _, _ = switching(load, mode, k % TRANSITIONS, s, speed, faster, 0.0)
+    s, speed, acceleration = load_motion(load, q, v, a)
+    value, rate, _, _ = switching(
+        load, mode, k % TRANSITIONS, s, speed, acceleration, 0.0
+    )
     return value, rate
 
 
@@ -381,7 +388,7 @@ def transition_at_start(
     load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
     jerk = change * mode.change
     return switching(
-        load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.faster, jerk
+        load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.acceleration, jerk
     )
 
 

@@ -62,32 +62,33 @@ def deposit_in_bins(
     It is spread over the bins that the contact crosses in the step, which takes ``h``
     seconds.
     """
-    added, turns = joint.wear_coefficient * pressure_dose, joint.map_turns
+    depth_sum = joint.wear_coefficient * pressure_dose
+    turns = joint.map_turns
     direction = direction_of(contact)
     ends = (
         (contact.bearing_angle, contact.bearing_spin, joint.bearing_share),
         (contact.pin_angle, contact.pin_spin, 1.0 - joint.bearing_share),
     )
     for side, (angle, spin, share) in enumerate(ends):
-        place, swept = direction - turns * angle, h * (contact.turning - turns * spin)
-        spread_evenly(depth[side], place - swept, place, share * added)
+        place = direction - turns * angle
+        swept = h * (contact.turning - turns * spin)
+        spread_evenly(depth[side], place - swept, place, share * depth_sum)
 
 
 @compiled
-def spread_evenly(depth: Array, start: float, end: float, added: float) -> None:
+def spread_evenly(depth: Array, start: float, end: float, depth_sum: float) -> None:
     """Add a sum of depths to the bins of a map, shape (m,), between two angles, rad."""
     count = depth.shape[0]
-    low, high = (
-        min(start, end) * count / (2.0 * math.pi),
-        max(start, end) * count / (2.0 * math.pi),
-    )
-    first, last = math.floor(low), math.floor(high)
+    low = min(start, end) * count / (2.0 * math.pi)
+    high = max(start, end) * count / (2.0 * math.pi)
+    first = math.floor(low)
+    last = math.floor(high)
     if first == last or not high - low < count:
-        depth[bin_of(end, count)] += added
+        depth[bin_of(end, count)] += depth_sum
         return
     for k in range(first, last + 1):
         depth[k % count] += (
-            added * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
+            depth_sum * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
         )
 
 
@@ -108,13 +109,13 @@ def deposit_over_arc(
     zero = joint.map_turns * contact.bearing_angle
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
-    added = joint.wear_coefficient * load_distance / bin_area
+    depth_sum = joint.wear_coefficient * load_distance / bin_area
     # The film of an oiled joint, and its contact, have the shape of new surfaces.
     if joint.surface_nodes == 0 or joint.oiled:
-        deposit_round_arc(depth, joint, contact, zero, relative_angle, added)
+        deposit_round_arc(depth, joint, contact, zero, relative_angle, depth_sum)
     else:
         deposit_worn_arc(
-            depth, joint, surfaces, contact, zero, relative_angle, added, shares
+            depth, joint, surfaces, contact, zero, relative_angle, depth_sum, shares
         )
 
 
@@ -125,7 +126,7 @@ def deposit_round_arc(
     contact: Records,
     zero: float,
     relative_angle: float,
-    added: float,
+    depth_sum: float,
 ) -> None:
     """Add a sum of depths, m, to both maps, shape (2, n), over the arc of round surfaces."""
     eccentricity, clearance = contact.eccentricity, joint.clearance
@@ -138,7 +139,9 @@ def deposit_round_arc(
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         place = direction + side * relative_angle
-        deposit_round(eccentricity, clearance, place, half, part * added, depth[side])
+        deposit_round(
+            eccentricity, clearance, place, half, part * depth_sum, depth[side]
+        )
 
 
 @lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 0, 0, 2)
@@ -149,7 +152,7 @@ def deposit_worn_arc(
     contact: Records,
     zero: float,
     relative_angle: float,
-    added: float,
+    depth_sum: float,
     shares: Array,
 ) -> None:
     """Add a sum of depths, m, to both maps, shape (2, n), over the arcs of worn surfaces."""
@@ -172,9 +175,9 @@ def deposit_worn_arc(
                 - zero
                 + side * relative_angle
             )
-            depth[side, bin_of(place, bins)] += part * added
+            depth[side, bin_of(place, bins)] += part * depth_sum
             continue
-        scale = part * added / total
+        scale = part * depth_sum / total
         k = first
         for _ in range(count):
             depth[side, k] += scale * shares[side, k]
@@ -213,7 +216,7 @@ def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     """Return the volume lost by both surfaces, m^3: the integral of depth times b R over angle.
 
-    ``depth``, m, was added to the bearing and to the pin, shape (2, m).
+    ``depth``, m, was depth_sum to the bearing and to the pin, shape (2, m).
     """
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     return float(depth.sum()) * bin_area
@@ -234,8 +237,8 @@ def largest_play(joint: ClearanceJoint, depth: Array) -> float:
     """
     bearing, pin = depth
     bins = bearing.size
-    turned = np.roll(pin, int(np.argmax(bearing)) - int(np.argmax(pin)))
-    gap = joint.clearance + bearing + turned
+    turned_pin = np.roll(pin, int(np.argmax(bearing)) - int(np.argmax(pin)))
+    gap = joint.clearance + bearing + turned_pin
     quarter = (bins - 1) // 4
     off = np.arange(-quarter, quarter + 1)
     cosine = np.cos(2.0 * math.pi / bins * off)

@@ -242,8 +242,8 @@ class Recorder:
         nominal, leader = self.records.nominal[0], self.records.cycle
         leader = leader[self._leader_column :]
         leader[DURATION] = self.last_time - nominal["cycle_start"]
-        turned = abs(nominal["speed"]) * (nominal["now"] - nominal["cycle_begin"])
-        leader[LEADER_SPEED_MEAN] = turned / leader[DURATION]
+        angle = abs(nominal["speed"]) * (nominal["now"] - nominal["cycle_begin"])
+        leader[LEADER_SPEED_MEAN] = angle / leader[DURATION]
 
     def _note_pins(self) -> None:
         """Write the places of the pins at the end of the cycle into its row."""

@@ -88,14 +88,14 @@ def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
     start = text.parameter(f"{prefix}_start_angle", drive.angle)
     if is_steady(linkage, drive):
         link.omega = text.parameter(f"{prefix}_omega", drive.mean_speed)
-        turned = product(link.omega, "t")
+        rotation = product(link.omega, "t")
     else:
-        turned, link.omega, link.alpha = (
-            f"{prefix}_{name}" for name in ("turned", "omega", "alpha")
+        rotation, link.omega, link.alpha = (
+            f"{prefix}_{name}" for name in ("rotation", "omega", "alpha")
         )
         motion = f"uneven_motion(data.motions[{link.drive}], t)"
-        text.write(f"{turned}, {link.omega}, {link.alpha} = {motion}")
-    link.angle = text.let(f"{prefix}_angle", total(start, turned))
+        text.write(f"{rotation}, {link.omega}, {link.alpha} = {motion}")
+    link.angle = text.let(f"{prefix}_angle", total(start, rotation))
 
 
 def _place(text: Text, chain: Chain, link: Link) -> None:

@@ -383,24 +383,21 @@ class ContactText:
 
     def _write_losses(self, normal: str, across: str) -> None:
         """Write the powers lost in contact and in friction, and made by the normal law."""
-        write, elastic, closing = (
-            self.text.write,
-            self.value("elastic"),
-            self.value("closing"),
-        )
+        write = self.text.write
+        closing = self.value("closing")
         contact_loss = self.name("contact_loss")
-        lost = product(difference(normal, elastic), closing)
-        write(f"{contact_loss} = {lost}")
+        loss = product(difference(normal, self.value("elastic")), closing)
+        write(f"{contact_loss} = {loss}")
         if across != ZERO:
-            rubbed = product(across, self.value("sliding"))
-            write(f"{self.name('friction_loss')} = {negative(rubbed)}")
+            friction_power = product(across, self.value("sliding"))
+            write(f"{self.name('friction_loss')} = {negative(friction_power)}")
         if not self.makes_energy:
             return
-        made = self.name("made")
-        write(f"{made} = -min({lost}, {ZERO})")
+        created = self.name("made")
+        write(f"{created} = -min({loss}, {ZERO})")
         if self.is_worn:
             work = product(normal, difference(self.value("approach"), closing))
-            write(f"{made} -= {work}")
+            write(f"{created} -= {work}")
             write(f"{contact_loss} += {work}")
 
     def _write_wear(self, normal: str) -> None:

@@ -125,13 +125,14 @@ class MotorTorque:
         phase, phase_rate = self._phase(page, prefix)
         start = text.parameter(f"{prefix}_start_angle", drive.angle)
         if drive.repeats:
-            turned, speed = f"{prefix}_turned", f"{prefix}_speed"
+            rotation = f"{prefix}_rotation"
+            speed = f"{prefix}_speed"
             motion = f"uneven_motion(data.motions[{self.number}], {phase})"
-            text.write(f"{turned}, {speed}, _ = {motion}")
+            text.write(f"{rotation}, {speed}, _ = {motion}")
         else:
             speed = text.parameter(f"{prefix}_speed", drive.speed)
-            turned = product(speed, phase)
-        lag = difference(total(start, turned), body.angle)
+            rotation = product(speed, phase)
+        lag = difference(total(start, rotation), body.angle)
         lag = text.let(f"{prefix}_lag", lag)
         speed_lag = difference(product(speed, phase_rate), body.omega)
         speed_lag = text.let(f"{prefix}_speed_lag", speed_lag)
