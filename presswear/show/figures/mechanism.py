@@ -15,7 +15,12 @@ from presswear.linkage.loads import Force, Load
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing
-from presswear.show.replay.shapes import across, body_outline, points_of
+from presswear.show.replay.shapes import (
+    across,
+    body_outline,
+    points_of,
+    slide_corners,
+)
 from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
@@ -63,7 +68,12 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         body.name: moving(Attachment(body.name, 0.0, 0.0)) for body in linkage.bodies
     }
     hung = [moving(end) for spring in linkage.springs for end in spring.ends]
-    everything = np.vstack([*paths.values(), *origins.values(), *hung])
+    edges_of_slides = [
+        moving(end) for guide in linkage.guides for end in slide_corners(guide)
+    ]
+    everything = np.vstack(
+        [*paths.values(), *origins.values(), *hung, *edges_of_slides]
+    )
     size = float(np.hypot(*np.ptp(everything, axis=0)))
     low = everything.min(axis=0) - _MARGIN * size
     high = everything.max(axis=0) + _MARGIN * size
@@ -249,6 +259,10 @@ def _draw_guides_and_forces(
         axes.plot(
             *line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0
         )
+        if guide.length is not None and guide.width is not None:
+            half = 0.5 * guide.width * across(direction_at(guide.direction))
+            for wall in (line - half, line + half):
+                axes.plot(*wall.T, color="0.3", linewidth=1.6, zorder=0)
     for spring in linkage.springs:
         first, second = map(at, spring.ends)
         part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)

@@ -91,7 +91,7 @@ class Picture:
         boxes = [
             shapes.bounding_box(clip.linkage, clip.film.position) for clip in clips
         ]
-        counts = [len(clip.linkage.clearances) for clip in clips]
+        counts = [len(shapes.loose_pins(clip.linkage)) for clip in clips]
         self.layout = layout_of(boxes, counts, size[0] / size[1])
         self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
         self._bar = shapes.BAR * self._size
@@ -170,8 +170,9 @@ class Picture:
                 start, end = (panel.offset + pose[0, :2] for pose in ends)
                 pieces.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
             joints = chapters[state.chapter]
+            count = len(joints)  # corners of slides come after the pins
             for (joint, parts), row, peak in zip(
-                joints, state.joints, state.peaks, strict=True
+                joints, state.joints[:count], state.peaks[:count], strict=True
             ):
                 sides = joint.joint.bearing, joint.joint.pin
                 bearing, pin = (
@@ -292,7 +293,7 @@ class Picture:
 def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
     joints = []
     for k, (joint, centre) in enumerate(
-        zip(chapter.linkage.clearances, panel.joints, strict=True)
+        zip(shapes.loose_pins(chapter.linkage), panel.joints, strict=True)
     ):
         limits = clip.max_depth[joint.name], clip.max_force[joint.name]
         paint = shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)]

@@ -16,7 +16,15 @@ from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
+from presswear.linkage.elements import (
+    CORNERS,
+    GROUND,
+    Attachment,
+    ClearanceJoint,
+    Guide,
+    GuideCorner,
+    corner_ends,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
@@ -43,6 +51,7 @@ PLAY_SHARE = 0.36
 BAND_SHARE = 0.13
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
+_EDGE = 0.22  # width of the line of a wall or a foot, in half widths of a bar
 
 
 class Shape(NamedTuple):
@@ -80,11 +89,29 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
     )
 
 
+def loose_pins(linkage: Linkage) -> list[ClearanceJoint]:
+    """Return the pin joints with clearance, which come before the corners of slides."""
+    return [one for one in linkage.clearances if not isinstance(one, GuideCorner)]
+
+
+def guides_of(linkage: Linkage) -> tuple[Guide, ...]:
+    """Return all guides, with and without clearance."""
+    return (*linkage.guides, *linkage.loose_guides)
+
+
+def slide_corners(guide: Guide) -> list[Attachment]:
+    """Return the corners of a slide, in turn around it; none without a length and a width."""
+    if guide.length is None or guide.width is None:
+        return []
+    around = ("left front", "left back", "right back", "right front")
+    return [corner_ends(guide, *CORNERS[name])[1] for name in around]
+
+
 def attachments(linkage: Linkage, body: str) -> list[Attachment]:
     """Return the points at which a body, or the ground, is connected."""
     ends = [
         *(end for joint in linkage.revolutes for end in (joint.first, joint.second)),
-        *(end for joint in linkage.clearances for end in (joint.bearing, joint.pin)),
+        *(end for joint in loose_pins(linkage) for end in (joint.bearing, joint.pin)),
         *(end for spring in linkage.springs for end in spring.ends),
     ]
     return [end for end in ends if end.body == body]
@@ -94,21 +121,23 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     """Return the outline of a body in its own frame, m, shape (n, 2).
 
     It is a block in a guide, with the joints outside of it, otherwise a bar or a plate
-    around the joints, or around one joint and the mass centre. ``bar`` is the half
-    width of a bar.
+    around the joints, or around one joint and the mass centre. A slide with a length
+    and a width is to scale. ``bar`` is the half width of a bar.
     """
     points = [(end.x, end.y) for end in attachments(linkage, body)]
-    guide = next((guide for guide in linkage.guides if guide.body == body), None)
+    guide = next((each for each in guides_of(linkage) if each.body == body), None)
     outline = np.zeros((0, 2))
     if guide is not None:
-        half = 0.5 * np.array([5.6 * bar, 4.4 * bar]) - inset
+        size = np.array([guide.length or 5.6 * bar, guide.width or 4.4 * bar])
+        half = 0.5 * size - inset
         along = direction(guide.direction - guide.angle)
         outline = (
             np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
             * half
             @ [along, across(along)]
         )
-        points = [point for point in points if math.hypot(*point) > half.max()]
+        inside = half.max() if guide.length is None else half.min()
+        points = [point for point in points if math.hypot(*point) > inside]
         if not points:
             return outline
     elif len(points) < 2:
@@ -196,7 +225,7 @@ def hatched(ends: Array, side: float, bar: float) -> list[Shape]:
     marks = np.linspace(0.0, 1.0, max(int(length / (0.9 * bar)), 2))
     feet = start + np.outer(marks, vector)
     lines = [line(foot, foot + slant, 0.132 * bar, 1, INK) for foot in feet]
-    return [line(start, end, 0.22 * bar, 1, INK), *lines]
+    return [line(start, end, _EDGE * bar, 1, INK), *lines]
 
 
 def mix(first: Colour, second: Colour, share: float) -> Colour:
@@ -210,6 +239,7 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     """Return the lowest and highest x, y, m, of a moving linkage with a margin."""
     names = [GROUND, *(body.name for body in linkage.bodies)]
     ends = [point for name in names for point in attachments(linkage, name)]
+    ends += [point for guide in guides_of(linkage) for point in slide_corners(guide)]
     points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.09 * float(np.hypot(*(high - low)))
@@ -247,16 +277,20 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
         drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
         ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
         drawn += hatched(ends, -1.0, bar)
-    for guide in linkage.guides:
+    clearances = {corner.guide.name: corner.clearance for corner in linkage.corners}
+    for guide in guides_of(linkage):
         along = direction(guide.direction)
         base = np.array([guide.x, guide.y])
         places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
         travel = (places[:, :2] - base) @ along
-        ends = base + np.outer(
-            [travel.min() - 4.0 * bar, travel.max() + 4.0 * bar], along
-        )
+        reach = max(4.0 * bar, 0.5 * (guide.length or 0.0) + bar)
+        ends = base + np.outer([travel.min() - reach, travel.max() + reach], along)
+        half = 2.35 * bar
+        if guide.width is not None:  # to scale, beside the edge of the line
+            wall = 0.5 * guide.width + clearances.get(guide.name, 0.0)
+            half = wall + 0.5 * _EDGE * bar
         for sign in (-1.0, 1.0):
-            drawn += hatched(ends + sign * 2.35 * bar * across(along), sign, bar)
+            drawn += hatched(ends + sign * half * across(along), sign, bar)
     return drawn
 
 
