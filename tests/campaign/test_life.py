@@ -626,6 +626,23 @@ def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -
     assert depth[k + 1] == (0.0 if key == "replaced" else depth[k])
 
 
+def test_a_replaced_bushing_runs_in_again_under_a_power_of_the_pressure() -> None:
+    """Only the bushing wears, so that the course after the service is that when new."""
+    law = {"running_in": 20.0, "running_in_depth": "4 um"}
+    law |= {"pressure_exponent": 0.7, "pressure_reference": "1 MPa"}
+    at = 5e4
+    life = life_of_scene(changed(scene_of(replaced=f"B@{at}"), law))
+    strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
+    k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
+    assert depth[k + 1] == 0.0
+    levels = np.linspace(2e-6, 0.9 * depth[k], 6)
+    before = np.interp(levels, depth[: k + 1], strokes[: k + 1])
+    after = np.interp(levels, depth[k + 1 :], strokes[k + 1 :]) - at
+    np.testing.assert_allclose(after, before, rtol=0.01)
+    # Surfaces that run in wear the first of these depths several times as fast.
+    assert before[1] - before[0] < 0.5 * (before[-1] - before[-2])
+
+
 def test_limit_that_is_not_exceeded_ends_with_the_strokes(
     whole: tuple[Path, Any],
 ) -> None:
