@@ -159,7 +159,12 @@ two_point = _named(
     cycles=10,
 )
 
-# 60 strokes a minute; the slide in gibs of 100 mm. All assumed.
+_OFF_CENTRE = (
+    *("crank_length", "rod_length", "crank_mass", "rod_mass", "slider_mass"),
+    *("crank_inertia", "speed", "guide_length", "guide_width"),
+    *("clearance", "width", "friction", "restitution"),
+)
+# 60 strokes a minute; the slide in gibs of 100 mm.
 press_off_centre = _named(
     "press-off-centre",
     "A press of 100 kN cuts beside the middle: the slide tilts in its guide",
@@ -186,6 +191,7 @@ press_off_centre = _named(
     ),
     wear_updates=0,
     cycles=10,
+    origins=dict.fromkeys(_OFF_CENTRE, "assumed"),
 )
 
 _KNOWN = (

@@ -336,9 +336,9 @@ class Scene(Checked):
         if process.offset == 0.0 or any(g.body == body for g in self.loose_guides):
             return
         raise InputError(
-            f"process.offset = {written(process.offset, 'm')}: allowed is 0, because {body} cannot "
-            f"tilt and an offset changes nothing; give the guide of {body} clearance, length and "
-            "width"
+            f"process.offset = {written(process.offset, 'm')}: allowed is 0, because "
+            f"{self.output} cannot tilt, so that an offset changes nothing; give its guide "
+            "clearance, a length and a width"
         )
 
     def _check_life(self, life: Life) -> None:

@@ -90,7 +90,7 @@ def test_a_positive_offset_lies_to_the_right_with_the_work_below(bottom: str) ->
 
 def test_an_offset_where_nothing_can_tilt() -> None:
     scene = changed(scene_named("press-blanking"), {"process.offset": "60 mm"})
-    fault = "process.offset = 60 mm: allowed is 0, because slider 6 cannot tilt"
+    fault = "process.offset = 60 mm: allowed is 0, because the slider cannot tilt"
     with pytest.raises(pw.InputError, match=fault):
         scene.check()
     keys = {"joints": "A, C, guide", "guide_length": "0.1 m", "guide_width": "50 mm"}

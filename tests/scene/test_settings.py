@@ -116,6 +116,7 @@ def test_changed_sets_every_part_and_nothing_else() -> None:
 
 
 SCENES_BY_NAME = {"press": PRESS, "crank": CRANK, "ideal": pw.scenes.ideal()}
+SCENES_BY_NAME["off-centre"] = pw.scenes.press_off_centre()
 SCENES_BY_NAME["refined"] = pw.scenes.wear_times(conventions="refined")
 # Scene, settings, and pattern of the message.
 REFUSED = r"""
@@ -174,6 +175,14 @@ ideal | servo=dwell servo.stroke=80 | servo\.stroke = '80' has no unit
 ideal | servo=dwell servo.part=0.6 | servo\.part = 0\.6: allowed is above 0 up to 0\.5
 ideal | servo=forming servo.speed=1mm/s | servo\.speed = 1 mm/s: .* allowed is 32\.66
 ideal | servo=forming servo.end=7mm | servo\.height = 6 mm: .* end = 7 mm and stroke
+off-centre | guide_length=none | length of guide: a guide with clearance needs it; set length
+off-centre | guide_width=0.1mm | guide_width = 0\.1 mm: allowed is 1 to 10000 mm
+off-centre | guide_width=15mm clearance=8mm | .* = 8 mm: allowed is up to half .*, 7\.5 mm
+off-centre | guide_length=30mm clearance=3mm | .* by 300 mm can turn over
+off-centre | elasticity=liu | guide\.elasticity = liu: in a guide allowed is auto or power
+off-centre | process.offset=60 | process\.offset = '60' has no unit
+off-centre | process.offset=11m | process\.offset = 11 m: allowed is -10 to 10 m
+off-centre | joints=none | process\.offset = 60 mm: allowed is 0, because the slider cannot tilt
 ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d = 5 N m: the ideal
 """
 
