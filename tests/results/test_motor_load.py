@@ -9,7 +9,8 @@ import pytest
 import presswear as pw
 from presswear.results.frame_load import frame_loads
 from presswear.results.motor_load import leader_speed, motor_loads
-from presswear.results.press_analysis import sampled_strokes
+from presswear.results.press_analysis import curves_of, sampled_strokes
+from presswear.show.figures.style import between
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.report import stage_tables
 from presswear.sweeps.responses import available, request, responses_of
@@ -91,6 +92,15 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert values["slip_loss"].value == load.slip_loss.mean
     assert "frame_stretch" not in available(scene)
     assert not any("overheats" in line for line in warnings(result))
+
+
+def test_the_power_of_the_strokes_that_a_figure_shows() -> None:
+    """T omega, with the speed on the line of the motor."""
+    result = press(0.25, breakdown=None)
+    shown = between(result.stages[0], 2.0, 4.0)
+    curve = curves_of(result.scene, shown)["crank"]
+    omega = TURN * (1.0 - 0.08 * curve.torque / 480.0)
+    assert curve.power == pytest.approx(curve.torque * omega, rel=1e-6)
 
 
 def test_a_light_flywheel_is_slowed_too_much() -> None:
