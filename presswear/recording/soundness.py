@@ -274,9 +274,9 @@ def _depth_in_work(linkage: Linkage, recorder: Recorder) -> str:
         return ""
     motion = ideal_motion(linkage.ideal, linkage.period).at(np.array([stall]))
     position = motion.position[0].tolist()
-    for load in linkage.live_loads:
-        is_process = isinstance(load, Force) and load.name in PROCESSES
-        if not is_process or not isinstance(load.law, OverPosition):
+    forces = (load for load in linkage.live_loads if isinstance(load, Force))
+    for load in forces:
+        if load.name not in PROCESSES or not isinstance(load.law, OverPosition):
             continue
         x, y = place_of(linkage, load.attachment, position)
         along = x * math.cos(load.direction) + y * math.sin(load.direction)

@@ -44,7 +44,7 @@ _FOUR_BAR = pw.Scene(
     pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), cycles=20, **_NEW
 )
 # Its speed varies from 0.94 to 1.07 of the nominal one.
-_MOTOR = pw.Motor("1 N m", slip=0.08, inertia="0.005 kg m^2")
+_MOTOR = pw.Motor(1.0, slip=0.08, inertia=0.005)
 SUBJECTS = {
     "press": Subject(pw.scenes.wear_times(conventions="refined", **_NEW)),
     "blanking": Subject(pw.scenes.press_blanking(**_NEW), 150),

@@ -1,0 +1,76 @@
+"""CPU time of the press with motors on both cranks, relative to that with prescribed cranks.
+
+usage: python tests/benchmarks/motor_costs.py [--repeats N] [--cycles N] [--engine WORD]
+
+Both are open trees of the paper's press with clearance at A and C, without wear updates:
+of six coordinates with a motor with flywheel at crank 2 and a servo at crank 7, of four
+with prescribed cranks. The flywheel is large, so that both have nearly the same motion.
+Each repeat has a seed of its own, and its runs are interleaved.
+"""
+
+import argparse
+from statistics import median
+
+import presswear as pw
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan
+from presswear.engines.settings import ExudynTree, InHouse
+
+TOLERANCES = {"dae": (1e-7, 1e-9), "exudyn-tree": (1e-6, 1e-8)}
+CRANKS = {"inertia_2": "0.1 kg m^2", "inertia_7": "0.1 kg m^2"}
+MOTORS = {
+    "motor.torque": "20 N m",
+    "motor.inertia": "10 kg m^2",
+    "servo.stiffness": "10 kN m/rad",
+    "servo.damping": "40 N m s/rad",
+}
+
+
+def cost(scene: pw.Scene, tolerance: float, cycles: int, seed: int) -> list[float]:
+    """Return CPU time, s, steps and contacts of a run."""
+    engine: InHouse | ExudynTree = ExudynTree(tree_tolerance=tolerance)
+    if scene.engine == "dae":
+        engine = InHouse(integration_tolerance=tolerance)
+    period = scene.mechanism.period
+    plan = Plan(period, cycles, 1, torques=False)
+    run = engine.for_cycle(period).simulate(
+        scene.linkage(), start_of(scene, seed), plan
+    )
+    if run.status == "failed":
+        raise SystemExit(run.message)
+    contacts = run.recorder.records.counters["contacts"].sum()
+    return [run.cpu, run.recorder.each_cycle("steps").sum(), float(contacts)]
+
+
+def main() -> None:
+    """Print medians with prescribed cranks and with motors, and their ratios."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=9, help="(default 9)")
+    parser.add_argument("--cycles", type=int, default=20, help="(default 20)")
+    parser.add_argument("--engine", choices=TOLERANCES, default="dae")
+    options = parser.parse_args()
+    plain = pw.scenes.wear_times(conventions="refined", engine=options.engine)
+    plain = pw.changed(plain, CRANKS)
+    scenes = plain, pw.changed(plain, MOTORS)
+    for tolerance in TOLERANCES[options.engine]:
+        for scene in scenes:
+            cost(scene, tolerance, 1, 1)  # compiles
+        rows = [
+            [cost(scene, tolerance, options.cycles, seed) for scene in scenes]
+            for seed in range(1, options.repeats + 1)
+        ]
+        print(f"{options.engine}, tolerance {tolerance:g}")
+        values = list(zip(*rows, strict=True))
+        steps = [[cpu / count for cpu, count, _ in runs] for runs in values]
+        for name, pair in (
+            ("CPU time, s", [[run[0] for run in runs] for runs in values]),
+            ("steps", [[run[1] for run in runs] for runs in values]),
+            ("contacts", [[run[2] for run in runs] for runs in values]),
+            ("CPU time of a step, s", steps),
+        ):
+            first, second = map(median, pair)
+            print(f"  {name}: {first:.4g}, {second:.4g}; ratio {second / first:.3f}")
+
+
+if __name__ == "__main__":
+    main()
