@@ -92,6 +92,11 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert values["slip_loss"].value == load.slip_loss.mean
     assert "frame_stretch" not in available(scene)
     assert not any("overheats" in line for line in warnings(result))
+    _, power_axes = result.plot("drives")
+    time, power = power_axes.lines[0].get_data()
+    expected = np.interp(time, stage.time, stage.arrays["drive_torque"][:, 0])
+    expected *= TURN * (1.0 - 0.08 * expected / 480.0)
+    assert power == pytest.approx(expected, rel=1e-6, abs=1e-3)
 
 
 def test_the_power_of_the_strokes_that_a_figure_shows() -> None:
