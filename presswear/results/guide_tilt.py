@@ -59,6 +59,11 @@ class GuideTilt:
         return {words: tilt for words, tilt in named.items() if tilt is not None}
 
     @property
+    def working(self) -> Estimate | None:
+        """Tilt at the fracture, else at the touch, else at bottom dead centre; rad."""
+        return next(iter(self.at_work.values()), None)
+
+    @property
     def is_excessive(self) -> bool:
         """True if a tilt at the work is above what press makers ask for."""
         return any(tilt.mean > ALLOWED_TILT for tilt in self.at_work.values())

@@ -16,6 +16,7 @@ from presswear.recording.film import Film
 from presswear.results import press_analysis as press
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.frame_load import FrameLoad, frame_loads
+from presswear.results.guide_tilt import GuideTilt, guide_tilts
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
 from presswear.results.stage import StageResult
@@ -113,6 +114,10 @@ class Result:
     def frame_loads(self, index: int) -> dict[str, FrameLoad]:
         """Return the loads of elastic frames in a stage by guide; empty without a stroke."""
         return frame_loads(self.scene, self.stage(index))
+
+    def guide_tilts(self, index: int) -> dict[str, GuideTilt]:
+        """Return tilt and load of slides in a stage by guide; empty without a loose guide."""
+        return guide_tilts(self.scene, self.stage(index))
 
     def drives(self, index: int) -> dict[str, press.DriveResult]:
         """Return the drives in a stage by their bodies; empty if torques were not stored."""

@@ -19,6 +19,7 @@ from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.frame_load import frame_loads
+from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.results.press_analysis import rise
 from presswear.results.result import Result
@@ -178,6 +179,12 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     "slip_loss": ("J", "slip loss of the motor in a cycle, the greatest"),
     "frame_stretch": ("m", "stretch of the frame at its greatest force in the work"),
     "reverse_force": ("", "reverse force of the frame over its greatest force"),
+    "slide_tilt": (
+        "",
+        "tilt of the slide, rad: at the fracture, else at the touch, else at the bottom",
+    ),
+    "slide_tilt_max": ("", "greatest tilt of the slide in a stroke, rad"),
+    "corner_force": ("N", "greatest normal force of a corner of the slide in a cycle"),
     "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }
@@ -198,11 +205,15 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "slip_loss": ("stage", _greatest_of(motor_loads, "slip_loss")),
     "frame_stretch": ("stage", _greatest_of(frame_loads, "stretch")),
     "reverse_force": ("stage", _greatest_of(frame_loads, "reverse_fraction")),
+    "slide_tilt": ("stage", _greatest_of(guide_tilts, "working")),
+    "slide_tilt_max": ("stage", _greatest_of(guide_tilts, "greatest")),
+    "corner_force": ("stage", _greatest_of(guide_tilts, "corner_force")),
     "settled": ("stage", _settled),
     "life": ("result", _life),
 }
 OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
 OF_FRAMES = ("frame_stretch", "reverse_force")
+OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force")
 RESPONSES = {
     name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()
 }
@@ -226,6 +237,7 @@ def available(scene: Scene) -> dict[str, Definition]:
     absent = {"life"} if scene.life is None else set()
     absent |= set() if linkage.leader else set(OF_MOTORS)
     absent |= set() if linkage.elastic_guides else set(OF_FRAMES)
+    absent |= set() if scene.loose_guides else set(OF_GUIDES)
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
             responses |= {f"{joint}.{name}": definition for joint in scene.loose_pins}

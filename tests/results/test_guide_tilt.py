@@ -21,6 +21,7 @@ from presswear.results.guide_tilt import (
 from presswear.show.figures.guide import largest_tilt
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.report import stage_tables
+from presswear.sweeps.responses import OF_GUIDES, RESPONSES, available
 
 L, C, FORCE, OFFSET = 0.4, 0.05e-3, 100e3, 0.06
 
@@ -129,6 +130,22 @@ def test_shares_and_corner_force_by_the_rows(
     assert tilt.corner_force.mean == pytest.approx(np.max(peaks, axis=0)[-1])
 
 
+def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) -> None:
+    assert result.guide_tilts(0) == {"guide": tilt}
+    assert set(OF_GUIDES) <= set(available(result.scene))
+    assert not set(OF_GUIDES) & set(available(pw.Scene(pw.SliderCrank())))
+    values = {
+        name: RESPONSES[name].function(result, result.stages[0], None)
+        for name in OF_GUIDES
+    }
+    estimates = tilt.fracture, tilt.greatest, tilt.corner_force
+    for name, estimate in zip(OF_GUIDES, estimates, strict=True):
+        response = values[name]
+        assert response is not None
+        assert estimate is not None
+        assert response.value == estimate.mean
+
+
 def test_the_report_has_the_tilt(result: pw.Result) -> None:
     texts = [f"{number}" for number in key_numbers(result)]
     assert any("press makers ask for 20 to 50 µm/m" in text for text in texts)
@@ -186,7 +203,8 @@ def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:
     placed = replace(stage, arrays=arrays)
     assert tilt_series(placed, guide) == pytest.approx([angle, angle], rel=1e-12)
     paths = corner_paths(placed, guide)
-    assert sum(paths.values())[0] == pytest.approx(4.0 * way, rel=1e-9)
+    total = np.sum([*paths.values()], axis=0)
+    assert total[0] == pytest.approx(4.0 * way, rel=1e-9)
 
 
 def test_self_locking_from_half_the_length_over_the_offset() -> None:
