@@ -1,6 +1,7 @@
 """Loads of motors in the sampled cycles of a stage: speed, torque and energy."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,13 +113,33 @@ def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:
     drives = scene.linkage().drives
     cycles = sampled_cycles(scene, stage)
     duration = _durations(stage, cycles)
-    numbers = cycles[:, -len(DRIVE_CYCLE) * len(drives) :]
-    numbers = numbers.reshape(len(cycles), len(drives), -1)
+    numbers = _numbers_of(drives, cycles)
     return {
         drive.body: _load_of(drive, numbers[:, k], duration)
         for k, drive in enumerate(drives)
         if drive.motor is not None and drive.motor.has_slip
     }
+
+
+def saturated_servos(scene: Scene, stage: StageResult) -> dict[str, float]:
+    """Return the torque limits of the servos that reach them, N m, by body."""
+    drives = scene.linkage().drives
+    if stage.failed or not stage.arrays["cycles"].size or not drives:
+        return {}
+    numbers = _numbers_of(drives, sampled_cycles(scene, stage))
+    return {
+        drive.body: drive.torque_limit
+        for k, drive in enumerate(drives)
+        if drive.motor is not None
+        and drive.torque_limit is not None
+        and np.abs(numbers[:, k, TORQUE_PEAK]).max() >= drive.torque_limit
+    }
+
+
+def _numbers_of(drives: Sequence[Drive], cycles: Array) -> Array:
+    """Return the numbers of the drives in cycles, shape (cycles, drives, DRIVE_CYCLE)."""
+    numbers = cycles[:, -len(DRIVE_CYCLE) * len(drives) :]
+    return numbers.reshape(len(cycles), len(drives), -1)
 
 
 def _durations(stage: StageResult, cycles: Array) -> Array:

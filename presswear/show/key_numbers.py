@@ -22,7 +22,12 @@ from presswear.results.life import (
     words_of,
 )
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
-from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
+from presswear.results.motor_load import (
+    ALLOWED_DROP,
+    leader_speed,
+    motor_loads,
+    saturated_servos,
+)
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.result import Result
 from presswear.results.stage import BottomStatistics, JointStatistics, StageResult
@@ -418,7 +423,7 @@ def _motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
 
 
 def _motor_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on a motor that is slowed too much or overloaded."""
+    """Return sentences on motors that are slowed too much, overloaded or saturated."""
     name = stage.name.capitalize()
     speed = leader_speed(scene, stage)
     lines = []
@@ -435,6 +440,11 @@ def _motor_warnings(scene: Scene, stage: StageResult) -> list[str]:
                 f"{name}: the rms torque of the motor of {body} is {part} % of its rated "
                 "torque, so that the motor overheats."
             )
+    for body, limit in saturated_servos(scene, stage).items():
+        lines.append(
+            f"{name}: the servo of {body} reaches its torque_limit of {written(limit, 'N m')} and "
+            "falls behind its motion."
+        )
     return lines
 
 

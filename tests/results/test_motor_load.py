@@ -8,7 +8,11 @@ import pytest
 
 import presswear as pw
 from presswear.results.frame_load import frame_loads
-from presswear.results.motor_load import leader_speed, motor_loads
+from presswear.results.motor_load import (
+    leader_speed,
+    motor_loads,
+    saturated_servos,
+)
 from presswear.results.press_analysis import curves_of, sampled_strokes
 from presswear.show.figures.style import between
 from presswear.show.key_numbers import key_numbers, warnings
@@ -127,6 +131,29 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     stretch = result.stages[0].arrays["stretch"][:, 0]
     assert load.force is not None
     assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
+
+
+@pytest.mark.parametrize(("limit", "saturates"), [(2.0, False), (0.4, True)])
+def test_a_servo_that_saturates_is_warned_of(limit: float, saturates: bool) -> None:
+    """The weight of its crank needs 0.49 N m, and the servo starts in its motion."""
+    bodies = [pw.Bar("even", 0.1, 1.0, 0.5), pw.Bar("servo", 0.1, 1.0, 0.5)]
+    joints = [
+        pw.Pin("O", (0.0, 0.0), "even.tail"),
+        pw.Pin("P", (1.0, 0.0), "servo.tail"),
+    ]
+    servo = pw.Motor(stiffness=1e3, damping=10.0)
+    drives = [
+        pw.Drive("even", TURN, motor=pw.Motor(0, inertia=1e3)),
+        pw.Drive("servo", TURN, motor=servo, torque_limit=limit),
+    ]
+    result = pw.run(
+        pw.Scene(pw.assemble(bodies, joints, drives), cycles=2), engine="dae"
+    )
+    stage = result.stages[0]
+    found = saturated_servos(result.scene, stage)
+    assert found == ({"servo": limit} if saturates else {})
+    warned = any("reaches its torque_limit" in line for line in warnings(result))
+    assert warned == saturates
 
 
 def test_a_linkage_without_a_motor_has_no_load() -> None:
