@@ -370,7 +370,7 @@ def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         if not tilts:
             continue
         at = next(iter(tilts))
-        text = f"Tilt in {name} at {at}; press makers ask for {_ASKED}."
+        text = f"Tilt in {name} at {at}; makers of presses ask for {_ASKED} under load."
         first = tilts.pop(at)
         rest = [f"at {words} {_microns(one)}" for words, one in tilts.items()]
         if tilt.greatest is not None:
@@ -389,8 +389,10 @@ def _microns(tilt: Estimate) -> str:
 
 
 def _guide_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on slides that tilt more than press makers ask for."""
-    lines = []
+    """Return sentences on slides of presses that tilt more than press makers ask for."""
+    lines: list[str] = []
+    if scene.process is None:
+        return lines
     for name, tilt in guide_tilts(scene, stage).items():
         if tilt.is_excessive:
             tilts = ", ".join(

@@ -96,7 +96,8 @@ def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> N
     assert tonnage.work is not None
     for instant in (*strokes.contact[:, 0], *strokes.fracture[:, 0]):
         assert np.abs(stage.time - instant).min() < 1e-10
-    work = -0.5 * float(stage.diagnostics["load_work_J"])
+    total: Any = stage.diagnostics["load_work_J"]
+    work = -0.5 * total
     assert tonnage.work.mean == pytest.approx(work, rel=1e-3)
 
 
@@ -148,8 +149,11 @@ def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) 
 
 def test_the_report_has_the_tilt(result: pw.Result) -> None:
     texts = [f"{number}" for number in key_numbers(result)]
-    assert any("press makers ask for 20 to 50 µm/m" in text for text in texts)
+    assert any("ask for 20 to 50 µm/m under load" in text for text in texts)
     assert any("slide tilts in guide by" in line for line in warnings(result))
+    jams = replace(result, scene=press(offset=1.0, friction=0.21))
+    assert any("self-locking" in line for line in warnings(jams))
+    assert not any("self-locking" in line for line in warnings(result))
     table = f"{stage_tables(result)['guide']}"
     assert "share of the time, two opposite corners" in table
 
