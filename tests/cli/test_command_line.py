@@ -74,6 +74,8 @@ life press-blanking --compare clearance=0.8mm: changes nothing
 life press-blanking --conventions paper: wear_distribution & arc
 life press-blanking --at-most 5 --set life.at_most=6: --at-most and --set life.at_most cannot be
 life ideal: no pin has clearance
+life press-blanking --readings nowhere.csv: nowhere.csv: there is no such file
+life press-blanking --readings x.csv --materials: --readings & cannot be combined with
 sweep wear-times 'speed=60 rpm': --set 'speed=60 rpm'
 dynamics slider-crnk: did you mean slider-crank
 dynamics slider-crank --exponent 0: --exponent 0 needs --over
