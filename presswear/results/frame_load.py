@@ -62,6 +62,12 @@ def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
     }
 
 
+def carried_weight(linkage: Linkage, guide: Guide) -> float:
+    """Return the weight that an elastic frame carries, along its guide, N."""
+    weight = linkage.gravity * carried_mass(linkage, guide.body)
+    return weight * math.sin(guide.direction)
+
+
 def _load_of(
     linkage: Linkage,
     guide: Guide,
@@ -71,8 +77,7 @@ def _load_of(
 ) -> FrameLoad:
     """Return the load of a frame from its stretches."""
     stiffness = guide.stiffness or 0.0
-    weight = linkage.gravity * carried_mass(linkage, guide.body)
-    load = stiffness * stretch + weight * math.sin(guide.direction)
+    load = stiffness * stretch + carried_weight(linkage, guide)
     rows = [_forces_of(time, load, stroke) for stroke in strokes]
     greatest, back = np.array(rows).T
     return FrameLoad(

@@ -101,6 +101,14 @@ def test_loads_are_those_of_the_stored_series() -> None:
     expected = np.interp(time, stage.time, stage.arrays["drive_torque"][:, 0])
     expected *= TURN * (1.0 - 0.08 * expected / 480.0)
     assert power == pytest.approx(expected, rel=1e-6, abs=1e-3)
+    speed_axes, torque_axes = result.plot("motor")
+    torque = torque_axes.lines[0].get_ydata()
+    expected = 60.0 * (1.0 - 0.08 * np.asarray(torque) / 480.0)
+    assert speed_axes.lines[0].get_ydata() == pytest.approx(expected, rel=1e-6)
+    (rated,) = set(torque_axes.lines[-1].get_ydata())
+    assert rated == 480.0
+    (nominal,) = set(speed_axes.lines[-1].get_ydata())
+    assert nominal == pytest.approx(60.0)
 
 
 def test_the_power_of_the_strokes_that_a_figure_shows() -> None:
@@ -131,6 +139,12 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     stretch = result.stages[0].arrays["stretch"][:, 0]
     assert load.force is not None
     assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
+    (axes,) = result.plot("frame")
+    drawn = np.asarray(axes.lines[0].get_ydata())
+    assert drawn.max() == pytest.approx(1e6 * stretch[stretch.size // 2 :].max())
+    (scale,) = axes.child_axes
+    ends = 1e-6 * np.array(axes.get_ylim())
+    assert scale.get_ylim() == pytest.approx(1e-3 * (FRAME * ends + WEIGHT))
 
 
 @pytest.mark.parametrize(("limit", "saturates"), [(2.0, False), (0.4, True)])

@@ -41,6 +41,8 @@ NOT_MADE_UP = (
     "oil",
     "tilt",
     "corners",
+    "motor",
+    "frame",
 )  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [

@@ -15,7 +15,17 @@ from PIL import Image
 
 from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
-from presswear.show.figures import dynamics, guide, life, mechanism, motion, style, wear
+from presswear.show.figures import (
+    dynamics,
+    frame,
+    guide,
+    life,
+    mechanism,
+    motion,
+    motor,
+    style,
+    wear,
+)
 from presswear.show.figures.style import (
     DOTS_PER_INCH,
     SETTINGS,
@@ -61,6 +71,8 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "modes": ("sampled pins", dynamics.contact_modes),
     "spectrum": ("sampled", dynamics.spectrum),
     "drives": ("moving", motion.drive_work),
+    "motor": ("moving", motor.speed_and_torque),
+    "frame": ("moving", frame.stretch_over_angle),
     "oil": ("all", motion.film_thickness),
 }
 # Figures that are drawn after a run, the most important first, and how many of them

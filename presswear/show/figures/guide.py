@@ -3,13 +3,12 @@
 import math
 
 from presswear.linkage.elements import CORNERS, Guide
-from presswear.results import press_analysis as press
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.motion import MOMENTS, Window, sampled
-from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
+from presswear.show.figures.motion import mark_moments, sampled
+from presswear.show.figures.style import Axes, Drawing, Pen, Shown
 from presswear.tools.numbers import unit_scale
 
 _LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
@@ -32,7 +31,8 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
         for stage, full in zip(shown, moving, strict=True):
             tilt = 1e6 * tilt_series(stage.data, guide)
             stage.pen.draw(axes, stage.data.time, tilt, linewidth=0.8)
-            marks |= _mark_moments(axes, result, stage, full, guide, window)
+            values = 1e6 * tilt_series(full.data, guide)
+            marks |= mark_moments(axes, result, (stage, full), values, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     for axes in lowest:
@@ -40,28 +40,6 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     pens = [*(stage.pen for stage in shown), _LARGEST, _ASKED]
     content = {"window": window, "marks": marks.values()}
     return style.finished("tilt", sheet, pens, **content)
-
-
-def _mark_moments(
-    axes: Axes,
-    result: Result,
-    stage: ShownStage,
-    full: ShownStage,
-    guide: Guide,
-    window: Window,
-) -> dict[str, str]:
-    """Mark where the work is touched, breaks and is left; return the words of the marks."""
-    strokes = press.strokes_of(result.scene, full.data)
-    marks = {}
-    tilt = 1e6 * tilt_series(full.data, guide)
-    for name, (mark, words) in MOMENTS.items() if strokes else ():
-        when = getattr(strokes, name)[:, 0]
-        when = when[(when >= window.start) & (when <= window.end)]
-        if when.size:
-            marks[mark] = words
-            places = [tilt[(abs(full.data.time - time)).argmin()] for time in when]
-            axes.plot(when, places, mark, color=stage.pen.colour, markersize=6.0)
-    return marks
 
 
 def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:

@@ -109,6 +109,31 @@ def _pens(stages: Shown) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
 
+def mark_moments(
+    axes: Axes,
+    result: Result,
+    stages: tuple[ShownStage, ShownStage],
+    values: Array,
+    window: Window,
+) -> dict[str, str]:
+    """Mark where the work is touched, breaks and is left; return the words of the marks.
+
+    ``stages`` are a stage cut to the window and the whole one, to which the drawn
+    values belong, shape (n,).
+    """
+    cut, full = stages
+    strokes = press.strokes_of(result.scene, full.data)
+    marks = {}
+    for name, (mark, words) in MOMENTS.items() if strokes else ():
+        when = getattr(strokes, name)[:, 0]
+        when = when[(when >= window.start) & (when <= window.end)]
+        if when.size:
+            marks[mark] = words
+            places = [values[(abs(full.data.time - time)).argmin()] for time in when]
+            axes.plot(when, places, mark, color=cut.pen.colour, markersize=6.0)
+    return marks
+
+
 def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the height over the ideal bottom dead centre, with the moments of the work."""
     scene = result.scene

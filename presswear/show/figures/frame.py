@@ -1,0 +1,45 @@
+"""Figure of elastic frames: stretch and force over the crank angle."""
+
+from presswear.linkage.elements import Guide
+from presswear.linkage.linkage import Linkage
+from presswear.results.frame_load import carried_weight
+from presswear.results.result import Result
+from presswear.show.figures import style
+from presswear.show.figures.motion import mark_moments, sampled
+from presswear.show.figures.style import Axes, Drawing, Shown
+
+
+def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
+    """Draw the stretch of each elastic frame over the crank angle, with its force at the right."""
+    linkage = result.scene.linkage()
+    guides = linkage.elastic_guides
+    if not guides or any("stretch" not in stage.data.arrays for stage in moving):
+        return []
+    shown, window = sampled(result, moving)
+    height = 0.6 + 2.4 * len(guides)
+    sheet, grid = style.panels(len(guides), 1, height, is_measured=True, sharex=True)
+    marks: dict[str, str] = {}
+    for k, (guide, axes) in enumerate(zip(guides, grid[:, 0], strict=True)):
+        for stage, full in zip(shown, moving, strict=True):
+            cut = 1e6 * stage.data.arrays["stretch"][:, k]
+            stretch = 1e6 * full.data.arrays["stretch"][:, k]
+            stage.pen.draw(axes, stage.data.time, cut, linewidth=0.8)
+            marks |= mark_moments(axes, result, (stage, full), stretch, window)
+        axes.set_ylabel(f"stretch of {guide.name} (µm)")
+        _add_force(axes, linkage, guide)
+    window.label(grid[-1, 0])
+    pens = [stage.pen for stage in shown]
+    content = {"window": window, "marks": marks.values(), "guides": guides}
+    return style.finished("frame", sheet, pens, **content)
+
+
+def _add_force(axes: Axes, linkage: Linkage, guide: Guide) -> None:
+    """Add a scale of the force of a frame, less the weight that it carries, at the right."""
+    slope = 1e-9 * (guide.stiffness or 0.0)  # kN/µm
+    weight = 1e-3 * carried_weight(linkage, guide)
+    functions = (
+        lambda stretch: slope * stretch + weight,
+        lambda force: (force - weight) / slope,
+    )
+    scale = axes.secondary_yaxis("right", functions=functions)
+    scale.set_ylabel("force (kN)")

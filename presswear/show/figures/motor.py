@@ -1,0 +1,59 @@
+"""Figure of motors: speed and torque over the crank angle."""
+
+import math
+
+from presswear.linkage.drives import Drive
+from presswear.results.result import Result
+from presswear.show.figures import style
+from presswear.show.figures.motion import mark_moments, sampled
+from presswear.show.figures.style import Axes, Drawing, Pen, Shown
+
+_RPM = 30.0 / math.pi  # of a speed of 1 rad/s
+_NOMINAL = Pen("nominal speed", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
+_RATED = Pen("rated torque", style.MUTED, "dotted", 1.2)
+
+
+def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
+    """Draw the speed of the first motor and the torque of all motors over the crank angle.
+
+    Empty without a motor. Torques are drawn if they were stored.
+    """
+    linkage = result.scene.linkage()
+    leader = linkage.leader
+    if leader is None:
+        return []
+    has_torque = all("drive_torque" in stage.data.arrays for stage in moving)
+    driven = [drive for drive in linkage.drives if drive.motor and has_torque]
+    shown, window = sampled(result, moving)
+    sheet, panels, lowest = style.panel_list(1 + len(driven), 1.9, 1, sharex=True)
+    marks: dict[str, str] = {}
+    for stage, full in zip(shown, moving, strict=True):
+        speed = _RPM * leader.speed * full.data.nominal_rate
+        cut = _RPM * leader.speed * stage.data.nominal_rate
+        stage.pen.draw(panels[0], stage.data.time, cut)
+        marks |= mark_moments(panels[0], result, (stage, full), speed, window)
+    panels[0].axhline(_RPM * leader.speed, **_NOMINAL.line_style)
+    panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
+    for axes, drive in zip(panels[1:], driven, strict=True):
+        column = linkage.drives.index(drive)
+        for stage in shown:
+            torque = stage.data.arrays["drive_torque"][:, column]
+            stage.pen.draw(axes, stage.data.time, torque)
+        _draw_rated(axes, drive)
+        style.label_values(axes, f"torque on {drive.body}\n", "N m")
+    for axes in lowest:
+        window.label(axes)
+    has_rated = any(drive.motor and drive.motor.has_slip for drive in driven)
+    pens = [*(stage.pen for stage in shown), _NOMINAL, *[_RATED] * has_rated]
+    slowest = float((100.0 * shown[-1].data.nominal_rate).min())
+    content = {"window": window, "marks": marks.values(), "slowest": slowest}
+    content |= {"leader": leader, "has_torque": has_torque, "has_rated": has_rated}
+    return style.finished("motor", sheet, pens, **content)
+
+
+def _draw_rated(axes: Axes, drive: Drive) -> None:
+    """Draw the rated torque of a motor that has one, with the sense of its drive."""
+    motor = drive.motor
+    if motor is not None and motor.torque is not None and motor.has_slip:
+        rated = math.copysign(motor.ratio * motor.torque, drive.speed)
+        axes.axhline(rated, **_RATED.line_style)
