@@ -48,6 +48,8 @@ BORE_PART = 0.5
 OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
 # what passes a change of a load's law no further is not sent back; SI units
 EVENT_TOL = 1e-9
+# penetration over the clearance for which the steps of an oiled joint are short enough
+OILED_DEPTH = 0.05
 EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
 
 
@@ -230,6 +232,8 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
         )
         depth, rate = last.penetration, last.rate
         if joint.oiled:
+            # A force that passes through zero comes back within the step.
+            depth = max(depth, OILED_DEPTH * joint.clearance)
             wanted = contact_step(joint, depth, 0.0, steps[0].sustained)
             chosen = min(chosen, max(wanted, steps[0].least))
             continue

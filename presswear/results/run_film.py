@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Revolute
 from presswear.physics.oil_film import OilFilm, film_force, film_of
@@ -14,10 +15,11 @@ from presswear.results.oil_film import (
     percent,
     shear_power,
 )
-from presswear.results.stage import NotStored, StageResult
+from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
+from presswear.tools.errors import NotStored
 
 _ROUND_OFF = 1e-9  # of a cycle, by which the series ends earlier than the cycle
 
@@ -40,7 +42,7 @@ def run_films(scene: Scene, stage: StageResult) -> dict[str, JointFilm]:
         return {}
 
 
-def _last_cycle(scene: Scene, time: Array) -> Array:
+def _last_cycle(scene: Scene, time: Array) -> NDArray[np.int64]:
     """Return the rows of the last whole cycle in a series, shape (n,)."""
     cycles = (time - scene.run_up) / scene.mechanism.period
     last = math.floor(cycles[-1] + _ROUND_OFF)
@@ -50,7 +52,9 @@ def _last_cycle(scene: Scene, time: Array) -> Array:
     return np.flatnonzero(is_within)
 
 
-def _film(scene: Scene, stage: StageResult, pin: Revolute, rows: Array) -> JointFilm:
+def _film(
+    scene: Scene, stage: StageResult, pin: Revolute, rows: NDArray[np.int64]
+) -> JointFilm:
     """Return the film of a joint; an event stores two rows at one instant."""
     joint, bearing = stage.joints[pin.name], scene.bearing(pin.name)
     rows = rows[np.append(True, np.diff(stage.time[rows]) > 0.0)]

@@ -54,7 +54,7 @@ def test_what_a_film_in_the_run_needs(values: dict[str, Any], words: str) -> Non
 
 
 def test_guide_has_no_film() -> None:
-    sizes = {"guide_length": "0.3 m", "guide_width": "0.2 m"}
+    sizes: dict[str, Any] = {"guide_length": "0.3 m", "guide_width": "0.2 m"}
     bearings = {"guide": pw.Bearing(**NARROW_BUSH)}
     with pytest.raises(InputError, match="a guide has no oil film; allowed is report"):
         pw.Scene(pw.SliderCrank(**sizes), bearings=bearings)
