@@ -49,7 +49,8 @@ class Rows:
     """
 
     def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
-        self.linkage, self.bodies = linkage, len(linkage.bodies)
+        self.linkage = linkage
+        self.bodies = len(linkage.bodies)
         frame = Attachment(GROUND, 0.0, 0.0)
         # Name, both points, direction, share of the first body's angle, value that is
         # to be held
@@ -60,10 +61,8 @@ class Rows:
             for axis in ((1.0, 0.0), (0.0, 1.0)):
                 rows.append((joint.name, joint.first, joint.second, axis, 0.0, 0.0))
         for guide in linkage.guides:
-            centre, point = (
-                Attachment(guide.body, 0.0, 0.0),
-                Attachment(GROUND, guide.x, guide.y),
-            )
+            centre = Attachment(guide.body, 0.0, 0.0)
+            point = Attachment(GROUND, guide.x, guide.y)
             across = -math.sin(guide.direction), math.cos(guide.direction)
             rows.append((guide.name, centre, point, across, 0.0, 0.0))
             rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
@@ -77,7 +76,8 @@ class Rows:
                 self.following.append(len(rows))
                 output = drive.follow.point
                 assert isinstance(output, OutputPoint), "a linkage has found it"
-                point, turn = Attachment(output.body, output.x, output.y), 0.0
+                point = Attachment(output.body, output.x, output.y)
+                turn = 0.0
                 along = math.cos(output.direction), math.sin(output.direction)
             rows.append((drive.name, point, frame, along, turn, 0.0))
         self.names = tuple(row[0] for row in rows)  # joint, guide or drive
@@ -148,7 +148,8 @@ class Rows:
         for order, level in enumerate(moving):
             gap: Array | float = 0.0
             for (body, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
-                arm, left = np.stack([x, y], axis=-1), np.stack([-y, x], axis=-1)
+                arm = np.stack([x, y], axis=-1)
+                left = np.stack([-y, x], axis=-1)
                 point = level[:, body, :2] + (
                     arm if order == 0 else level[:, body, 2:] * left
                 )
@@ -244,7 +245,8 @@ class Rows:
             inverse = np.linalg.pinv(self.jacobian(q) * self.scale)
             scaled = (inverse @ right[..., np.newaxis])[..., 0]
             return np.asarray((scaled * self.scale).reshape(q.shape))
-        parts, result = self._parts(q), np.zeros((len(q), self.bodies + 1, 3))
+        parts = self._parts(q)
+        result = np.zeros((len(q), self.bodies + 1, 3))
         flat = result.reshape(len(q), -1)
         for rows, columns in self.groups:
             rest = right[:, rows]
@@ -292,7 +294,8 @@ class Rows:
         if self.repeated:
             values = np.linalg.svd(self.jacobian(q) * self.scale, compute_uv=False)
             return np.asarray(1.0 / np.sqrt((values**-2.0).sum(axis=1)))
-        parts, norms = self._parts(q), []
+        parts = self._parts(q)
+        norms = []
         for group in self.groups:
             inverse = np.linalg.inv(self._block(parts, group) * self.scale[group[1]])
             norms.append(np.linalg.norm(inverse, axis=(1, 2)))
@@ -329,7 +332,8 @@ def _guessed(linkage: Linkage) -> Array:
     reached = {GROUND}
     for _ in linkage.bodies:
         for joint in linkage.revolutes:
-            placed, loose = joint.first, joint.second
+            placed = joint.first
+            loose = joint.second
             if placed.body not in reached:
                 placed, loose = loose, placed
             if placed.body in reached and loose.body not in reached:
@@ -337,7 +341,8 @@ def _guessed(linkage: Linkage) -> Array:
                 reached.add(loose.body)
     for guide in linkage.guides:
         along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
-        point, body = np.array([guide.x, guide.y]), indices[guide.body]
+        point = np.array([guide.x, guide.y])
+        body = indices[guide.body]
         q[body, :2] = point + along * ((q[body, :2] - point) @ along)
     return q[:-1]
 
@@ -404,8 +409,10 @@ def assembled(linkage: Linkage) -> Array:
         raise AssemblyError(
             f"the linkage is free to move: {_count(linkage)}, {free} more are needed{hint}"
         )
-    rows, start = Rows(linkage), np.zeros(1)
-    q, guess = _guessed(linkage)[np.newaxis], dict(linkage.guess)
+    rows = Rows(linkage)
+    start = np.zeros(1)
+    q = _guessed(linkage)[np.newaxis]
+    guess = dict(linkage.guess)
     prescribed = {drive.body for drive in linkage.drives} | {
         guide.body for guide in linkage.guides
     }

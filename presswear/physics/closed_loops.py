@@ -43,8 +43,10 @@ def place_prescribed(
     Not finite where their loops do not close near where they are expected, on the same
     side. ``axes`` are those of ``place_parts``.
     """
-    parts, work = prescribed.parts, prescribed.work
-    closings, motions = prescribed.closings, prescribed.motions
+    parts = prescribed.parts
+    work = prescribed.work
+    closings = prescribed.closings
+    motions = prescribed.motions
     ahead = t - work[LAST, TIME]
     work[LAST, TIME] = t
     for i in range(parts.shape[0]):
@@ -95,9 +97,13 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 
     Returns the greatest change; leaves the determinant.
     """
-    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
+    parts = prescribed.parts
+    closings = prescribed.closings
+    work = prescribed.work
     count = 2 * closings.shape[0]
-    matrix, right, target = work[HEAD + count :], work[RIGHT], work[row]
+    matrix = work[HEAD + count :]
+    right = work[RIGHT]
+    target = work[row]
     column = 0
     for i in range(parts.shape[0]):
         if parts[i].drive < 0:
@@ -138,7 +144,9 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 @compiled
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows."""
-    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
+    parts = prescribed.parts
+    closings = prescribed.closings
+    work = prescribed.work
     work[RIGHT] = 0.0
     work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
     for row in range(0, 2 * closings.shape[0], 2):
@@ -174,7 +182,9 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
 @compiled
 def _follow(prescribed: Prescribed) -> None:
     """Fill the rates and accelerations sought, in a place where all loops are closed."""
-    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
+    parts = prescribed.parts
+    closings = prescribed.closings
+    work = prescribed.work
     right = work[RIGHT]
     for level in (RATE, ACCELERATION):
         for i in range(parts.shape[0]):
@@ -204,7 +214,8 @@ def drive_torques(
     from. By virtual work: the force on the coordinate of each part, times its rate per
     rate of the drive. Torques of drives of other bodies stay.
     """
-    parts, work = prescribed.parts, prescribed.work
+    parts = prescribed.parts
+    work = prescribed.work
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
         b = part.body
@@ -229,7 +240,9 @@ def drive_torques(
 @compiled
 def _force_of_others(prescribed: Prescribed, i: int) -> float:
     """Return the moment, N m, at the drive of a part of the forces on parts without a drive."""
-    parts, closings, work = prescribed.parts, prescribed.closings, prescribed.work
+    parts = prescribed.parts
+    closings = prescribed.closings
+    work = prescribed.work
     if closings.shape[0] == 0:
         return 0.0
     for r in range(2 * closings.shape[0]):

@@ -86,7 +86,9 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     nx = contact.eccentricity_x / eccentricity if eccentricity > 0.0 else 1.0
     ny = contact.eccentricity_y / eccentricity if eccentricity > 0.0 else 0.0
     approach = contact.velocity_x * nx + contact.velocity_y * ny
-    count, turns, turning = joint.surface_nodes, joint.map_turns, contact.turning
+    count = joint.surface_nodes
+    turns = joint.map_turns
+    turning = contact.turning
     direction = math.atan2(ny, nx)
     place = direction - turns * contact.bearing_angle
     bearing_depth, bearing_slope, _ = profile(surfaces, BEARING, count, place)
@@ -154,12 +156,17 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         # Maps fixed in direction store no energy when the bodies turn.
         closing = approach if turns > 0.0 else approach + power / elastic
     pin_arm = joint.pin_radius - pin_depth - 0.5 * max(overlap, 0.0)
-    contact.penetration, contact.rate = overlap, rate
+    contact.penetration = overlap
+    contact.rate = rate
     contact.normal_x, contact.normal_y = nx, ny
-    contact.pin_arm, contact.bearing_arm = pin_arm, pin_arm + dx * nx + dy * ny
-    contact.approach, contact.closing = approach, closing
-    contact.elastic, contact.energy = elastic, 0.5 * joint.foundation * arc.square
-    contact.place, contact.couple = zero + (cell + 0.5) * place.width, couple
+    contact.pin_arm = pin_arm
+    contact.bearing_arm = pin_arm + dx * nx + dy * ny
+    contact.approach = approach
+    contact.closing = closing
+    contact.elastic = elastic
+    contact.energy = 0.5 * joint.foundation * arc.square
+    contact.place = zero + (cell + 0.5) * place.width
+    contact.couple = couple
 
 
 @compiled
@@ -169,7 +176,8 @@ def end_acceleration(
     """Return the acceleration of a joint end, m/s^2, and of the angle of its body, rad/s^2."""
     if body < 0:
         return 0.0, 0.0, 0.0
-    spin_t, square = a[body + 2], spin * spin
+    spin_t = a[body + 2]
+    square = spin * spin
     ax = a[body] - spin_t * lever_y - square * lever_x
     return ax, a[body + 1] + spin_t * lever_x - square * lever_y, spin_t
 
@@ -197,7 +205,8 @@ def deepest_acceleration(
     place = place_of(
         joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
     )
-    spin, spin_t = turns * contact.bearing_spin, turns * bearing_spin_t
+    spin = turns * contact.bearing_spin
+    spin_t = turns * bearing_spin_t
     turning = (spin - turns * contact.pin_spin) / place.width
     turning_t = (spin_t - turns * pin_spin_t) / place.width
     vx = c * contact.velocity_x + s * contact.velocity_y
@@ -242,7 +251,8 @@ def penetration_acceleration(
         (BEARING, c.bearing_angle, c.bearing_spin, bearing_spin_t),
         (PIN, c.pin_angle, c.pin_spin, pin_spin_t),
     )
-    count, turns = joint.surface_nodes, joint.map_turns
+    count = joint.surface_nodes
+    turns = joint.map_turns
     if joint.foundation > 0.0 and count > 0:
         return deepest_acceleration(
             joint, surfaces, c, ax, ay, bearing_spin_t, pin_spin_t

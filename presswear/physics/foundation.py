@@ -26,9 +26,16 @@ from presswear.tools.compile import Records, compiled, inlined
 # the nodes. As working space, the places where arcs of overlap start and end, in cells,
 # and the place of the pin for which they are and their number. The columns are the
 # nodes of three turns, so that no search crosses a seam.
-BEARING, PIN, COSINE, SINE = 0, 5, 10, 11
+BEARING = 0
+PIN = 5
+COSINE = 10
+SINE = 11
 ARC_START, ARC_END, ARC_PLACE, ROWS = range(12, 16)
-SLOPE, SQUARE, CUBE, LEAST, SIDE_ROWS = 1, 2, 3, 4, 5
+SLOPE = 1
+SQUARE = 2
+CUBE = 3
+LEAST = 4
+SIDE_ROWS = 5
 TURNS = 3
 SURFACES = np.zeros((ROWS, 1))  # example of the type of packed surfaces, contiguous
 
@@ -142,7 +149,8 @@ def depth_at(
     surfaces: Array, row: int, node: int, x: float
 ) -> tuple[float, float, float]:
     """Return depth, m, slope, m per cell, and second derivative of a map x cells after a node."""
-    slope, square = surfaces[row + SLOPE, node], surfaces[row + SQUARE, node]
+    slope = surfaces[row + SLOPE, node]
+    square = surfaces[row + SQUARE, node]
     cube = surfaces[row + CUBE, node]
     depth = surfaces[row, node] + x * (slope + x * (square + x * cube))
     return (
@@ -283,7 +291,8 @@ def root_between(p: Cubic, low: float, high: float) -> float:
     if not low <= x <= high:
         x = 0.5 * (low + high)
     for _ in range(MAX_ROOT_STEPS):
-        value, slope = value_at(p, x), slope_at(p, x)
+        value = value_at(p, x)
+        slope = slope_at(p, x)
         if (value > 0.0) == rises:
             high = x
         else:
@@ -291,7 +300,8 @@ def root_between(p: Cubic, low: float, high: float) -> float:
         following = x - value / slope if slope != 0.0 else low
         tolerance = NEWTON_TOL
         if not low <= following <= high:
-            following, tolerance = 0.5 * (low + high), ROOT_TOL
+            following = 0.5 * (low + high)
+            tolerance = ROOT_TOL
         if abs(following - x) < tolerance:
             return following
         x = following
@@ -397,8 +407,10 @@ def add_parts(
     first = second = 2.0
     if not is_monotone(left, right):
         maximum, minimum = turning_points(p)
-        first, second = min(maximum, minimum), max(maximum, minimum)
-    start, arcs = 0.0, sums.arcs
+        first = min(maximum, minimum)
+        second = max(maximum, minimum)
+    start = 0.0
+    arcs = sums.arcs
     for end in (first, second, 1.0):
         if not start < end <= 1.0:
             continue
@@ -468,15 +480,18 @@ def greatest_within(
 ) -> tuple[float, float]:
     """Return the greatest overlap so far with that of a cell, and its place, in cells."""
     if left.overlap > greatest:
-        greatest, peak = left.overlap, float(node)
+        greatest = left.overlap
+        peak = float(node)
     if right.overlap > greatest:
-        greatest, peak = right.overlap, node + 1.0
+        greatest = right.overlap
+        peak = node + 1.0
     second, third = inner_points(left, right)
     if max(second, third) + abs(p.a4) > greatest and not is_monotone(left, right):
         x, _ = turning_points(p)
         x -= slope_at(p, x) / (2.0 * p.a2 + x * (6.0 * p.a3 + x * 12.0 * p.a4))
         if 0.0 < x < 1.0 and value_at(p, x) > greatest:
-            greatest, peak = value_at(p, x), node + x
+            greatest = value_at(p, x)
+            peak = node + x
     return greatest, peak
 
 
@@ -516,10 +531,12 @@ def integrate_overlap(
     angle : float
         Angle of the bearing's map, rad, near which the overlap was greatest before.
     """
-    nodes, half_turn = joint.surface_nodes, joint.surface_nodes // 2
+    nodes = joint.surface_nodes
+    half_turn = joint.surface_nodes // 2
     reached = nodes + cell_of(angle, nodes)[0]
     right = node_at(surfaces, place, reached)
-    greatest, peak = right.overlap, float(reached)
+    greatest = right.overlap
+    peak = float(reached)
     sums = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
     # Between two nodes the pin reaches farther than at both by less than this.
     bulge = 0.125 * place.width * place.width * place.eccentricity
@@ -563,7 +580,8 @@ def node_of_peak(surfaces: Array, place: Place, cell: float) -> tuple[Node, floa
     """Return the overlap at its maximum, a place in cells, and the depth of the pin there."""
     node = int(cell)
     x = cell - node
-    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    left = node_at(surfaces, place, node)
+    right = node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
     peak = node_within(left, right, p, place.width, x)
     gap = place.dx * peak.nx + place.dy * peak.ny - place.clearance
@@ -580,7 +598,8 @@ def derivatives_at(
     the pin's map, m, and the derivatives of the slope by x and by the relative angle,
     in cells.
     """
-    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    left = node_at(surfaces, place, node)
+    right = node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
     here = node_within(left, right, p, place.width, x)
     third = 6.0 * surfaces[PIN + CUBE, node + place.lag]

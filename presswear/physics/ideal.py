@@ -34,7 +34,8 @@ from presswear.tools.errors import AssemblyError
 # some half of the sine of the angle between them
 NEAREST_DEAD_POINT = 5e-3
 # Instants of a cycle at which it is followed, and at which its motion is kept
-_COARSE, _NODES = 36, 1440
+_COARSE = 36
+_NODES = 1440
 # largest turn, rad, between where a body is expected and where it is found
 _JUMP = 0.05
 # change of a speed over a short step, part of the greatest speed, that is a jump
@@ -82,7 +83,8 @@ class Motion:
         )
         unit = np.array([math.cos(direction), math.sin(direction)])
         acceleration = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
-        place, speed = q[:, :2] @ unit + along, v[:, :2] @ unit - v[:, 2] * across
+        place = q[:, :2] @ unit + along
+        speed = v[:, :2] @ unit - v[:, 2] * across
         return np.column_stack([place, speed, acceleration])
 
 
@@ -147,10 +149,8 @@ class IdealMotion:
             if rough.size:
                 q[rough], v[rough], a[rough] = close(self.rows, time[rough], q[rough])
         if duration > 0.0:
-            rate, rise = (
-                rate[:, np.newaxis, np.newaxis],
-                rise[:, np.newaxis, np.newaxis],
-            )
+            rate = rate[:, np.newaxis, np.newaxis]
+            rise = rise[:, np.newaxis, np.newaxis]
             a = a * rate**2 + v * rise
             v = v * rate
         return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
@@ -190,10 +190,8 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     rows = Rows(linkage, initial)
     start = close(rows, np.zeros(1), initial[np.newaxis])
     coarse = _follow_cycle(rows, start, np.linspace(0.0, period, _COARSE + 1))
-    times, part = (
-        np.linspace(0.0, period, _NODES + 1),
-        np.linspace(0.0, _COARSE, _NODES + 1),
-    )
+    times = np.linspace(0.0, period, _NODES + 1)
+    part = np.linspace(0.0, _COARSE, _NODES + 1)
     place = np.minimum(part.astype(int), _COARSE - 1)
     ahead = coarse.between(place, part - place).q
     try:
@@ -241,7 +239,9 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     result = [start]
     side = rows.side(start.q)
     for before, time in pairwise(map(float, times)):
-        levels, now, step = result[-1], before, time - before
+        levels = result[-1]
+        now = before
+        step = time - before
         while now < time:
             ahead = levels.q + step * (levels.v + 0.5 * step * levels.a)
             there = min(now + step, time)
@@ -262,7 +262,9 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             except AssemblyError:
                 is_near = False
             if is_near:
-                levels, now, step = reached, there, 2.0 * step
+                levels = reached
+                now = there
+                step = 2.0 * step
             elif step < (time - before) / 2.0**_HALVINGS:
                 raise stuck(rows, np.array([now]), levels.q)
             else:
@@ -315,7 +317,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
 
     Of several bottoms in a cycle the lowest, and of those that are alike the first.
     """
-    place, period = _places(ideal), ideal.period
+    place = _places(ideal)
+    period = ideal.period
     nodes = place.size
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
@@ -389,7 +392,8 @@ def _lowest(
     ideal: IdealMotion, node: int, nodes: int, sign: float
 ) -> tuple[float, float]:
     """Return time, s, and place, m, of the minimum at a node; ``sign`` may turn the coordinate."""
-    linkage, period = ideal.rows.linkage, ideal.period
+    linkage = ideal.rows.linkage
+    period = ideal.period
     step = period / nodes
     low, high = (node - 1) * step, (node + 1) * step
     time = node * step
@@ -450,7 +454,8 @@ def followed(linkage: Linkage) -> Linkage:
                 f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
                 f"a mean speed of {speed:g} rad/s"
             )
-    rows, breaks = inverse.rows, _breaks(linkage, period)
+    rows = inverse.rows
+    breaks = _breaks(linkage, period)
     curves = [motion_of_row(linkage.drives[k], inverse.times)[0] for k in following]
     allowed = max(
         FOLLOWED * (np.ptp(curves, axis=1).max() or rows.size), ROUND_OFF * rows.size
@@ -488,7 +493,8 @@ def followed(linkage: Linkage) -> Linkage:
 
 def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
     """Return the linkage with tables in place of curves, through its motion at instants, s."""
-    motion, base = inverse.at(nodes), 2.0 * math.pi / inverse.period
+    motion = inverse.at(nodes)
+    base = 2.0 * math.pi / inverse.period
     drives = list(linkage.drives)
     for k, drive in enumerate(linkage.drives):
         if drive.follow is not None:

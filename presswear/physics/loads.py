@@ -156,7 +156,8 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
         return 0.0
     total = 0.0
     for k in range(loads.records.shape[0]):
-        load, mode = loads.records[k], loads.modes[k]
+        load = loads.records[k]
+        mode = loads.modes[k]
         if load.kind != POSITION or mode.branch == RISING:
             continue
         s, speed, _ = load_motion(load, q, v, v)
@@ -214,7 +215,9 @@ def set_limits(load: Records, nodes: Array, mode: Records) -> None:
     mode.high = mode.fast = math.inf
     if load.kind == SERIES or load.kind == USER:
         return
-    piece, branch, after = mode.piece, mode.branch, load.first + mode.piece
+    piece = mode.piece
+    branch = mode.branch
+    after = load.first + mode.piece
     high = mode.turn * load.period + nodes[after, 0] if piece < load.count else math.inf
     if branch == RELEASED:
         mode.low = nodes[load.first, 0]
@@ -274,11 +277,13 @@ def change_mode(
     load: Records, nodes: Array, mode: Records, s: float, v: float, a: float
 ) -> None:
     """Change to the mode of a load over position that holds in a state past the present one's."""
-    unloads, before = load.unloading > 0.0, mode.branch
+    unloads = load.unloading > 0.0
+    before = mode.branch
     if unloads and before in (OFF, ELASTIC) and not is_past(s - mode.deepest, v):
         free = mode.deepest + mode.borne / load.unloading
         if not is_past(s - nodes[load.first, 0], v):
-            mode.branch, mode.piece = WHOLE, 0
+            mode.branch = WHOLE
+            mode.piece = 0
         else:
             mode.branch = ELASTIC if is_past(s - free, v) else OFF
     else:
@@ -304,7 +309,8 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     changes = 0
     nodes = loads.nodes
     for k in range(loads.records.shape[0]):
-        load, mode = loads.records[k], loads.modes[k]
+        load = loads.records[k]
+        mode = loads.modes[k]
         changes_before = changes
         s, speed, acceleration = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
@@ -367,7 +373,8 @@ def transition_value(
     """Return a switching function in a state, and its rate."""
     if loads is None:
         return -math.inf, 0.0
-    load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
+    load = loads.records[k // TRANSITIONS]
+    mode = loads.modes[k // TRANSITIONS]
     s, speed, acceleration = load_motion(load, q, v, a)
     value, rate, _, _ = switching(
         load, mode, k % TRANSITIONS, s, speed, acceleration, 0.0
@@ -385,7 +392,8 @@ def transition_at_start(
     """
     if loads is None:
         return -math.inf, 0.0, 0.0, 0.0
-    load, mode = loads.records[k // TRANSITIONS], loads.modes[k // TRANSITIONS]
+    load = loads.records[k // TRANSITIONS]
+    mode = loads.modes[k // TRANSITIONS]
     jerk = change * mode.change
     return switching(
         load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.acceleration, jerk
@@ -416,9 +424,11 @@ def greatest_jump(loads: Loads | None) -> float:
 def place_loads(loads: Loads, q: Array, v: Array) -> None:
     """Set all modes in an initial state, at t = 0."""
     for k in range(loads.records.shape[0]):
-        load, mode = loads.records[k], loads.modes[k]
+        load = loads.records[k]
+        mode = loads.modes[k]
         s, speed, _ = load_motion(load, q, v, v)
-        mode.place, mode.speed = s, speed
+        mode.place = s
+        mode.speed = speed
         place_mode(
             load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0
         )
@@ -456,10 +466,8 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
     chosen = tuple(laws)
     records = np.zeros(len(chosen), LOAD)
     records["cosine"] = 1.0
-    loads, sizes = (
-        _pack_laws(records, chosen, linkage),
-        np.zeros((len(motion), len(chosen))),
-    )
+    loads = _pack_laws(records, chosen, linkage)
+    sizes = np.zeros((len(motion), len(chosen)))
     if sizes.size:
         _follow_sizes(loads, np.ascontiguousarray(motion), sizes, np.zeros((3, 3)))
     return sizes
@@ -499,24 +507,28 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
             record["kind"] = POSITION
             record["is_constant_outside"] = law.outside == "hold"
             record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
-            record["zero"], record["release"] = law.zero, law.release
-            record["unloading"], table = law.unloading, law.table
+            record["zero"] = law.zero
+            record["release"] = law.release
+            record["unloading"] = law.unloading
+            table = law.table
             if law.sense == "against":
                 for name in ("cosine", "sine", "zero"):
                     record[name] *= -1.0
                 table = [(-place, -size) for place, size in reversed(table)]
         elif isinstance(law, UserFunction):
             kernel = compile_function(law, LOAD_PARAMETERS)
-            record["kind"], record["address"] = (
-                USER,
-                address_of(kernel, len(LOAD_PARAMETERS)),
-            )
+            record["kind"] = USER
+            record["address"] = address_of(kernel, len(LOAD_PARAMETERS))
         elif isinstance(law, Harmonics):
-            record["kind"], table = SERIES, law.harmonics
-            record["mean"], record["frequency"] = law.mean, law.frequency
+            record["kind"] = SERIES
+            table = law.harmonics
+            record["mean"] = law.mean
+            record["frequency"] = law.frequency
         else:
-            record["kind"], record["mean"] = SERIES, law
-        record["first"], record["count"] = len(nodes), len(table)
+            record["kind"] = SERIES
+            record["mean"] = law
+        record["first"] = len(nodes)
+        record["count"] = len(table)
         nodes += table
     points = np.array(nodes, dtype=np.float64).reshape(-1, 2)
     return Loads(records, points, np.zeros(len(records), MODE))

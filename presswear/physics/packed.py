@@ -184,10 +184,8 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
     1/m is the sum of 1/m + r^2/I of the free bodies. Drives hold angles, and prescribed
     bodies whole; other joints are left out, so that the mass is rather too small.
     """
-    driven, prescribed = (
-        {drive.body for drive in linkage.prescribed_drives},
-        prescribed_of(linkage),
-    )
+    driven = {drive.body for drive in linkage.prescribed_drives}
+    prescribed = prescribed_of(linkage)
     bodies = {body.name: body for body in linkage.bodies if body.name not in prescribed}
     mobility = 0.0
     for point in points:

@@ -56,7 +56,8 @@ COORDINATE, RATE, ACCELERATION, FORCE, RATIO, RIGHT, LAST, HEAD = range(8)
 # rates per rate of a drive, a right-hand side, and one of the last evaluation's time,
 # s, and determinant; then the closing rows by all coordinates, and those by the
 # coordinates that are solved for
-TIME, DETERMINANT = 0, 1
+TIME = 0
+DETERMINANT = 1
 
 
 class Prescribed(NamedTuple):
@@ -80,10 +81,8 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
             parts[places[drive.body]]["drive"] = number
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):
-        closing["first"], closing["second"] = (
-            places[pin.first.body],
-            places[pin.second.body],
-        )
+        closing["first"] = places[pin.first.body]
+        closing["second"] = places[pin.second.body]
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
     work = np.zeros((HEAD + 4 * len(pins), max(len(parts), 2)))
@@ -95,11 +94,13 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
     for part, (joint, before, end, parent) in zip(parts, branches, strict=True):
         body = linkage.bodies[linkage.index(end.body)]
         part["body"] = 3 * linkage.index(end.body)
-        part["parent"], part["drive"] = parent, -1
+        part["parent"] = parent
+        part["drive"] = -1
         part["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         part["before_x"], part["before_y"] = before.x, before.y
         part["own_x"], part["own_y"] = end.x, end.y
-        part["mass"], part["inertia"] = body.mass, body.effective_inertia
+        part["mass"] = body.mass
+        part["inertia"] = body.effective_inertia
         if isinstance(joint, Guide):
             part["is_guided"] = True
             part["cosine"], part["sine"] = (
@@ -136,15 +137,14 @@ def place_parts(
 
     ``axes`` are cosine and sine of each body's angle, in the places of its x and y.
     """
-    parts, work = prescribed.parts, prescribed.work
+    parts = prescribed.parts
+    work = prescribed.work
     for i in range(parts.shape[0]):
         part = parts[i]
         b = part.body
-        x, rate, acceleration = (
-            work[COORDINATE, i],
-            work[RATE, i],
-            work[ACCELERATION, i],
-        )
+        x = work[COORDINATE, i]
+        rate = work[RATE, i]
+        acceleration = work[ACCELERATION, i]
         if part.is_guided:
             q[b] = part.before_x + x * part.cosine
             q[b + 1] = part.before_y + x * part.sine

@@ -145,7 +145,8 @@ class _Friction:
         joints: Sequence[Bushing],
         forces_of: Callable[[Array], Array],
     ) -> None:
-        self._joints, self._motion = joints, motion
+        self._joints = joints
+        self._motion = motion
         columns, self._spin = relative_spins(linkage, motion, joints)
         names = [one.name for one in linkage.revolutes]
         self._rows = np.array([2 * names.index(joint.name) for joint in joints])
@@ -163,7 +164,8 @@ class _Friction:
         """Return the moments on the pins under joint forces, (n, joints), N and N m."""
         moments = np.zeros_like(size)
         for k, joint in enumerate(self._joints):
-            record, radius = friction_record(joint.friction), joint.bearing_radius
+            record = friction_record(joint.friction)
+            radius = joint.bearing_radius
             friction = np.zeros(size.shape[0])
             normal = np.ascontiguousarray(size[:, k])
             fill_steady_friction(record, radius * self._spin[k], normal, friction)
@@ -237,7 +239,8 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
         return np.zeros(0)
     from scipy.interpolate import CubicHermiteSpline  # slow to import
 
-    motion, corners = ideal.at(time), [np.zeros(0)]
+    motion = ideal.at(time)
+    corners = [np.zeros(0)]
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime):
             period = linkage.period if load.law.period is None else load.law.period
@@ -251,7 +254,8 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
                 ).T
             else:
                 column = 3 * linkage.index(load.body) + 2
-                place, speed = motion.position[:, column], motion.velocity[:, column]
+                place = motion.position[:, column]
+                speed = motion.velocity[:, column]
             curve = CubicHermiteSpline(time, place - load.law.zero, speed)
             corners += [curve.solve(node, False, False) for node, _ in load.law.table]
     instants = np.concatenate(corners)
@@ -291,7 +295,8 @@ def check_drives(
 
 
 # Least default force for a total clearance, N, and over the weight
-LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
+LEAST_PULL = 100.0
+PULL_OVER_WEIGHT = 10.0
 CARRYING = 0.1  # part of the largest force by a pull, above which a joint carries it
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
@@ -333,14 +338,17 @@ class _Rest:
         resting = replace(linkage, loads=linkage.dead_loads)
         self._forces = BodyForces(resting, self.packed, self._onset)
         self.contacts = self._forces.contacts
-        self._linkage, self._time, self._pull = linkage, time, pull
+        self._linkage = linkage
+        self._time = time
+        self._pull = pull
         self._rows = constraints_of(linkage.ideal)
         self.offset_rows = _offset_rows(linkage)
         self._still = np.zeros(self.position.size)
 
     def equilibrium(self) -> Equilibrium:
         """Return the present position with its contacts."""
-        q, still = self.position[np.newaxis], self._still[np.newaxis]
+        q = self.position[np.newaxis]
+        still = self._still[np.newaxis]
         height = Motion(np.array([self._time]), q, still, still).output(self._linkage)[
             0, 0
         ]
@@ -364,7 +372,8 @@ class _Rest:
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
         """Return the forces that push joints out of the middle, shape (joints, 2), N."""
-        q, output = self.position, self._linkage.output
+        q = self.position
+        output = self._linkage.output
         i = 3 * self._linkage.index(output.body)
         self._onset[:] = 0.0 if with_contacts else HELD_OPEN
         force = self.packed.weight + self._forces(self._time, q, self._still)
@@ -398,7 +407,8 @@ def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
 
 def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array]:
     """Return the clearances of joints, and how far forces, N, press or stretch them, m."""
-    law, elastic = joints["normal"], linkage.elastic_joints
+    law = joints["normal"]
+    elastic = linkage.elastic_joints
     stiffness = [*law["estimated_stiffness"], *(one.stiffness for one in elastic)]
     exponent = [*law["estimated_exponent"], *np.ones(len(elastic))]
     clearance = np.array([*joints["clearance"], *np.zeros(len(elastic))])

@@ -63,13 +63,12 @@ def contact_step(
     that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touchdown
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
-    mass, depth = joint.effective_mass, max(penetration, 0.0)
+    mass = joint.effective_mass
+    depth = max(penetration, 0.0)
     if math.isinf(mass):
         return math.inf
-    stiffness, exponent = (
-        joint.normal.estimated_stiffness,
-        joint.normal.estimated_exponent,
-    )
+    stiffness = joint.normal.estimated_stiffness
+    exponent = joint.normal.estimated_exponent
     energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (
         exponent + 1.0
     )
@@ -174,10 +173,12 @@ def shorter_step(
 
     ``contacts`` are those of the trial state.
     """
-    packed, least = records.packed, steps[0].least
+    packed = records.packed
+    least = steps[0].least
     shortest = math.inf
     for k in range(contacts.shape[0] if h > least else 0):
-        last, contact = records.memory[k], contacts[k]
+        last = records.memory[k]
+        contact = contacts[k]
         if packed.joints[k].oiled:
             continue
         if records.onset[k] > 0.0:
@@ -203,7 +204,8 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
     estimate sees a bump that a pin runs over only where a stage happens to fall on it.
     """
     for k in range(records.memory.shape[0]):
-        joint, last = records.packed.joints[k], records.memory[k]
+        joint = records.packed.joints[k]
+        last = records.memory[k]
         if joint.oiled:
             continue
         if records.onset[k] > 0.0 and last.steps < 2.0 * parts:
@@ -222,15 +224,16 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
 @compiled
 def next_step(records: Any, steps: Records, a: Array) -> float:
     """Return the length of the next step, s, from the state just settled."""
-    packed, free, parts = records.packed, steps[0].free, steps[0].per_contact
+    packed = records.packed
+    free = steps[0].free
+    parts = steps[0].per_contact
     chosen = free
     for k in range(records.memory.shape[0]):
-        joint, last, is_closed = (
-            packed.joints[k],
-            records.memory[k],
-            records.onset[k] > 0.0,
-        )
-        depth, rate = last.penetration, last.rate
+        joint = packed.joints[k]
+        last = records.memory[k]
+        is_closed = records.onset[k] > 0.0
+        depth = last.penetration
+        rate = last.rate
         if joint.oiled:
             # A force that passes through zero comes back within the step.
             depth = max(depth, OILED_DEPTH * joint.clearance)
@@ -267,7 +270,8 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             if not joint.is_flat:
                 across, speed_across = time_across(records.contacts[k], joint.clearance)
                 if across < arrival:
-                    arrival, closing = across, speed_across
+                    arrival = across
+                    closing = speed_across
             if arrival < min(chosen, max(wanted, steps[0].least)):
                 behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
                 landing = step_to_event(

@@ -93,7 +93,9 @@ def hermite(
     p0: float, r0: float, p1: float, r1: float, h: float, s: float
 ) -> tuple[float, float]:
     """Return the value and time derivative at s in 0 .. 1 of the cubic through two states."""
-    a, b, rise = r0 * h, r1 * h, p1 - p0
+    a = r0 * h
+    b = r1 * h
+    rise = p1 - p0
     curve = 3.0 * rise - 2.0 * a - b
     twist = a + b - 2.0 * rise
     value = p0 + s * (a + s * (curve + s * twist))
@@ -111,7 +113,9 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
     A contact that has ended again within the step is found where the cubic shows it.
     """
-    a, b, rise = r0 * h, r1 * h, p1 - p0
+    a = r0 * h
+    b = r1 * h
+    rise = p1 - p0
     # Above both ends a cubic is by 4/27 of its slopes there at most.
     if max(p0, p1) + 4.0 / 27.0 * (abs(a) + abs(b)) < 0.0:
         return 2.0
@@ -156,7 +160,8 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float,
     if denominator <= 0.0:
         return math.inf, 0.0, 0.0
     first = -2.0 * p / denominator
-    arrival, doubt = first, 0.0
+    arrival = first
+    doubt = 0.0
     for _ in range(2):
         slope = r + arrival * (a + 0.5 * j * arrival)
         if slope <= 0.0:
@@ -235,7 +240,8 @@ def joint_crossing(
     centre of its bore is closed on both sides of it, and open between them.
     """
     start, end = last.penetration, contact.penetration
-    first, final = last.rate, contact.rate
+    first = last.rate
+    final = contact.rate
     if is_reversed(last, contact):
         if is_closed:
             end = seen_from_opposite(end, contact.eccentricity)
@@ -246,7 +252,10 @@ def joint_crossing(
             )
             first = -first
     if is_closed:
-        start, end, first, final = -start, -end, -first, -final
+        start = -start
+        end = -end
+        first = -first
+        final = -final
     s = crossing(min(start, 0.0), first, end, final, h)
     return s, end, first, hermite(start, first, end, final, h, s)[1]
 
@@ -285,7 +294,8 @@ def separate(records: Any, k: int, t: float, rate: float, needed: int) -> None:
 
     A contact in which the run began is not whole and is not counted.
     """
-    last, counters = records.memory[k], records.counters[k]
+    last = records.memory[k]
+    counters = records.counters[k]
     last.separation_time = t
     if last.started_closed:
         return
@@ -441,17 +451,20 @@ def settle(records: Any, t: float, needed: int) -> int:
     separated; forces of an open joint that is closed now, or of a closed one that is
     open, have to be filled again.
     """
-    joints, onset = records.packed.joints, records.onset
+    joints = records.packed.joints
+    onset = records.onset
     events = 0
     for k in range(joints.shape[0]):
-        last, contact = records.memory[k], records.contacts[k]
+        last = records.memory[k]
+        contact = records.contacts[k]
         if joints[k].oiled:
             if onset[k] == 0.0:
                 touch_down(records, k, t, 1.0, True)
         elif onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
-            touchdown, closing = t, contact.rate
+            touchdown = t
+            closing = contact.rate
             if not started_closed:
                 s, _, _, closing = joint_crossing(last, contact, False, h)
                 touchdown = last.time + s * h

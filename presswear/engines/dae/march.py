@@ -62,7 +62,9 @@ from presswear.tools.packing import PackedArguments, unpack
 RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
 FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
-SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
+SAFETY = 0.9
+LEAST_FACTOR = 0.2
+GREATEST_FACTOR = 5.0
 # Most repetitions that locate an event; four do, halving helps where Newton strays.
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
@@ -100,7 +102,8 @@ def event_value(
     section of a cycle that ends at an angle.
     """
     (run,) = unpack(address)
-    system, records = run.system, run.records
+    system = run.system
+    records = run.records
     joints = system.contacts.shape[0]
     if k < joints:
         contact = system.contacts[k]
@@ -162,7 +165,9 @@ def settle_joints(address: PackedArguments, event: int, t: float) -> int:
     steps in which no coordinate changes.
     """
     (run,) = unpack(address)
-    system, records, state = run.system, run.records, run.control[0]
+    system = run.system
+    records = run.records
+    state = run.control[0]
     events = 0
     for k in range(system.contacts.shape[0]):
         contact = system.contacts[k]
@@ -202,14 +207,13 @@ def first_event(
     on which the step ends.
     """
     (run,) = unpack(address)
-    system, classical, records, control = (
-        run.system,
-        run.classical,
-        run.records,
-        run.control,
-    )
+    system = run.system
+    classical = run.classical
+    records = run.records
+    control = run.control
     loads = system.packed.loads
-    count, transitions = system.contacts.shape[0], count_transitions(loads)
+    count = system.contacts.shape[0]
+    transitions = count_transitions(loads)
     event = -1
     part = 2.0
     for k in range(joints):
@@ -221,7 +225,8 @@ def first_event(
         if s < part and not is_repeated(
             last, is_closed, s * h, value, rate, control[0].resolution
         ):
-            event, part = k, s
+            event = k
+            part = s
     has_leader = records.nominal[0].column >= 0
     if transitions > 0 or has_leader:
         reach_end(address, classical, t, h)
@@ -230,7 +235,8 @@ def first_event(
     if has_leader and excluded != section:
         s = section_crossing(records.nominal, q, v, h, 2.0 * BEHIND)
         if s < part:
-            event, part = section, s
+            event = section
+            part = s
     for k in range(transitions):
         if count + k == excluded:
             continue
@@ -238,11 +244,13 @@ def first_event(
         # ends.
         s, value, rate = load_crossing(loads, k, q, v, a, h, 2.0 * BEHIND)
         if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND):
-            event, part = count + k, s
+            event = count + k
+            part = s
     if tableau is None or not tableau.ends_at_corners or control[0].ignores_corners:
         return event, part
     for k in range(2 * joints):
-        number, joint = count + transitions + k, k >> 1
+        number = count + transitions + k
+        joint = k >> 1
         if records.onset[joint] > 0.0 and number != excluded:
             start, end = records.contacts[joint].sliding, system.contacts[joint].sliding
             sense = 1.0 - 2.0 * (k & 1)
@@ -250,7 +258,8 @@ def first_event(
             ahead = sense * (corner_ahead(start, sense, law) - start)
             way = sense * (end - start)
             if way > ahead + 2.0 * BEHIND and ahead < part * way:
-                event, part = number, ahead / way
+                event = number
+                part = ahead / way
     return event, part
 
 
@@ -259,7 +268,10 @@ def start_search(control: Records, h: float) -> None:
     """Start to search for the event that ends a trial step of length ``h``."""
     state = control[0]
     state.whole = state.length = h
-    state.searches, state.moves, state.event, state.is_located = 0, 0, -1, True
+    state.searches = 0
+    state.moves = 0
+    state.event = -1
+    state.is_located = True
 
 
 @compiled
@@ -289,18 +301,24 @@ def search_event(
     it would stray.
     """
     (run,) = unpack(address)
-    state, contacts = run.control[0], run.system.contacts.shape[0]
+    state = run.control[0]
+    contacts = run.system.contacts.shape[0]
     if state.moves > 0:
-        aim, near, accepted = 0.0, EVENT_DEPTH, max(DEPTH_TOL, state.resolution)
+        aim = 0.0
+        near = EVENT_DEPTH
+        accepted = max(DEPTH_TOL, state.resolution)
         if state.event >= contacts:
-            aim, near, accepted = BEHIND, 0.5 * BEHIND, MAX_BEHIND
+            aim = BEHIND
+            near = 0.5 * BEHIND
+            accepted = MAX_BEHIND
         elif is_abrupt_touchdown(
             run.system.packed.joints, run.records.onset, state.event
         ):
             aim = 2.0 * EVENT_DEPTH
         value, rate = event_value(address, classical, state.event, t, state.length)
         value -= aim
-        following, is_found = state.length, abs(value) <= near or state.is_last
+        following = state.length
+        is_found = abs(value) <= near or state.is_last
         if not is_found:
             if value > 0.0:
                 state.high = state.length
@@ -336,13 +354,12 @@ def search_event(
     earlier, part = first_event(address, tableau, t, state.length, state.event, joints)
     if earlier < 0:
         return False
-    state.event, state.moves = earlier, 1
-    state.low, state.high, state.further, state.is_last = (
-        0.0,
-        state.length,
-        SHORTEST_MOVE,
-        False,
-    )
+    state.event = earlier
+    state.moves = 1
+    state.low = 0.0
+    state.high = state.length
+    state.further = SHORTEST_MOVE
+    state.is_last = False
     state.length *= part
     return True
 
@@ -361,7 +378,10 @@ def keep_constraints(
 def start_march(address: PackedArguments) -> None:
     """Record the initial state once."""
     (run,) = unpack(address)
-    system, records, motion, state = run.system, run.records, run.motion, run.control[0]
+    system = run.system
+    records = run.records
+    motion = run.motion
+    state = run.control[0]
     if not state.has_slope:
         rates(address, state.time, motion.y, START)
         state.has_slope = True
@@ -391,8 +411,12 @@ def finish_step(
 ) -> None:
     """Account for an accepted state in ``motion.y``, the one that slopes were evaluated in last."""
     (run,) = unpack(address)
-    system, records, control, motion = run.system, run.records, run.control, run.motion
-    layout, y = system.layout, motion.y
+    system = run.system
+    records = run.records
+    control = run.control
+    motion = run.motion
+    layout = system.layout
+    y = motion.y
     copy_contacts(records.contacts, system.contacts)
     for k in range(system.contacts.shape[0]):
         base = layout.first_dose + DOSE_COUNT * k
@@ -400,7 +424,8 @@ def finish_step(
         records.wear_integrals[k].work = y[base + WORK]
         records.wear_integrals[k].pressure = y[base + PRESSURE]
         y[base + WORK] = y[base + PRESSURE] = 0.0
-        joint, contact = records.packed.joints[k], records.contacts[k]
+        joint = records.packed.joints[k]
+        contact = records.contacts[k]
         remember(records.memory[k], joint, records.onset[k], contact, t)
     for k in range(records.drives.shape[0]):
         base = layout.first_torque + TORQUE_INTEGRALS * k
@@ -428,7 +453,8 @@ def finish_step(
 def propose_step(address: PackedArguments, end: float) -> bool:
     """Choose the next trial step towards ``end``; return False at the end."""
     (run,) = unpack(address)
-    records, state = run.records, run.control[0]
+    records = run.records
+    state = run.control[0]
     t = state.time
     left = time_left(records.nominal, t, end)
     if left <= 0.0:
@@ -455,8 +481,11 @@ def judge_step(
     new one is to be proposed.
     """
     (run,) = unpack(address)
-    system, motion, last = run.system, run.motion, run.last
-    joints, state = system.contacts.shape[0], run.control[0]
+    system = run.system
+    motion = run.motion
+    last = run.last
+    joints = system.contacts.shape[0]
+    state = run.control[0]
     t = state.time
     state.evaluations += last
     if state.searches == 0:
@@ -513,7 +542,9 @@ def hold_open(onset: Array) -> None:
 def march_controlled(address: PackedArguments, end: float) -> int:
     """Integrate towards ``end`` for at most ``most`` steps; returns how far it got."""
     (run,) = unpack(address)
-    tableau, classical, state = run.tableau, run.classical, run.control[0]
+    tableau = run.tableau
+    classical = run.classical
+    state = run.control[0]
     start_march(address)
     hold_open(run.records.onset)
     for _ in range(state.most):
@@ -532,14 +563,14 @@ def march_controlled(address: PackedArguments, end: float) -> int:
 def march_fixed(address: PackedArguments, end: float) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     (run,) = unpack(address)
-    system, tableau, classical, records = (
-        run.system,
-        run.tableau,
-        run.classical,
-        run.records,
-    )
-    control, motion = run.control, run.motion
-    n, state = system.layout.coordinates, control[0]
+    system = run.system
+    tableau = run.tableau
+    classical = run.classical
+    records = run.records
+    control = run.control
+    motion = run.motion
+    n = system.layout.coordinates
+    state = control[0]
     start_march(address)
     for _ in range(state.most):
         t = state.time
