@@ -523,7 +523,7 @@ def test_keys_that_nothing_reads_are_not_listed() -> None:
     frame, guide = {"frame_mass", "frame_damping"}, {"guide_length", "guide_width"}
     assert not (frame | guide) & rigid
     assert {"frame_stiffness", "torque_limit"} <= rigid
-    motor = pw.Motor("20 N m")
+    motor = pw.Motor(20.0)
     elastic = pw.SliderCrank(frame_mass=10.0, frame_stiffness=1e6, motor=motor)
     assert frame <= keys(elastic)
     assert "torque_limit" not in keys(elastic)
