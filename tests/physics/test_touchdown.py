@@ -18,6 +18,7 @@ from presswear.physics.friction_and_normal import elastic_at, normal_force
 from presswear.physics.packed import pack
 from presswear.physics.step_length import (
     LANDING,
+    OILED_DEPTH,
     STEPS,
     contact_step,
     next_step,
@@ -283,3 +284,13 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
     else:
         assert shorter == pytest.approx(0.5 * h / (LEAST_STEPS - steps + 1), rel=1e-6)
         assert line.memory["longest_step"][0] == shorter
+
+
+def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
+    line = _Line().start(0.0, 0.0)
+    line.packed.joints["oiled"] = True
+    line.steps["free"] = 1.0
+    line.memory["penetration"] = 0.0
+    without_force = line.wanted()
+    line.memory["penetration"] = OILED_DEPTH * LINE.clearance
+    assert without_force == line.wanted() < 1e-3
