@@ -24,6 +24,7 @@ from presswear.results.press_analysis import (
     sampled_cycles,
     sampled_strokes,
 )
+from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -104,6 +105,25 @@ def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float]:
         return drop, math.nan
     touch = float(stage.nominal_of(np.array(stroke.contact)))
     return drop, float(stage.time[is_back][0]) - touch
+
+
+def period_in(scene: Scene, stage: StageResult) -> float:
+    """Return the mean duration of the sampled cycles of a stage, s.
+
+    Without a motor, or without a complete cycle, it is the nominal one.
+    """
+    speed = leader_speed(scene, stage)
+    return (
+        float(scene.mechanism.period) if speed is None else 1.0 / speed.stroke_rate.mean
+    )
+
+
+def mean_period(result: Result) -> float:
+    """Return the mean duration of a cycle in the last stage that did not fail, s."""
+    sound = [stage for stage in result.stages if not stage.failed]
+    if not sound:
+        return float(result.scene.mechanism.period)
+    return period_in(result.scene, sound[-1])
 
 
 def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:

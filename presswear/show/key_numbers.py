@@ -25,7 +25,9 @@ from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
 from presswear.results.motor_load import (
     ALLOWED_DROP,
     leader_speed,
+    mean_period,
     motor_loads,
+    period_in,
     saturated_servos,
 )
 from presswear.results.oil_film import ASSUMES, oil_films
@@ -93,7 +95,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
     stages = [
         stage for stage in result.stages if stage.statistics.output and not stage.failed
     ]
-    life = [] if result.life is None else [_life(result.scene, result.life)]
+    life = [] if result.life is None else [_life(result, result.life)]
     if not stages:
         return life
     scene = result.scene
@@ -126,8 +128,8 @@ def _reason_without_interval(stage: StageResult) -> str:
     return "bumps, see the warning" if stage.statistics.high_bumps else ""
 
 
-def _life(scene: Scene, life: LifeResult) -> KeyNumber:
-    hours = numbers.readable(life.strokes * scene.mechanism.period / 3600.0, 2)
+def _life(result: Result, life: LifeResult) -> KeyNumber:
+    hours = numbers.readable(life.strokes * mean_period(result) / 3600.0, 2)
     first = life.first
     name = "Service life"
     name += f", {life.ended}" if life.ended in WITHOUT_CURVES else ""
@@ -162,7 +164,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
             scene.conventions.slip == "sliding"
             and bearing.materials.wear_coefficient > 0.0
         ):
-            rate = per_area / scene.mechanism.period
+            rate = per_area / period_in(scene, stage)
             loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
     return {key: values for key, values in loads.items() if values}
 

@@ -55,6 +55,7 @@ from presswear.results.motor_load import (
     ALLOWED_DROP,
     RECOVERED,
     leader_speed,
+    mean_period,
     motor_loads,
 )
 from presswear.results.oil_film import dry_contact
@@ -704,7 +705,8 @@ def _life(result: Result, life: LifeResult) -> Record:
         and limit.strokes is not None
         and limit.strokes / math.exp(limit.error or 0.0) <= high
     ]
-    limits = [_limit_line(result.scene, limit) for limit in life.limits]
+    period = mean_period(result)
+    limits = [_limit_line(period, limit) for limit in life.limits]
     wear_rates = [
         (
             f"{rate.joint}: {rate.surfaces}",
@@ -718,6 +720,7 @@ def _life(result: Result, life: LifeResult) -> Record:
     )
     return {
         "result": life,
+        "period": period,
         "first": first,
         "rivals": rivals,
         "services": services_done(result),
@@ -775,7 +778,7 @@ def _pin_that_ends(result: Result, life: LifeResult) -> str:
     )
 
 
-def _limit_line(scene: Scene, limit: LimitResult) -> Line:
+def _limit_line(period: float, limit: LimitResult) -> Line:
     factor, unit = numbers.unit_scale(limit.unit, limit.value)
     half = None if limit.last_half_width is None else factor * limit.last_half_width
     # A level curve has no drift and no meaningful half width.
@@ -790,7 +793,7 @@ def _limit_line(scene: Scene, limit: LimitResult) -> Line:
         return name, "not exceeded", NOTHING, NOTHING, last
     error = limit.error
     digits = digits_of(error)
-    hours = limit.strokes * scene.mechanism.period / 3600.0
+    hours = limit.strokes * period / 3600.0
     interval = span_of(limit.strokes, error) or "unknown"
     strokes = numbers.large(limit.strokes, digits=digits)
     return name, strokes, interval, numbers.readable(hours, digits), last

@@ -10,6 +10,7 @@ import presswear as pw
 from presswear.results.frame_load import frame_loads
 from presswear.results.motor_load import (
     leader_speed,
+    mean_period,
     motor_loads,
     saturated_servos,
 )
@@ -79,6 +80,8 @@ def test_loads_are_those_of_the_stored_series() -> None:
     length = clock[-1] - clock[0]
     assert speed.stroke_rate.mean == pytest.approx(2.0 / length, rel=1e-4)
     work = np.trapezoid(torque * omega, clock) / 2.0
+    assert mean_period(result) == pytest.approx(length / 2.0, rel=1e-4)
+    assert abs(mean_period(result) - 1.0) > 1e-3  # the nominal period
     assert load.work.mean == pytest.approx(work, rel=1e-3)
     loss = np.trapezoid(torque * (TURN - omega), clock) / 2.0
     assert load.slip_loss.mean == pytest.approx(loss, rel=1e-3)
