@@ -15,6 +15,7 @@ from presswear.results.motor_load import (
     saturated_servos,
 )
 from presswear.results.press_analysis import curves_of, sampled_strokes
+from presswear.show.figures import drawings
 from presswear.show.figures.style import between
 from presswear.show.key_numbers import key_numbers, warnings
 from presswear.show.report import stage_tables
@@ -142,6 +143,8 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     stretch = result.stages[0].arrays["stretch"][:, 0]
     assert load.force is not None
     assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
+    (response,) = drawings(result, ["response"])
+    assert "at the nominal speed of the motor" in response.caption
     (axes,) = result.plot("frame")
     drawn = np.asarray(axes.lines[0].get_ydata())
     assert drawn.max() == pytest.approx(1e6 * stretch[stretch.size // 2 :].max())
