@@ -143,6 +143,7 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     stretch = result.stages[0].arrays["stretch"][:, 0]
     assert load.force is not None
     assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
+    assert "with the change of speed" in f"{stage_tables(result)['tonnage']}"
     (response,) = drawings(result, ["response"])
     assert "at the nominal speed of the motor" in response.caption
     (axes,) = result.plot("frame")
