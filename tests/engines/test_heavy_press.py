@@ -96,6 +96,8 @@ def test_both_engines_stretch_the_frame_as_far(
 ) -> None:
     """By more than the force over k, because the crown swings; impacts are chaotic."""
     loads = [result.frame_loads(0)["frame"] for result in real_press.values()]
-    assert loads[0].stretch.mean == pytest.approx(loads[1].stretch.mean, rel=1e-2)
-    for load in loads:
-        assert 1.0 < load.force.mean / 225e3 < 1.2
+    stretches = [load.stretch.mean for load in loads if load.stretch]
+    forces = [load.force.mean for load in loads if load.force]
+    assert len(stretches) == len(forces) == 2
+    assert stretches[0] == pytest.approx(stretches[1], rel=1e-2)
+    assert all(1.0 < force / 225e3 < 1.2 for force in forces)

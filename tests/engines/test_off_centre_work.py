@@ -70,6 +70,7 @@ def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine) -> Non
 
 
 def test_the_ledger_closes_over_the_work() -> None:
+    assert SHEET is not None
     run = run_of(SCENE, InHouse(), 1.0)
     assert float(run.diagnostics["load_work_J"]) == pytest.approx(-SHEET.work, rel=1e-6)
     assert_no_corner_is_lost(run)

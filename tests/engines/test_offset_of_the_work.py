@@ -1,6 +1,7 @@
 """Work beside the middle of a slide: the force tilts the slide, and two corners bear it."""
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -74,7 +75,9 @@ def test_two_opposite_corners_bear_a_force_beside_the_middle(engine: Engine) -> 
 
 
 @pytest.mark.parametrize("bottom", ["lowest", "highest"])
-def test_a_positive_offset_lies_to_the_right_with_the_work_below(bottom: str) -> None:
+def test_a_positive_offset_lies_to_the_right_with_the_work_below(
+    bottom: Literal["lowest", "highest"],
+) -> None:
     press = pw.Press(guide_length=0.1, guide_width=0.05)
     stop = pw.Coining(offset=0.02, bottom=bottom)
     scene = pw.Scene(press, joints="guide", process=stop, cycles=1)

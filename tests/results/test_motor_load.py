@@ -101,7 +101,7 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert "frame_stretch" not in available(scene)
     assert not any("overheats" in line for line in warnings(result))
     _, power_axes = result.plot("drives")
-    time, power = power_axes.lines[0].get_data()
+    time, power = (np.asarray(one) for one in power_axes.lines[0].get_data())
     expected = np.interp(time, stage.time, stage.arrays["drive_torque"][:, 0])
     expected *= TURN * (1.0 - 0.08 * expected / 480.0)
     assert power == pytest.approx(expected, rel=1e-6, abs=1e-3)
@@ -109,9 +109,9 @@ def test_loads_are_those_of_the_stored_series() -> None:
     torque = torque_axes.lines[0].get_ydata()
     expected = 60.0 * (1.0 - 0.08 * np.asarray(torque) / 480.0)
     assert speed_axes.lines[0].get_ydata() == pytest.approx(expected, rel=1e-6)
-    (rated,) = set(torque_axes.lines[-1].get_ydata())
+    (rated,) = set(np.asarray(torque_axes.lines[-1].get_ydata()).tolist())
     assert rated == 480.0
-    (nominal,) = set(speed_axes.lines[-1].get_ydata())
+    (nominal,) = set(np.asarray(speed_axes.lines[-1].get_ydata()).tolist())
     assert nominal == pytest.approx(60.0)
 
 

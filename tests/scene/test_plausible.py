@@ -89,7 +89,7 @@ def test_oil_for_which_no_film_is_known(values: dict[str, str], words: str) -> N
 
 
 def test_a_torque_limit_beside_a_motor_has_no_effect() -> None:
-    motor = pw.Motor("2 N m", inertia="0.01 kg m^2")
+    motor = pw.Motor(2.0, inertia=0.01)
     alone = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0)))
     beside = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0, motor=motor)))
     assert not any("torque_limit" in line for line in alone)

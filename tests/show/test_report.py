@@ -475,7 +475,7 @@ def test_an_output_point_that_stands_still_has_no_heights_at_rest() -> None:
 
 
 GUIDED = pw.Press(guide_length=0.4, guide_width=0.3)
-PLAY = pw.Bearing(clearance="0.05 mm")
+PLAY = pw.Bearing(clearance=5e-5)
 OF_PINS = {"contact-force.png", "centre-trajectory.png", "poincare.png", "impacts.png"}
 OF_PINS |= {"modes.png", "wear-depth.png"}
 
