@@ -195,7 +195,10 @@ def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
         drives=[pw.Drive("crank", speed=60.0)],
     )
     scene = pw.Scene(slider, bearings={"B": pw.Bearing()}, cycles=1)
-    message = "hold 7, 2 more are needed; fewer than two joints hold slider$"
+    message = (
+        "hold 7; slider can move freely, because fewer than two joints hold it; add joints, "
+        "guides or drives that hold 2 more$"
+    )
     with pytest.raises(pw.InputError, match=message) as refused:
         pw.run(scene)
     assert (

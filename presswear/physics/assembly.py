@@ -405,9 +405,13 @@ def assembled(linkage: Linkage) -> Array:
         ]
         held_bodies += [guide.body for guide in linkage.guides]
         single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
-        hint = f"; fewer than two joints hold {', '.join(single)}" if single else ""
+        hint = "".join(
+            f"; {name} can move freely, because fewer than two joints hold it"
+            for name in single
+        )
         raise AssemblyError(
-            f"the linkage is free to move: {_count(linkage)}, {free} more are needed{hint}"
+            f"the linkage is free to move: {_count(linkage)}{hint}; add joints, guides or drives "
+            f"that hold {free} more"
         )
     rows = Rows(linkage)
     start = np.zeros(1)

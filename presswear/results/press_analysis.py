@@ -796,8 +796,8 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         text = (
             f"Joint {name}: the pin penetrates its bearing by {readable(deepest)} µm, "
             f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
-            "contact stiffness holds for small contacts: bottom dead centre under load is "
-            "uncertain, forces less so."
+            "contact law is made for small contacts; here bottom dead centre under load may be "
+            "wrong, forces less so."
         )
         last = next(one for one in reversed(stages) if not one.failed)
         joint = last.statistics.joints.get(name)

@@ -345,13 +345,15 @@ class Scene(Checked):
         if not self.loose_pins:
             raise InputError("life: no pin has clearance, so that no joint wears")
         if self.wear_updates < 1:
-            raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
-        if self.replicates == 1:
-            raise InputError("replicates = 1: with a life allowed is 2 to 100")
-        if self.conventions.wear_distribution != "arc":
-            reason = "its depth depends on the width of the bins"
             raise InputError(
-                f"wear_distribution = 'bin': with a life allowed is 'arc', {reason}"
+                "wear_updates = 0 does not fit [life]: use 1 to 20, or switch the life off"
+            )
+        if self.replicates == 1:
+            raise InputError("replicates = 1 does not fit [life]: use 2 to 100")
+        if self.conventions.wear_distribution != "arc":
+            reason = "the depth of 'bin' depends on the width of the bins"
+            raise InputError(
+                f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
             )
         services = life.services(self.loose_pins)
         limits = self.life_limits

@@ -430,7 +430,7 @@ def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
 
 def test_scenes_without_a_life_are_refused() -> None:
     with pytest.raises(
-        pw.InputError, match=r"^replicates = 1: with a life allowed is 2 to 100"
+        pw.InputError, match=r"^replicates = 1 does not fit \[life\]: use 2 to 100"
     ):
         bush(life=pw.Life(), wear_updates=1)
     with pytest.raises(

@@ -175,7 +175,9 @@ def test_the_guess_says_which_way_it_is_put_together() -> None:
 TWICE = [Drive("crank", 30.0, 0.3), Drive("rocker", 1.0)]
 PARALLELOGRAM = four_bar(0.1, 0.2, 0.1, 0.2)
 REFUSED = {
-    "free to move: .* hold 8, 1 more are needed$": four_bar().changed(drives=[]),
+    "free to move: .* hold 8; add joints, guides or drives that hold 1 more$": four_bar().changed(
+        drives=[]
+    ),
     "overconstrained: .* 1 too many": four_bar().changed(drives=TWICE),
     # The crank is too long to turn all around: the links stretch at B on the way.
     r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(

@@ -585,8 +585,8 @@ SCENE = pw.scenes.press_blanking(
 )
 EQUAL = (
     "Joint C: the pin penetrates its bearing by 500 µm, 1.00 of the clearance, and touches it over "
-    "120 degrees. The contact stiffness holds for small contacts: bottom dead centre under load is "
-    "uncertain, forces less so."
+    "120 degrees. The contact law is made for small contacts; here bottom dead centre under load "
+    "may be wrong, forces less so."
 )
 MEASURED = "A measured contact_stiffness reduces this doubt."
 

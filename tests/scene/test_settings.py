@@ -201,7 +201,7 @@ def test_a_scene_without_wear_updates_has_no_life() -> None:
     for value in ("0", 0):
         assert changed(scene, {"wear_updates": value}).life is None
     with pytest.raises(
-        pw.InputError, match="wear_updates = 0: with a life allowed is 1 to 20"
+        pw.InputError, match=r"wear_updates = 0 does not fit \[life\]: use 1 to 20"
     ):
         changed(scene, {"wear_updates": "0", "life": "limits"})
 
