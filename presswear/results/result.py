@@ -163,7 +163,7 @@ class Result:
 
         Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response,
         bottom, force, path, tilt, corners, phase, poincare, impacts, modes, spectrum,
-        drives and oil; without a name all figures that have data are drawn. ``stage``
+        drives, motor, frame and oil; without a name all figures that have data are drawn. ``stage``
         is the only stage to draw. InputError for an unknown name or stage, and for a
         figure without data.
         """
