@@ -10,6 +10,7 @@ from presswear.scene.options import FOLLOWED
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Quantity, parse_quantity
+from presswear.tools.serialize import checked_arguments
 
 FILE = "readings.csv"  # in the folder of a result
 HEADER = "joint,strokes,diametral_clearance (mm),error (mm)"
@@ -52,6 +53,7 @@ class Reading:
         return f"{self.joint}.{self.quantity}"
 
 
+@checked_arguments
 def read_readings(file: str | Path) -> tuple[Reading, ...]:
     """Return the readings of a table.
 

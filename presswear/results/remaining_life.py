@@ -45,6 +45,7 @@ from presswear.tools.numbers import (
     readable,
     unit_scale,
 )
+from presswear.tools.serialize import checked_arguments
 
 _LEVELS = np.array([0.025, 0.5, 0.975])
 _STROKES = 401  # even nodes of the distribution of the life
@@ -144,6 +145,7 @@ class _JointLife:
         return float(self.logarithms[order][np.searchsorted(below, 0.5)])
 
 
+@checked_arguments
 def remaining_life(
     result: Result, readings: str | Path | Sequence[Reading]
 ) -> RemainingLife:
@@ -172,7 +174,7 @@ def remaining_life(
     joints: list[JointWear] = []
     lives = {}
     firsts = {}
-    for name in scene.clearance_joints:
+    for name in scene.loose_pins:
         group = [reading for reading in readings if reading.joint == name]
         mine = [limit for limit in limits if limit.joint in (name, "")]
         wear = prior_of(scene.bearing(name).materials.wear_scatter)
@@ -191,7 +193,7 @@ def remaining_life(
 
 def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
     """Raise InputError unless the life of a scene has the courses that readings need."""
-    check_readings(readings, scene.clearance_joints)
+    check_readings(readings, scene.loose_pins)
     limits = scene.life_limits
     if scene.life is None:
         raise InputError(f"readings: {scene.name} has no service life")
@@ -199,7 +201,7 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
         raise InputError("readings: a quick life has no courses; omit --quick")
     if scene.surfaces:
         raise InputError("readings count from new surfaces; omit those of the scene")
-    if scene.life.services(scene.clearance_joints):
+    if scene.life.services(scene.loose_pins):
         raise InputError("readings: bushings that are serviced are not allowed")
     followed = any(limit.name in CLEARANCES for limit in limits)
     for reading in readings:
@@ -212,7 +214,7 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
 
 def _predicted(scene: Scene, life: LifeResult) -> tuple[list[Limit], tuple[str, ...]]:
     """Return the limits that readings predict, and remarks on the others."""
-    is_single = len(scene.clearance_joints) == 1
+    is_single = len(scene.loose_pins) == 1
     limits = []
     remarks = []
     for limit in scene.life_limits:
