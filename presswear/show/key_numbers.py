@@ -52,6 +52,7 @@ _STEP_ERROR = 0.1  # change of peak forces with finer time steps
 # Linkages to which a run is compared
 RUBBING = "rigid joints with friction"
 IDEAL = "rigid joints without friction"
+NEGLIGIBLE = 1e-8  # m, error of a bottom that no instrument of a press shows
 # title, unit and words of the loads of bearings, by the settings that limit them
 _LOADS = {
     "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
@@ -338,6 +339,9 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text += "negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
+    if bdc.error is not None and abs(bdc.error.mean) < NEGLIGIBLE:
+        value = f"below {numbers.quantity_text(NEGLIGIBLE, 'm')}"
+        return [*result, KeyNumber("Bottom dead centre error", value, "", text)]
     result.append(
         measured("Bottom dead centre error", bdc.error, "m", text, bdc.strokes)
     )
@@ -474,6 +478,8 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     rubbing = press.rubbing_drives(scene)
     new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
     rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
+    if scene.base_linkage.has_motors:
+        rigid = {f"{words}, at the nominal speed": one for words, one in rigid.items()}
     duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
     result = []
     for name, unit in (("torque", "N m"), ("power", "W")):

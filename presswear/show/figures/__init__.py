@@ -76,7 +76,10 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "oil": ("all", motion.film_thickness),
 }
 # Figures that are drawn after a run, the most important first, and how many of them
-FIRST = ("life", "force", "wear", "stroke", "bottom", "response", "drives")
+FIRST = (
+    *("life", "force", "wear", "tilt", "motor", "frame"),
+    *("stroke", "bottom", "response", "drives"),
+)
 FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones
 _PYPLOT = "matplotlib.pyplot"

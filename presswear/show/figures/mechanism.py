@@ -237,10 +237,12 @@ def _draw_body(
 
 
 def _legend_text(linkage: Linkage, body: str) -> str:
-    """Return the name of a body, with the mean speed of its drive."""
+    """Return the name of a body, with the mean speed of its drive, if it turns on."""
     speeds = [drive.mean_speed for drive in linkage.drives if drive.body == body]
     if not speeds:
         return body
+    if speeds[0] == 0.0:
+        return f"{body}, driven to and fro"
     return f"{body}, {abs(speeds[0]) * 30.0 / math.pi:.4g} rpm"
 
 

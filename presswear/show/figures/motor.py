@@ -27,18 +27,20 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     shown, window = sampled(result, moving)
     sheet, panels, lowest = style.panel_list(1 + len(driven), 1.9, 1, sharex=True)
     marks: dict[str, str] = {}
+    nominal = _RPM * abs(leader.speed)
     for stage, full in zip(shown, moving, strict=True):
-        speed = _RPM * leader.speed * full.data.nominal_rate
-        cut = _RPM * leader.speed * stage.data.nominal_rate
+        speed = nominal * full.data.nominal_rate
+        cut = nominal * stage.data.nominal_rate
         stage.pen.draw(panels[0], stage.data.time, cut)
         marks |= mark_moments(panels[0], result, (stage, full), speed, window)
-    panels[0].axhline(_RPM * leader.speed, **_NOMINAL.line_style)
+    panels[0].axhline(nominal, **_NOMINAL.line_style)
     panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
     for axes, drive in zip(panels[1:], driven, strict=True):
         column = linkage.drives.index(drive)
+        sense = math.copysign(1.0, drive.mean_speed)
         for stage in shown:
             torque = stage.data.arrays["drive_torque"][:, column]
-            stage.pen.draw(axes, stage.data.time, torque)
+            stage.pen.draw(axes, stage.data.time, sense * torque)
         _draw_rated(axes, drive)
         style.label_values(axes, f"torque on {drive.body}\n", "N m")
     for axes in lowest:
@@ -52,8 +54,7 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
 
 
 def _draw_rated(axes: Axes, drive: Drive) -> None:
-    """Draw the rated torque of a motor that has one, with the sense of its drive."""
+    """Draw the rated torque of a motor that has one."""
     motor = drive.motor
     if motor is not None and motor.torque is not None and motor.has_slip:
-        rated = math.copysign(motor.ratio * motor.torque, drive.speed)
-        axes.axhline(rated, **_RATED.line_style)
+        axes.axhline(motor.ratio * motor.torque, **_RATED.line_style)
