@@ -1,10 +1,12 @@
 """Results by the nominal time: of a leader that turns evenly they are those without one."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from matplotlib.lines import Line2D
 
 import presswear as pw
 from presswear.analysis.contact_modes import over_nominal_time, timeline_of
@@ -87,6 +89,52 @@ def test_places_in_the_cycle_and_durations(
     assert spectra[1].order == pytest.approx(spectra[0].order)
     power = [curves_of(scene, one)["crank"].power for one in (stage, slow)]
     assert power[1] == pytest.approx(0.5 * power[0], rel=1e-6)
+    # the contact resonance, and the cycle, twice as slow
+    lines = [
+        [line.get_xdata() for line in resonance_lines(result)]
+        for result in (results[1], replace(results[1], stages=(slow,)))
+    ]
+    assert len(lines[0]) == 1
+    assert lines[1][0] == pytest.approx(lines[0][0], rel=1e-6)
+
+
+def resonance_lines(result: pw.Result) -> list[Line2D]:
+    """Return the lines of the contact resonance in the figure of spectra."""
+    axes = result.plot("spectrum")
+    return [one for panel in axes for one in panel.lines if one.get_linestyle() == "-."]
+
+
+def test_shares_of_contact_modes_are_of_the_clock(
+    results: tuple[pw.Result, pw.Result],
+) -> None:
+    """A crank that is slow while its pin flies makes the free flight longer."""
+    stage = results[1].stages[0]
+    period = results[1].scene.mechanism.period
+    scale = 0.9 * period / (2.0 * np.pi)
+
+    def slowed(time: np.ndarray) -> np.ndarray:
+        return np.asarray(time + scale * np.sin(2.0 * np.pi * time / period))
+
+    contacts = stage.arrays["B_contacts"].copy()
+    contacts[:, :2] = slowed(contacts[:, :2])
+    moved = {"clock": slowed(stage.time), "B_contacts": contacts}
+    uneven = replace(stage, arrays={**stage.arrays, **moved})
+    result = replace(results[1], stages=(uneven,))
+    (axes,) = (one for one in result.plot("modes") if one.get_title(loc="left"))
+    # A contact that lasts at the end is not stored as one.
+    pressed = stage.time[stage.arrays["B_penetration"] > 0.0]
+    closed = stage.arrays["B_contacts"][:, :2]
+    lasting = pressed[pressed > closed[-1, 1] + 1e-9]
+    if lasting.size:
+        closed = np.vstack([closed, [lasting[0], 4.0 * period]])
+    ends = np.clip(closed, 2.0 * period, 4.0 * period)
+    clock, nominal = (
+        100.0 - 100.0 * float(np.diff(by(ends), axis=1).sum()) / (2.0 * period)
+        for by in (slowed, np.asarray)
+    )
+    (shown,) = re.findall(r"free ([\d.]+)", axes.get_title(loc="left"))
+    assert float(shown) == pytest.approx(clock, abs=0.02)
+    assert abs(clock - nominal) > 0.5
 
 
 def test_tables_hold_the_clock(results: tuple[pw.Result, pw.Result]) -> None:

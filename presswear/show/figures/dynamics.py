@@ -137,15 +137,15 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
     for axes, joint, stage in places:
-        line = timeline_of(scene, stage.data, joint)
-        line = over_nominal_time(scene, stage.data, line)
+        by_clock = timeline_of(scene, stage.data, joint)
+        line = over_nominal_time(scene, stage.data, by_clock)
         parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
         parts = np.column_stack([parts, parts[:, -1]])
         edges = np.linspace(0.0, 360.0, BINS + 1)
         axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
         axes.set_ylim(0.0, 100.0)
         axes.grid(False)
-        shares = zip(_MODE_WORDS, line.shares.values(), strict=True)
+        shares = zip(_MODE_WORDS, by_clock.shares.values(), strict=True)
         text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
         title = f"joint {joint}, {stage.pen.label}\n{text} %"
         axes.set_title(title, loc="left", fontsize=7.0)
@@ -163,16 +163,18 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     columns = 1 + (len(joints) > 2)
     sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
     resonances = []
+    periods = []  # with a motor not the nominal one
     for stage in shown:
         spectra = spectra_of(scene, stage.data)
+        periods.append(spectra[""].period)
         for axes, name in zip(column, ("", *joints), strict=True):
             each = spectra[name]
             stage.pen.draw(axes, each.order[1:], each.density[1:], linewidth=0.6)
     for axes, joint in zip(column[1:], joints, strict=True):
         hertz = []
-        for stage in shown:
+        for stage, period in zip(shown, periods, strict=True):
             if (frequency := resonance(stage.data, joint)) is not None:
-                order = frequency * scene.mechanism.period
+                order = frequency * period
                 colour = stage.pen.colour
                 axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
                 hertz.append(frequency)
@@ -190,6 +192,7 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     for axes in lowest:
         axes.set_xlabel("frequency in turns of the cycle (orders)")
     content = {"harmonics": _HARMONICS, "resonances": resonances}
+    content |= {"period": periods[-1]}
     return style.finished(
         "spectrum", sheet, [one.pen for one in shown], scene=scene, **content
     )

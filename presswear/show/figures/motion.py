@@ -94,9 +94,11 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
             if cycles == 1
             else f"the first {cycles} cycles"
         )
-    words = (
-        f"{words} of {1e3 * period:.0f} ms{' after the run-up' if run_up > 0.0 else ''}"
-    )
+    words = f"{words} of {1e3 * period:.0f} ms"
+    if result.scene.linkage().leader is not None:
+        words += " at nominal speed"
+    if run_up > 0.0:
+        words += " after the run-up"
     shown = [
         replace(stage, data=style.between(stage.data, start, end)) for stage in stages
     ]
@@ -271,7 +273,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     scene = result.scene
     shown = [stage for stage in shown if stage.data.statistics.bdc]
     shown = [*shown[:1], *shown[1:][-1:]]
-    if not shown or not scene.clearance_joints:
+    if not shown or not scene.has_deviations:
         return []
     strokes = [press.bottom_errors(scene, stage.data) for stage in shown]
     heights = np.concatenate([rows for replicates in strokes for _, rows in replicates])
@@ -430,7 +432,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     curves = []
     for stage in shown:
         each = press.curves_of(scene, stage.data)
-        curves.append((stage.pen, stage.data.time, each))
+        curves.append((stage, each))
     ideal, _ = press.ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
@@ -442,10 +444,10 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
             expected = np.tile(getattr(ideal[drive], name), cycles.size)
             ends = [expected.min(), expected.max()]
             farthest = []
-            for pen, times, each in curves:
+            for stage, each in curves:
                 values = getattr(each[drive], name)
-                pen.draw(axes, times, values, linewidth=0.7)
-                weights = np.gradient(times)
+                stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
+                weights = np.gradient(stage.data.clock)
                 tails = (_TAIL, 1.0 - _TAIL)
                 ends += [
                     *np.quantile(values, tails, weights=weights, method="inverted_cdf")
