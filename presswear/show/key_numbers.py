@@ -188,9 +188,9 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     where = "" if last is first else " of the last stage"
     text = f"At joint {at}: greatest force in a stroke, on average. Largest of all strokes{where}: "
-    text += (
-        f"{largest}. Impacts are included; a real frame bends and makes them smaller."
-    )
+    text += f"{largest}. Impacts are included"
+    is_rigid = not scene.linkage().elastic_joints
+    text += "; a real frame bends and makes them smaller." if is_rigid else "."
     if not scene.has_untrusted_loads:
         ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
         text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."

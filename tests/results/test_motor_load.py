@@ -1,6 +1,7 @@
 """Loads of motors: closed forms of a braked rotor, and stored series of a press."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from presswear.results.press_analysis import curves_of, sampled_strokes
 from presswear.show.figures import drawings
 from presswear.show.figures.style import between
 from presswear.show.key_numbers import key_numbers, warnings
-from presswear.show.report import stage_tables
+from presswear.show.report import render_report, stage_tables
 from presswear.sweeps.responses import available, request, responses_of
 
 TURN = 2.0 * math.pi
@@ -65,6 +66,27 @@ def drop_on_the_line(result: pw.Result) -> float:
         last = np.flatnonzero(stage.clock > stroke.done)[0]
         drops.append(1.0 - omega[first : last + 1].min() / omega[first])
     return float(np.mean(drops))
+
+
+def check_panel_of_torques(result: pw.Result) -> None:
+    """Check that a panel of torques shows 99 % of the time by the clock, not the nominal time."""
+    # Torques above those of the ideal motion determine the panel.
+    stage = result.stages[0]
+    torques = {"drive_torque": 10.0 * stage.arrays["drive_torque"]}
+    large = replace(stage, arrays={**stage.arrays, **torques})
+    torque_axes, _ = replace(result, stages=(large,)).plot("drives")
+    stage = between(large, 2.0, 4.0)
+    torque = stage.arrays["drive_torque"][:, 0]
+    order = np.argsort(torque)
+    greatest = []
+    for time in (stage.clock, stage.time):
+        passed = np.cumsum(np.gradient(time)[order])
+        row = np.searchsorted(passed, 0.995 * passed[-1])
+        greatest.append(float(torque[order][row]))
+    low, high = torque_axes.get_ylim()
+    margin = 0.08 / 1.16 * (high - low)
+    assert high - margin == pytest.approx(greatest[0], rel=1e-6)
+    assert abs(greatest[1] - greatest[0]) > 1e-3 * greatest[0]
 
 
 def test_loads_are_those_of_the_stored_series() -> None:
@@ -126,6 +148,7 @@ def test_the_power_of_the_strokes_that_a_figure_shows() -> None:
 
 def test_a_light_flywheel_is_slowed_too_much() -> None:
     result = press(0.01)
+    check_panel_of_torques(result)
     (load,) = motor_loads(result.scene, result.stages[0]).values()
     speed = leader_speed(result.scene, result.stages[0])
     assert speed is not None
@@ -152,6 +175,23 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     (scale,) = axes.child_axes
     ends = 1e-6 * np.array(axes.get_ylim())
     assert scale.get_ylim() == pytest.approx(1e-3 * (FRAME * ends + WEIGHT))
+    # Without clearance the frame alone moves bottom dead centre.
+    (axes,) = result.plot("bottom")
+    drawn = np.asarray(axes.lines[0].get_ydata())
+    lowest = [
+        result.height(0)[(stage.time >= cycle + 0.25) & (stage.time < cycle + 0.75)]
+        for stage in result.stages
+        for cycle in range(4)
+    ]
+    expected = [1e6 * float(heights.min()) for heights in lowest]
+    assert drawn == pytest.approx(expected, abs=1.0)
+    page = " ".join(render_report(result).split())
+    assert (
+        "Bottom dead centre differs from the ideal one by the stretch of frame" in page
+    )
+    assert "bottom dead centre is the ideal one" not in page
+    assert "A cycle takes 1000 ms at the nominal speed of the motor." in page
+    assert "there are 60.0 per minute at the nominal speed of the motor." in page
 
 
 @pytest.mark.parametrize(("limit", "saturates"), [(2.0, False), (0.4, True)])
