@@ -50,6 +50,8 @@ FIRST_REFINEMENT = 8
 # Factor on the error of the steps, because it follows from a few chaotic runs
 STEP_SAFETY = 2.0
 _UPDATE_CHANGE = 0.1  # part of the clearance that an update wears off by default
+# Part of the clearance in a cycle below which nothing wears: under a thick oil film
+_LEAST_CHANGE = 1e-15
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,7 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
         cycles = _cycles_to_change(laws, joints, depth, added_depth)
     else:
         change = largest_change(joints, added_depth)
-        cycles = _UPDATE_CHANGE / change if change > 0.0 else 1.0
+        cycles = _UPDATE_CHANGE / change if change > _LEAST_CHANGE else 1.0
     return max(float(f"{cycles:.1g}"), 1.0)
 
 
@@ -179,7 +181,7 @@ def _cycles_to_change(
     deeper = depth + _UPDATE_CHANGE * clearance[:, np.newaxis, np.newaxis]
     needed = archard_depth(laws, deeper) - archard_depth(laws, depth)
     share = float((added_depth / needed).max(initial=0.0))
-    return 1.0 / share if share > 0.0 else 1.0
+    return 1.0 / share if _UPDATE_CHANGE * share > _LEAST_CHANGE else 1.0
 
 
 def _largest_reached(

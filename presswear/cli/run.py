@@ -290,7 +290,9 @@ class RunObserver(Observer):
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
         per_million = 1e6 / stage.cycles_per_update
         volumes = {
-            name: joint.wear_volume.scaled(per_million) for name, joint in joints
+            name: joint.wear_volume.scaled(per_million)
+            for name, joint in joints
+            if not joint.is_unworn
         }
         lines += _largest("mean peak force", "N", forces)
         wear = _largest("wear per 10⁶ strokes", "m^3", volumes)

@@ -140,6 +140,7 @@ class Result:
                 joint = stage.statistics.joints.get(name)
                 if joint:
                     worn = 1e15 / stage.cycles_per_update * joint.wear_volume.mean
+                    worn = 0.0 if joint.is_unworn else worn
                     # walls of guides have no wear model
                     wears = name in self.scene.loose_pins
                     row += [name, readable(joint.peak_force)]

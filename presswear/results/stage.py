@@ -34,6 +34,7 @@ from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
 
 T = TypeVar("T")
+LEAST_LOAD_DISTANCE = 1e-15  # N m in a cycle; an oiled press may have 1e-40
 
 
 class Joints(dict[str, T]):
@@ -127,6 +128,11 @@ class JointStatistics:
     bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
     # over cycles, of the columns of ``JOINT_CYCLE`` that declare a mean, by name; SI
     means: Mapping[str, Estimate] = field(default_factory=dict)
+
+    @property
+    def is_unworn(self) -> bool:
+        """True if next to nothing rubs, as asperities under a thick oil film."""
+        return self.load_distance_per_cycle.mean < LEAST_LOAD_DISTANCE
 
 
 @dataclass(frozen=True)

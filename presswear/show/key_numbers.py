@@ -164,6 +164,7 @@ def _bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Esti
         if (
             scene.conventions.slip == "sliding"
             and bearing.materials.wear_coefficient > 0.0
+            and not bearing.has_film  # whose load distance is that of asperities
         ):
             rate = per_area / period_in(scene, stage)
             loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
@@ -273,7 +274,7 @@ def _wear_depth(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             (name, side): peak.depth.scaled(1e6 / stage.cycles_per_update)
             for name, joint in _pins_of(scene, stage).items()
             for side, peak in joint.wear_peaks.items()
-            if side != "both" and peak.depth.mean > 0.0
+            if side != "both" and peak.depth.mean > 0.0 and not joint.is_unworn
         }
         if wear:
             name, side = place = _greatest(wear)
@@ -339,17 +340,19 @@ def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text += "negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
-    if bdc.error is not None and abs(bdc.error.mean) < NEGLIGIBLE:
-        value = f"below {numbers.quantity_text(NEGLIGIBLE, 'm')}"
-        return [*result, KeyNumber("Bottom dead centre error", value, "", text)]
-    result.append(
-        measured("Bottom dead centre error", bdc.error, "m", text, bdc.strokes)
-    )
+    result.append(_of_bottom("Bottom dead centre error", bdc.error, text, bdc.strokes))
     text = "Standard deviation of bottom dead centre from stroke to stroke."
-    return [
-        *result,
-        measured("Repeatability", bdc.standard_deviation, "m", text, bdc.strokes),
-    ]
+    scatter = bdc.standard_deviation
+    return [*result, _of_bottom("Repeatability", scatter, text, bdc.strokes)]
+
+
+def _of_bottom(
+    name: str, length: Estimate | None, meaning: str, strokes: int
+) -> KeyNumber:
+    """Return a length of bottom dead centre; a negligible one is not printed in picometres."""
+    if length is not None and abs(length.mean) < NEGLIGIBLE:
+        return KeyNumber(name, f"below {1e9 * NEGLIGIBLE:.0f} nm", "", meaning)
+    return measured(name, length, "m", meaning, strokes)
 
 
 def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
@@ -645,7 +648,7 @@ def warnings(result: Result) -> list[str]:
         is_limited = any(scene.bearing(name).pv_limit for name in stage.joints)
         if is_limited and "pv_limit" not in by_limit:
             lines.append(
-                "pv_limit is not compared: it needs slip = sliding, as in refined."
+                "pv_limit is not compared: it needs slip = sliding, as in refined, and no film."
             )
         for key, loads in by_limit.items():
             unit = _LOADS[key][1]

@@ -6,6 +6,7 @@ import pytest
 
 import presswear as pw
 from presswear.results.run_film import film_sentences, run_films
+from presswear.show.key_numbers import key_numbers
 from presswear.show.report import render_report
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -40,6 +41,16 @@ def test_loss_of_the_films_is_that_of_the_ledger(oiled: pw.Result) -> None:
     )
     # The first cycle starts in the centre of the bearings.
     assert sum(film.loss for film in films) == pytest.approx(lost / 3.0, rel=0.02)
+
+
+def test_asperities_far_below_the_film_do_not_wear() -> None:
+    """Their load distance is 1e-45 N m, of which 1e46 strokes would wear something."""
+    oil = {"clearance": "30 um", "viscosity": "0.1 Pa s", "film": "run"}
+    result = pw.run(pw.scenes.slider_crank(**oil, joints="B", cycles=3))
+    (stage,) = result.stages
+    assert stage.joints["B"].statistics.is_unworn
+    assert stage.cycles_per_update == 1.0
+    assert not any("Wear per" in one.name for one in key_numbers(result))
 
 
 def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:
