@@ -7,7 +7,7 @@ import sys
 
 import presswear as pw
 from presswear.cli.terminal import load_scene
-from presswear.results.press_analysis import rise
+from presswear.results.bottom_dead_centre import rise
 from presswear.show.page import text_of
 
 

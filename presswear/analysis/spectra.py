@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from presswear.results.press_analysis import sampled_span
+from presswear.results.sampled_cycles import sampled_span
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

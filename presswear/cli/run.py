@@ -149,7 +149,7 @@ def run_scene(
 
 def _finish(result: "Result", arguments: argparse.Namespace, console: Console) -> int:
     """Write the report of a stored run, print what it tells at the end, return the exit code."""
-    from presswear.results.press_analysis import contact_warnings
+    from presswear.results.contact_warnings import contact_warnings
 
     folder = result.path
     readings = getattr(arguments, "readings", None)

@@ -27,6 +27,8 @@ Kind = Literal[
 
 # residual of the energy balance over the energy that the drives exchanged
 RESIDUAL = 3e-3
+# of the energy exchanged, at the tolerances of a trajectory: the report compares with it
+ENERGY_BOUND = 1e-6
 # Of the heat of damping and friction: wear is no more accurate than that.
 RESIDUAL_DISSIPATED = 1e-2
 # of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps

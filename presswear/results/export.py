@@ -16,13 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from presswear.recording.columns import JOINT_SERIES, SERIES
-from presswear.results.press_analysis import (
-    Strokes,
-    curves_of,
-    height_of,
-    process_force,
-)
+from presswear.results.drives import curves_of
 from presswear.results.result import Result
+from presswear.results.strokes import Strokes, height_of, process_force
 from presswear.scene.options import FOLLOWED
 from presswear.tools.arrays import Array, read_numbers, write_arrays
 from presswear.tools.errors import InputError, unknown

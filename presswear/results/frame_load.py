@@ -9,13 +9,13 @@ from presswear.linkage.elements import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.elastic_guide import carried_mass
 from presswear.recording.statistics import Estimate
-from presswear.results.press_analysis import (
+from presswear.results.stage import StageResult
+from presswear.results.strokes import (
     SNAP_THROUGH_S,
     SampledStroke,
     mean_of_strokes,
     sampled_strokes,
 )
-from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

@@ -12,13 +12,9 @@ from presswear.linkage.elements import CORNERS, Guide
 from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import Estimate
 from presswear.results.corners import tilt_series
-from presswear.results.press_analysis import (
-    SampledStroke,
-    mean_of_strokes,
-    sampled_cycles,
-    sampled_strokes,
-)
+from presswear.results.sampled_cycles import sampled_cycles
 from presswear.results.stage import JointResult, StageResult
+from presswear.results.strokes import SampledStroke, mean_of_strokes, sampled_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

@@ -18,14 +18,10 @@ from presswear.recording.columns import (
     first_leader_column,
 )
 from presswear.recording.statistics import Estimate
-from presswear.results.press_analysis import (
-    SampledStroke,
-    mean_of_strokes,
-    sampled_cycles,
-    sampled_strokes,
-)
 from presswear.results.result import Result
+from presswear.results.sampled_cycles import sampled_cycles
 from presswear.results.stage import StageResult
+from presswear.results.strokes import SampledStroke, mean_of_strokes, sampled_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

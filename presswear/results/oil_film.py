@@ -23,7 +23,7 @@ from presswear.results.film_orbit import (
     film_power,
     periodic_orbit,
 )
-from presswear.results.press_analysis import ideal_forces
+from presswear.results.rigid_joints import ideal_forces
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

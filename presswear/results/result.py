@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
-from presswear.results import press_analysis as press
+from presswear.results.contact_warnings import contact_warnings
+from presswear.results.drives import DriveResult, drives_of
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.frame_load import FrameLoad, frame_loads
 from presswear.results.guide_tilt import GuideTilt, guide_tilts
@@ -27,6 +28,8 @@ from presswear.results.stored_arrays import (
     most_film_bytes,
     most_stage_bytes,
 )
+from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
+from presswear.results.tonnage import Tonnage, tonnage_of
 from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
@@ -95,21 +98,21 @@ class Result:
             return stage_name(index, bool(self.stages) and self.stages[0].is_worn)
         return f"after {large(self.life.strokes * index / self.scene.wear_updates)} strokes"
 
-    def strokes(self, index: int) -> press.Strokes | None:
+    def strokes(self, index: int) -> Strokes | None:
         """Return the recorded strokes of a stage on the work; None without a process."""
-        return press.strokes_of(self.scene, self.stage(index))
+        return strokes_of(self.scene, self.stage(index))
 
     def process_force(self, index: int) -> Array | None:
         """Return the force of the work at the times of the series, shape (n,), N, or None."""
-        return press.process_force(self.scene, self.stage(index))
+        return process_force(self.scene, self.stage(index))
 
     def height(self, index: int) -> Array:
         """Return the height over the ideal bottom dead centre at these times, shape (n,), m."""
-        return press.height_of(self.scene, self.stage(index))
+        return height_of(self.scene, self.stage(index))
 
-    def tonnage(self, index: int) -> press.Tonnage | None:
+    def tonnage(self, index: int) -> Tonnage | None:
         """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
-        return press.tonnage_of(self.scene, self.stage(index))
+        return tonnage_of(self.scene, self.stage(index))
 
     def frame_loads(self, index: int) -> dict[str, FrameLoad]:
         """Return the loads of elastic frames in a stage by guide; empty without a stroke."""
@@ -119,9 +122,9 @@ class Result:
         """Return tilt and load of slides in a stage by guide; empty without a loose guide."""
         return guide_tilts(self.scene, self.stage(index))
 
-    def drives(self, index: int) -> dict[str, press.DriveResult]:
+    def drives(self, index: int) -> dict[str, DriveResult]:
         """Return the drives in a stage by their bodies; empty if torques were not stored."""
-        return press.drives_of(self.scene, self.stage(index))
+        return drives_of(self.scene, self.stage(index))
 
     @property
     def grew_in_steps(self) -> bool:
@@ -155,9 +158,7 @@ class Result:
         first += [] if self.life is None else [f"{self.life}"]
         remark = self.scene.bin_remark
         lines += [f"worn volume: {remark}"] if remark else []
-        return "\n".join(
-            [*first, *lines, *press.contact_warnings(self.scene, self.stages)]
-        )
+        return "\n".join([*first, *lines, *contact_warnings(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.

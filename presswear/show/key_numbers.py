@@ -5,7 +5,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
-from presswear.results import press_analysis as press
+from presswear.results.contact_warnings import contact_warnings
+from presswear.results.deep_contacts import SMALL_CONTACT, forces_by_law, penetrations
+from presswear.results.drive_duty import DriveDuty
+from presswear.results.drives import drives_of
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.guide_tilt import (
     ALLOWED_TILT,
@@ -32,7 +35,9 @@ from presswear.results.motor_load import (
 )
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.result import Result
+from presswear.results.rigid_joints import ideal_drives, ideal_forces, rubbing_drives
 from presswear.results.stage import BottomStatistics, JointStatistics, StageResult
+from presswear.results.tonnage import tonnage_of
 from presswear.scene.plausible import doubts, unusual
 from presswear.scene.scene import Scene
 from presswear.show.figures.life import limit_text
@@ -193,7 +198,7 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     is_rigid = not scene.linkage().elastic_joints
     text += "; a real frame bends and makes them smaller." if is_rigid else "."
     if not scene.has_untrusted_loads:
-        ideal = float(abs(press.ideal_forces(scene)[1][at]).max())
+        ideal = float(abs(ideal_forces(scene)[1][at]).max())
         text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
     if last is not first and at in first.statistics.joints:
         new = _forces_of_motions(first, at)
@@ -206,8 +211,8 @@ def _joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     if settling and settling.is_mixture:
         note = _reason_without_interval(last)
         peak = peak._replace(value=_forces_of_motions(last, at), interval="", note=note)
-    if press.penetrations(scene, stages)[at] > press.SMALL_CONTACT:
-        peak = _with_laws(peak, press.forces_by_law(scene, at, forces[at].mean))
+    if penetrations(scene, stages)[at] > SMALL_CONTACT:
+        peak = _with_laws(peak, forces_by_law(scene, at, forces[at].mean))
     result = [peak]
     for key, loads in _bearing_loads(scene, last).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
@@ -326,7 +331,7 @@ def _mm(length: float) -> str:
 
 def _stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the force of the work, and accuracy and repeatability of bottom dead centre."""
-    tonnage = press.tonnage_of(scene, stage)
+    tonnage = tonnage_of(scene, stage)
     bdc = stage.statistics.bdc
     result = []
     if tonnage is not None and tonnage.peak_force is not None:
@@ -476,10 +481,10 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return torque and power of the drives with the largest; ideal ones if none were stored."""
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
-    drives = press.drives_of(scene, stages[-1])
-    ideal = press.ideal_drives(scene)
-    rubbing = press.rubbing_drives(scene)
-    new = press.drives_of(scene, stages[0]) if len(stages) > 1 else {}
+    drives = drives_of(scene, stages[-1])
+    ideal = ideal_drives(scene)
+    rubbing = rubbing_drives(scene)
+    new = drives_of(scene, stages[0]) if len(stages) > 1 else {}
     rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
     if scene.base_linkage.has_motors:
         rigid = {f"{words}, at the nominal speed": one for words, one in rigid.items()}
@@ -521,7 +526,7 @@ def _drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     return result
 
 
-def _peak_text(duties: Mapping[str, press.DriveDuty], name: str, unit: str) -> str:
+def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
     """Return the greatest peak of the drives as a text, with its drive if there are several."""
     peaks = {
         body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()
@@ -587,7 +592,7 @@ def warnings(result: Result) -> list[str]:
     """Return sentences on what makes the numbers of a result doubtful."""
     scene = result.scene
     lines = doubts(result.scene)
-    lines += press.contact_warnings(scene, result.stages)
+    lines += contact_warnings(scene, result.stages)
     lines += [
         f"The slide may jam in {name}: with the force of the work beside the middle its "
         f"friction = {friction:g} is above {numbers.readable(limit)}, from which two "

@@ -32,9 +32,10 @@ from presswear.linkage.surface import SIDES, Surface
 from presswear.physics import statics
 from presswear.physics.ideal import bottom_of
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, with_mean
-from presswear.recording.soundness import RESIDUAL
+from presswear.recording.soundness import ENERGY_BOUND, RESIDUAL
 from presswear.recording.statistics import Estimate
-from presswear.results import press_analysis as press
+from presswear.results.bottom_dead_centre import rise
+from presswear.results.drives import drives_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.guide_tilt import (
@@ -62,8 +63,17 @@ from presswear.results.oil_film import dry_contact
 from presswear.results.readings import FILE as READINGS
 from presswear.results.remaining_life import remaining_life
 from presswear.results.result import Result
+from presswear.results.rigid_joints import (
+    ideal_drives,
+    ideal_forces,
+    rubbing_drives,
+    rubbing_joints,
+)
 from presswear.results.run_film import film_sentences
+from presswear.results.sampled_cycles import has_motion, sampled_span
 from presswear.results.stage import StageResult, WearStep
+from presswear.results.strokes import PHASES, SNAP_THROUGH_S
+from presswear.results.tonnage import tonnage_of
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import base_of, changes_of, named_scene, title_of
 from presswear.scene.scene import Scene
@@ -107,9 +117,9 @@ _MIN_LINES = 8
 def prepare(scene: Scene) -> None:
     """Compile the kernels of a report, and compute what does not depend on the run."""
     if not scene.has_untrusted_loads:
-        press.ideal_drives(scene)
-        press.rubbing_drives(scene)
-        press.ideal_forces(scene)
+        ideal_drives(scene)
+        rubbing_drives(scene)
+        ideal_forces(scene)
     _heights_at_rest(scene)
 
 
@@ -157,7 +167,7 @@ def render_report(
         "moves": bottom_of(scene.ideal) is not None,
         "untrusted": untrusted,
         "laws": _normal_laws(scene),
-        "has_rubbing_joints": bool(press.rubbing_joints(scene)),
+        "has_rubbing_joints": bool(rubbing_joints(scene)),
         "bearings": [scene.bearing(joint) for joint in scene.loose_pins],
         "wear_law": wear_law_numbers(scene),
         "oil": [] if untrusted else _oil_sentences(result),
@@ -267,7 +277,9 @@ def _tables(result: Result, **names: Any) -> Record:
         "recovered": RECOVERED,
         "pull": statics.pull_of(scene.linkage()),
         "statics": statics,
-        "press": press,
+        "phases": PHASES,
+        "snap_through_s": SNAP_THROUGH_S,
+        "energy_bound": ENERGY_BOUND,
         "residual": RESIDUAL,
         "orders": _HARMONICS,
         "sides": sides,
@@ -338,9 +350,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                 "bottoms": None
                 if bdc is None
                 else equal_bottoms_text(scene, bdc) or None,
-                "rise": press.rise(stage, result.stages[0])
-                if bdc and records
-                else None,
+                "rise": rise(stage, result.stages[0]) if bdc and records else None,
                 "rest": None
                 if stage.failed
                 else _heights_at_rest(scene, stage.surfaces),
@@ -352,7 +362,7 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
                     for joint, one in stage.statistics.joints.items()
                 },
                 "worn": {joint: _deepest(stage, joint) for joint in scene.loose_pins},
-                "tonnage": press.tonnage_of(scene, stage),
+                "tonnage": tonnage_of(scene, stage),
                 "frames": frame_loads(scene, stage),
                 "guides": _guides_of(scene, stage),
                 "motors": motor_loads(scene, stage),
@@ -454,12 +464,12 @@ def drive_table(result: Result) -> Table | None:
     for name, stage in zip(
         stage_names(result, result.stages), result.stages, strict=True
     ):
-        if drives := press.drives_of(scene, stage):
+        if drives := drives_of(scene, stage):
             duty = {body: drive.duty for body, drive in drives.items()}
             records.append({"name": name, "duty": duty, "energy": stage.statistics})
     if not records:
         return None
-    rigid = {RUBBING: press.rubbing_drives(scene), IDEAL: press.ideal_drives(scene)}
+    rigid = {RUBBING: rubbing_drives(scene), IDEAL: ideal_drives(scene)}
     for name, duties in rigid.items():
         if duties:
             energy = {
@@ -500,7 +510,7 @@ def motion_table(result: Result) -> Table | None:
     records = [
         {"name": name, **_motion_record(result.scene, stage)}
         for name, stage in zip(names, result.stages, strict=True)
-        if press.has_motion(result.scene, stage)
+        if has_motion(result.scene, stage)
     ]
     if not records:
         return None
@@ -515,7 +525,7 @@ def motion_table(result: Result) -> Table | None:
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
     joints = scene.loose_pins
-    start, end = press.sampled_span(scene, stage)
+    start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
     lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
     together = combine(list(lines.values())) if lines else None

@@ -18,10 +18,10 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.results.bottom_dead_centre import rise
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed, motor_loads
-from presswear.results.press_analysis import rise
 from presswear.results.result import Result
 from presswear.results.stage import JointResult, JointStatistics, StageResult
 from presswear.scene.options import FOLLOWED

@@ -19,8 +19,8 @@ from presswear.analysis.contact_modes import (
     timeline_of,
 )
 from presswear.analysis.periods import impacts_of, period_of, section_of
-from presswear.results.press_analysis import sampled_span
 from presswear.results.result import Result
+from presswear.results.sampled_cycles import sampled_span
 
 CONTACTS = np.array([[1.0, 1.01], [2.0, 2.01], [3.0, 5.0], [6.0, 6.01], [7.0, 7.01]])
 CLOSING = np.array([1.0, 1.0, 0.1, 1.0, 1.0])

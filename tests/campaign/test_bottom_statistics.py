@@ -18,7 +18,7 @@ from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
-from presswear.results.press_analysis import bottom_errors, rise
+from presswear.results.bottom_dead_centre import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers

@@ -9,7 +9,7 @@ import pytest
 
 import presswear as pw
 from presswear.campaign.bumps import bumps_of, median_penetration, noise_of
-from presswear.results.press_analysis import high_bumps
+from presswear.results.contact_warnings import high_bumps
 from presswear.results.stage import Bumps
 
 

@@ -13,8 +13,8 @@ from presswear.analysis.contact_modes import over_nominal_time, timeline_of
 from presswear.analysis.periods import impacts_of
 from presswear.analysis.spectra import spectra_of
 from presswear.linkage.linkage import Linkage
+from presswear.results.drives import curves_of
 from presswear.results.export import table_of
-from presswear.results.press_analysis import curves_of
 
 SETTINGS = {"cycles": 4, "wear_updates": 0, "replicates": 1, "drive_torque": "on"}
 

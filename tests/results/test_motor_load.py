@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
+from presswear.results.drives import curves_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.motor_load import (
     leader_speed,
@@ -15,7 +16,7 @@ from presswear.results.motor_load import (
     motor_loads,
     saturated_servos,
 )
-from presswear.results.press_analysis import curves_of, sampled_strokes
+from presswear.results.strokes import sampled_strokes
 from presswear.show.figures import drawings
 from presswear.show.figures.style import between
 from presswear.show.key_numbers import key_numbers, warnings

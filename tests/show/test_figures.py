@@ -23,7 +23,7 @@ from presswear.campaign.campaign import run
 from presswear.linkage.surface import bin_centres
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
 from presswear.results.oil_film import oil_films
-from presswear.results.press_analysis import ideal_curves
+from presswear.results.rigid_joints import ideal_curves
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, first_drawings, save

@@ -8,7 +8,7 @@ from made_up_result import altered, lived, made_up
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
-from presswear.results.press_analysis import ideal_drives, rubbing_drives
+from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
 from presswear.show.page import FirstScreen, render_page
 from presswear.show.report import render_report

@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from presswear.results.press_analysis import has_motion
 from presswear.results.result import Result
+from presswear.results.sampled_cycles import has_motion
 from presswear.show.figures import (
     dynamics,
     frame,

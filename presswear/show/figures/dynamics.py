@@ -14,8 +14,8 @@ from presswear.analysis.contact_modes import (
 )
 from presswear.analysis.periods import impacts_of, period_of, section_of
 from presswear.analysis.spectra import MAX_ORDER, spectra_of
-from presswear.results import press_analysis as press
 from presswear.results.result import Result
+from presswear.results.sampled_cycles import sampled_span
 from presswear.show.figures import style
 from presswear.show.figures.motion import pin_panels
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
@@ -47,7 +47,7 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
         "m", max((scene.bearing(joint).clearance for joint in joints), default=1.0)
     )
     for axes, joint, stage in places:
-        data = style.between(stage.data, *press.sampled_span(scene, stage.data))
+        data = style.between(stage.data, *sampled_span(scene, stage.data))
         line_style: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         if not joint:
             axes.plot(1e3 * data.displacement, data.velocity, **line_style)

@@ -11,10 +11,18 @@ from presswear.linkage.loads import Coining
 from presswear.linkage.surface import SIDES
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results import press_analysis as press
+from presswear.results.bottom_dead_centre import bottom_errors
+from presswear.results.drives import curves_of
 from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
+from presswear.results.rigid_joints import ideal_curves
 from presswear.results.run_film import run_films
+from presswear.results.strokes import (
+    height_of,
+    process_force,
+    sampled_strokes,
+    strokes_of,
+)
 from presswear.show.figures import style
 from presswear.show.figures.style import (
     Axes,
@@ -124,7 +132,7 @@ def mark_moments(
     values belong, shape (n,).
     """
     cut, full = stages
-    strokes = press.strokes_of(result.scene, full.data)
+    strokes = strokes_of(result.scene, full.data)
     marks = {}
     for name, (mark, words) in MOMENTS.items() if strokes else ():
         when = getattr(strokes, name)[:, 0]
@@ -146,10 +154,8 @@ def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, ((axes,),) = style.panels(1, 1, 2.9)
     marks: dict[str, str] = {}
     for stage, full in zip(shown, moving, strict=True):
-        stage.pen.draw(
-            axes, stage.data.time, factor * press.height_of(scene, stage.data)
-        )
-        strokes = press.strokes_of(scene, full.data)
+        stage.pen.draw(axes, stage.data.time, factor * height_of(scene, stage.data))
+        strokes = strokes_of(scene, full.data)
         for name, (mark, words) in MOMENTS.items() if strokes else ():
             when, height = getattr(strokes, name).T
             inside = (when >= window.start) & (when <= window.end)
@@ -275,7 +281,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     shown = [*shown[:1], *shown[1:][-1:]]
     if not shown or not scene.has_deviations:
         return []
-    strokes = [press.bottom_errors(scene, stage.data) for stage in shown]
+    strokes = [bottom_errors(scene, stage.data) for stage in shown]
     heights = np.concatenate([rows for replicates in strokes for _, rows in replicates])
     factor, unit = unit_scale("m", float(np.abs(heights).max(initial=0.0)))
     sheet, (row,) = style.panels(1, len(shown), 2.6, sharey=True)
@@ -370,7 +376,7 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the forces of the work and of the joints over the height of the stroke."""
     scene = result.scene
     process = result.scene.process
-    shown = [(stage, press.sampled_strokes(scene, stage.data)) for stage in moving]
+    shown = [(stage, sampled_strokes(scene, stage.data)) for stage in moving]
     shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
         return []
@@ -383,8 +389,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     sheet, column, lowest = style.panel_list(count, 1.7, 1 + (count > 3), sharex=True)
     for stage, strokes in shown:
         data = stage.data
-        height = press.height_of(scene, stage.data)
-        force = press.process_force(scene, data)
+        height = height_of(scene, stage.data)
+        force = process_force(scene, data)
         assert force is not None, "the scene has a process"
         series = [force, *(np.hypot(*data.joints[name].force.T) for name in joints)]
         for stroke in strokes:
@@ -431,9 +437,9 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
     curves = []
     for stage in shown:
-        each = press.curves_of(scene, stage.data)
+        each = curves_of(scene, stage.data)
         curves.append((stage, each))
-    ideal, _ = press.ideal_curves(scene)
+    ideal, _ = ideal_curves(scene)
     cycles = np.arange(np.ceil((window.end - window.start) / window.period))
     for row, drive in zip(grid, drives, strict=True):
         time = ideal[drive].time - scene.run_up - window.period

@@ -17,23 +17,20 @@ from scipy.stats import t as student
 
 import presswear as pw
 from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording.soundness import ENERGY_BOUND
+from presswear.results.deep_contacts import deep_contacts, forces_by_law
+from presswear.results.drives import curves_of, drives_of
 from presswear.results.export import table_of, unit_of
-from presswear.results.press_analysis import (
-    ENERGY_BOUND,
+from presswear.results.rigid_joints import ideal_drives, ideal_forces
+from presswear.results.strokes import (
     PHASES,
     SNAP_THROUGH_S,
     SampledStroke,
-    curves_of,
-    deep_contacts,
-    drives_of,
-    forces_by_law,
     height_of,
-    ideal_drives,
-    ideal_forces,
-    joint_tonnage,
     process_force,
     sampled_strokes,
 )
+from presswear.results.tonnage import joint_tonnage
 from presswear.scene.options import Numerics
 from presswear.scene.settings import changed
 from presswear.show.key_numbers import key_numbers

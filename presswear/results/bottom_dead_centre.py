@@ -1,0 +1,42 @@
+"""Bottom dead centre of the strokes of a stage over the ideal one, and its change."""
+
+import math
+
+import numpy as np
+
+from presswear.physics.ideal import bottom_of
+from presswear.recording.statistics import Estimate
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:
+    """Return the numbers and the errors of the strokes of each replicate.
+
+    An error is the height of bottom dead centre over the ideal one, m. Each array has
+    the shape (strokes,). The list is empty if nothing moves.
+    """
+    ideal = bottom_of(scene.ideal)
+    if ideal is None:
+        return []
+    error = stage.each_cycle("bottom_height") - ideal.height
+    start = stage.arrays["cycle_start"]
+    each = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
+    return [(ideal.first + 1.0 + np.arange(errors.size), errors) for errors in each]
+
+
+def rise(stage: StageResult, since: StageResult) -> Estimate | None:
+    """Return how much higher bottom dead centre is in a stage than in another, m.
+
+    ``since`` is the unworn stage, which gives the drift by wear, or the stage of a run
+    at another speed. Both stages are assumed to be independent. None if either has no
+    sampled stroke.
+    """
+    later = stage.statistics.bdc
+    earlier = since.statistics.bdc
+    if later is None or earlier is None:
+        return None
+    halves = later.error.half_width, earlier.error.half_width
+    half = None if None in halves else math.hypot(*filter(None, halves))
+    return Estimate.symmetric(later.error.mean - earlier.error.mean, half)

@@ -1,0 +1,117 @@
+"""Contacts whose penetration is too deep for a contact law of small contacts."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import get_args
+
+from presswear.linkage.laws import Elasticity, NormalLaw
+from presswear.physics.friction_and_normal import elastic_of, normal_record
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records
+from presswear.tools.numbers import quantity_text, readable
+from presswear.tools.user_function import UserFunction
+
+# Penetration over clearance. There K delta^1.5 is 6 % above the foundation, and the
+# arc of contact is 49 degrees.
+SMALL_CONTACT = 0.1
+LAW_WORDS = {
+    "power": "K delta^1.5",
+    "liu": "Liu's law",
+    "foundation": "an elastic foundation",
+}
+
+
+def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float]:
+    """Return the largest recorded penetration of each joint over its clearance."""
+    ratios = {}
+    for name in scene.loose_pins:
+        arrays = [stage.arrays for stage in stages if not stage.failed]
+        depths = [
+            one[f"{name}_penetration"].max(initial=0.0)
+            for one in arrays
+            if _has(one, name)
+        ]
+        ratios[name] = float(max(depths, default=0.0)) / scene.bearing(name).clearance
+    return ratios
+
+
+def _has(arrays: Mapping[str, Array], joint: str) -> bool:
+    return f"{joint}_penetration" in arrays
+
+
+def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
+    """Return the peak force, N, of each elastic law for the elastic energy of a peak force, N.
+
+    The energy is that which the law of the scene stores between round surfaces at
+    ``force``. All laws are compared at an impact of this energy. A force that the load
+    prescribes is the same for all laws, and a forced penetration makes them differ
+    more. Empty for a user law, and for an exponent other than 1.5, which the laws of
+    conforming pins do not have.
+    """
+    bearing = scene.bearing(joint)
+    conventions = scene.conventions
+    if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
+        return {}
+    records = {}
+    for law in get_args(Elasticity):
+        stiffness = bearing.normal_stiffness(law, conventions.stiffness)
+        records[law] = normal_record(
+            NormalLaw(stiffness, elasticity=law), bearing.clearance
+        )
+    used = records[bearing.elastic_law(conventions.contact)]
+    energy = elastic_of(used, _depth_of(used, 0, force))[1]
+    return {
+        law: elastic_of(one, _depth_of(one, 1, energy))[0]
+        for law, one in records.items()
+    }
+
+
+def _depth_of(law: Records, kind: int, value: float) -> float:
+    """Return the penetration, m, of a force, N (kind 0), or of an elastic energy, J (kind 1)."""
+    low, high = 0.0, float(law["clearance"])
+    while elastic_of(law, high)[kind] < value:
+        low, high = high, 2.0 * high
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (
+            (middle, high) if elastic_of(law, middle)[kind] < value else (low, middle)
+        )
+    return high
+
+
+def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
+    """Return sentences on joints whose penetration is too large for a stiffness of small contacts.
+
+    At an angle x from the line of centres the surfaces overlap by e cos(x) - c, with
+    the eccentricity e and the clearance c. The cosine of half the arc of contact is
+    c / (c + penetration).
+    """
+    sentences = []
+    for name, ratio in penetrations(scene, stages).items():
+        if ratio <= SMALL_CONTACT:
+            continue
+        arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
+        deepest = 1e6 * ratio * scene.bearing(name).clearance
+        text = (
+            f"Joint {name}: the pin penetrates its bearing by {readable(deepest)} µm, "
+            f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
+            "contact law is made for small contacts; here bottom dead centre under load may be "
+            "wrong, forces less so."
+        )
+        last = next(one for one in reversed(stages) if not one.failed)
+        joint = last.statistics.joints.get(name)
+        if joint and (
+            forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)
+        ):
+            used = scene.bearing(name).elastic_law(scene.conventions.contact)
+            rest = [
+                f"{quantity_text(force, 'N')} by {LAW_WORDS[law]}"
+                for law, force in forces.items()
+                if law != used
+            ]
+            text += f" The peak force is {quantity_text(forces[used], 'N')} by {LAW_WORDS[used]}. "
+            text += f"An impact of the same elastic energy gives {' and '.join(rest)}; a load that "
+            text += "prescribes the force gives the same by all."
+        sentences.append(f"{text} A measured contact_stiffness reduces this doubt.")
+    return sentences

@@ -1,0 +1,89 @@
+"""Duty of a drive: mean, root mean square and peak of torque and power; energy of a cycle."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from presswear.linkage.linkage import Linkage
+from presswear.physics.ideal import Motion
+from presswear.tools.arrays import Array
+
+
+class Duty(NamedTuple):
+    """Mean, root mean square and peak of a quantity of a drive over a cycle."""
+
+    mean: float
+    rms: float
+    peak: float  # farthest from zero, with its sign
+
+
+@dataclass(frozen=True)
+class DriveDuty:
+    """Duty of torque and power of a drive, and energy that it exchanges in a cycle."""
+
+    torque: Duty  # N m
+    power: Duty  # W
+    supplied: float  # energy that the drive supplies in a cycle, J
+    returned: float  # energy that the linkage returns to the drive in a cycle, J
+
+    @property
+    def work(self) -> float:
+        """Net work in a cycle, J."""
+        return self.supplied - self.returned
+
+
+class DriveCurve(NamedTuple):
+    """Drive over time, shape (n,) each; torque and power are empty if they were not stored."""
+
+    time: Array  # s
+    angle: Array  # of its body, rad
+    torque: Array  # on its body, N m
+    power: Array  # W
+
+
+def farthest_from_zero(values: Array) -> float:
+    """Return the value of the largest magnitude, with its sign."""
+    return float(values[np.abs(values).argmax()])
+
+
+def duties_of(
+    numbers: Mapping[str, Mapping[str, float]], period: float
+) -> dict[str, DriveDuty]:
+    """Return the duties of drives by their bodies from integrals and peaks of a cycle.
+
+    ``numbers`` are named as in ``DRIVE_CYCLE``; ``period`` is the duration of the
+    cycle, s.
+    """
+    duties = {}
+    for body, item in numbers.items():
+        supplied = item["work_given"]
+        returned = item["work_returned"]
+        means = item["torque_integral"] / period, (supplied - returned) / period
+        torque, power = (
+            Duty(
+                mean,
+                math.sqrt(item[f"{name}_square_integral"] / period),
+                item[f"{name}_peak"],
+            )
+            for name, mean in zip(("torque", "power"), means, strict=True)
+        )
+        duties[body] = DriveDuty(torque, power, supplied, returned)
+    return duties
+
+
+def drive_curves(
+    linkage: Linkage, motion: Motion, torque: Array | None
+) -> dict[str, DriveCurve]:
+    """Return the curves of drives by their bodies in a motion; ``torque``: (n, drives), N m."""
+    curves = {}
+    for k, drive in enumerate(linkage.drives):
+        angle = 3 * linkage.index(drive.body) + 2
+        stored = np.zeros(0) if torque is None else torque[:, k]
+        power = stored * motion.velocity[: stored.size, angle]
+        curves[drive.body] = DriveCurve(
+            motion.time, motion.position[:, angle], stored, power
+        )
+    return curves

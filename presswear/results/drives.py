@@ -1,0 +1,98 @@
+"""Drives of a stage: torque and power of the run, beside those of rigid joints."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from presswear.recording.columns import (
+    DRIVE_CYCLE,
+    DURATION,
+    first_leader_column,
+    names_of,
+)
+from presswear.recording.statistics import Estimate
+from presswear.results.drive_duty import (
+    DriveCurve,
+    DriveDuty,
+    drive_curves,
+    duties_of,
+    farthest_from_zero,
+)
+from presswear.results.rigid_joints import ideal_drives, rubbing_drives
+from presswear.results.sampled_cycles import sampled_cycles
+from presswear.results.stage import StageResult
+from presswear.results.strokes import mean_of_strokes
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+class DriveResult(NamedTuple):
+    """Duty and peaks of a drive in a stage, beside its duty with rigid joints."""
+
+    duty: DriveDuty  # of the run, integrated over all steps
+    ideal: DriveDuty  # of rigid joints without friction
+    # of rigid joints with the friction of their bearings, if any
+    rubbing: DriveDuty | None
+    # largest in magnitude of a cycle, mean over cycles, N m
+    peak_torque: Estimate | None
+    peak_power: Estimate | None  # W
+
+
+def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
+    """Return the drives of a stage by their bodies; empty if torques were not stored.
+
+    Raises UntrustedLaw if the ideal torques need source code that is stored in a result.
+    """
+    if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
+        return {}
+    ideal = ideal_drives(scene)
+    rubbing = rubbing_drives(scene)
+    settling = stage.statistics.settling
+    cycles = sampled_cycles(scene, stage)
+    # The columns of the drives are the last ones of a row.
+    of_drives = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(
+        len(cycles), len(ideal), -1
+    )
+    numbers = {}
+    peaks = {}
+    for k, body in enumerate(ideal):
+        columns = dict(zip(names_of(DRIVE_CYCLE), of_drives[:, k].T, strict=True))
+        peaks[body] = [
+            mean_of_strokes(np.abs(columns[f"{name}_peak"]))
+            for name in ("torque", "power")
+        ]
+        if stage.statistics.high_bumps or (settling and settling.is_mixture):
+            peaks[body] = [peak and peak.without_interval for peak in peaks[body]]
+        numbers[body] = {
+            name: farthest_from_zero(values)
+            if name.endswith("peak")
+            else float(values.mean())
+            for name, values in columns.items()
+        }
+    duties = duties_of(numbers, _mean_duration(scene, stage, cycles))
+    return {
+        body: DriveResult(duties[body], ideal[body], rubbing.get(body), *peaks[body])
+        for body in ideal
+    }
+
+
+def _mean_duration(scene: Scene, stage: StageResult, cycles: Array) -> float:
+    """Return the mean duration, s, of cycles, which are rows of a stage."""
+    if not stage.has_clock:
+        return scene.mechanism.period
+    column = first_leader_column(len(stage.joint_names)) + DURATION
+    return float(cycles[:, column].mean())
+
+
+def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
+    """Return the curves of the drives of a stage by their bodies.
+
+    Torque and power are empty if torques were not stored.
+    """
+    motion = scene.ideal.at(stage.time)
+    torque = stage.arrays.get("drive_torque")
+    if stage.has_clock:
+        rate = stage.nominal_rate[:, np.newaxis]
+        motion = replace(motion, velocity=motion.velocity * rate)
+    return drive_curves(scene.mechanism.linkage(), motion, torque)

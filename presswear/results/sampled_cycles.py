@@ -1,0 +1,44 @@
+"""Sampled cycles of a stage: the recorded ones after the start-up."""
+
+import numpy as np
+
+from presswear.recording import statistics
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+def sampled_cycles(scene: Scene, stage: StageResult) -> Array:
+    """Return the rows of the cycles after the start-up, of all replicates, as stored.
+
+    The cycles of the second set of replicates are not used.
+    """
+    start = stage.arrays["cycle_start"]
+    settling = stage.statistics.settling
+    replicates = [
+        stage.arrays["cycles"][start == k][settling.skipped(k) if settling else 0 :]
+        for k in range(scene.replicate_count)
+    ]
+    return np.concatenate([statistics.after_startup(rows) for rows in replicates])
+
+
+def has_motion(scene: Scene, stage: StageResult) -> bool:
+    """Return whether a complete cycle of a motion with clearance was recorded."""
+    if stage.failed or not stage.has_joint_series or stage.time.size < 2:
+        return False
+    start, end = sampled_span(scene, stage)
+    return end - start > 0.99 * scene.mechanism.period
+
+
+def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
+    """Return start and end of the recorded complete cycles after the start-up, s.
+
+    They are times as in ``StageResult.time``.
+    """
+    period = scene.mechanism.period
+    run_up = scene.run_up
+    whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
+    first = max(min(STARTUP_CYCLES, whole - 1), 0)
+    end = run_up + max(whole, first + 1) * period
+    return run_up + first * period, min(end, float(stage.time[-1]))

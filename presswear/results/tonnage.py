@@ -1,0 +1,175 @@
+"""Tonnage and shock of the strokes of a stage: forces of the work and of the joints."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.recording.statistics import Estimate
+from presswear.results.stage import JointResult, StageResult
+from presswear.results.strokes import (
+    PHASES,
+    SNAP_THROUGH_S,
+    SampledStroke,
+    mean_of_strokes,
+    motion_of_work,
+    process_force,
+    sampled_strokes,
+)
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+@dataclass(frozen=True)
+class JointTonnage:
+    """Forces between pin and bearing of a joint, means over the sampled strokes, N.
+
+    The fields after ``peak_by_phase`` are None if the work does not break.
+    """
+
+    peak_by_phase: Mapping[str, Estimate]  # greatest force in each phase
+    # greatest along the impulse from contact to fracture
+    working_force: Estimate | None
+    # greatest against this impulse, within SNAP_THROUGH_S of the fracture
+    reversed_force: Estimate | None
+    reversed_fraction: Estimate | None  # reversed over working force, stroke by stroke
+    reversal_time: Estimate | None  # from the fracture to the first reversed force, s
+
+
+@dataclass(frozen=True)
+class Tonnage:
+    """Tonnage and shock in the sampled strokes of the first replicate of a stage.
+
+    Reversed forces are those that inertia, drives at their prescribed motion and
+    elastic contacts cause in each joint when the work gives way. They are not a bound
+    of the reverse tonnage of a press, most of which is strain energy of frame, tools
+    and drives.
+    """
+
+    strokes: int  # recorded sampled strokes, from upper dead centre to the next
+    # greatest force of the work in a stroke, N; None: no process
+    peak_force: Estimate | None
+    work: Estimate | None  # work of the process in a stroke, J
+    joints: Mapping[str, JointTonnage]
+    # rms acceleration of the output minus the ideal one, m/s^2, in the SNAP_THROUGH_S
+    vibration_before: Estimate | None  # before the contact
+    vibration_after: Estimate | None  # after the fracture
+
+
+def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
+    """Return tonnage and shock in a stage; None if it failed or no stroke is complete."""
+    strokes = [] if stage.failed else sampled_strokes(scene, stage)
+    if not strokes:
+        return None
+    series = stage.joints if stage.has_joint_series else {}
+    joints = {
+        name: joint_tonnage(stage.clock, joint, strokes)
+        for name, joint in series.items()
+    }
+    force = process_force(scene, stage)
+    time = stage.clock
+    peak = work = before = after = None
+    if force is not None:
+        height, _ = motion_of_work(scene, stage)
+        rows = [_rows(time, item.start, item.end) for item in strokes]
+        peak = mean_of_strokes(float(force[part].max()) for part in rows)
+        # The force is linear in height between two rows.
+        work = mean_of_strokes(
+            -float(np.trapezoid(force[part], height[part])) for part in rows
+        )
+        # Accurate to 1e-8 of the greatest acceleration, far below what contacts add.
+        ideal = scene.ideal_slider(stage.time, closed=False)
+        deviation = stage.acceleration - ideal[:, 2]
+        window = SNAP_THROUGH_S
+        broken = [item for item in strokes if not math.isnan(item.fracture)]
+        before = mean_of_strokes(
+            _rms(time, deviation, s.contact - window, s.contact) for s in broken
+        )
+        after = mean_of_strokes(
+            _rms(time, deviation, s.fracture, s.fracture + window) for s in broken
+        )
+    return Tonnage(len(strokes), peak, work, joints, before, after)
+
+
+def joint_tonnage(
+    time: Array, joint: JointResult, strokes: list[SampledStroke]
+) -> JointTonnage:
+    """Return the forces of a joint in sampled strokes."""
+    size = np.hypot(*joint.force.T)
+    # A series has few rows in contacts that are light for the joint: their peaks are
+    # stored.
+    touchdown, separation, peak = map(
+        joint.contact, ("touchdown", "separation", "peak_force")
+    )
+    peaks: dict[str, list[float]] = {name: [] for name in PHASES}
+    for stroke in strokes:
+        for name, (start, end) in stroke.phases.items():
+            values = size[(time >= start) & (time < end)]
+            within = peak[(touchdown >= start) & (separation < end)].max(initial=0.0)
+            peaks[name] += (
+                [max(float(values.max()), float(within))] if values.size else []
+            )
+    # Complex numbers are vectors: the force of the pin on its bearing in global
+    # directions. The friction is stored as it acts on the pin.
+    vector = np.array([1.0, 1j])
+    pressed = (
+        joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
+    )
+    broken = [stroke for stroke in strokes if not math.isnan(stroke.fracture)]
+    reversals = [_reversal(time, pressed, stroke) for stroke in broken]
+    working, back, delay = np.array(reversals).reshape(-1, 3).T
+    loaded = working > 0.0
+    means = {
+        name: mean
+        for name, values in peaks.items()
+        if (mean := mean_of_strokes(values)) is not None
+    }
+    fraction = back[loaded] / working[loaded]
+    return JointTonnage(
+        means,
+        mean_of_strokes(working),
+        mean_of_strokes(back),
+        mean_of_strokes(fraction),
+        mean_of_strokes(delay),
+    )
+
+
+def _reversal(
+    time: Array, force: Array, stroke: SampledStroke
+) -> tuple[float, float, float]:
+    """Return the greatest working force and, after the fracture, the greatest reversed one, N.
+
+    The third number is the time from the fracture to the first reversed force, s; nan
+    if there is none within ``SNAP_THROUGH_S``. ``force`` holds vectors as complex
+    numbers, shape (n,), N.
+    """
+    into = _rows(time, stroke.contact, stroke.fracture)
+    after = _rows(
+        time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
+    )
+    impulse = complex(np.trapezoid(force[into], time[into]))
+    if impulse == 0.0:
+        return 0.0, 0.0, math.nan
+    along = (force * impulse.conjugate()).real / abs(impulse)
+    against = np.maximum(-along[after], 0.0)
+    delay = float(time[after][int((against > 0.0).argmax())]) - stroke.fracture
+    back = float(against.max(initial=0.0))
+    return float(along[into].max()), back, delay if back > 0.0 else math.nan
+
+
+def _rms(time: Array, values: Array, start: float, end: float) -> float:
+    """Return the root mean square of a series between two instants; nan for fewer than two rows."""
+    rows = _rows(time, start, end)
+    if time[rows].size < 2:
+        return math.nan
+    return math.sqrt(
+        float(np.trapezoid(values[rows] ** 2, time[rows]) / np.ptp(time[rows]))
+    )
+
+
+def _rows(time: Array, start: float, end: float) -> slice:
+    """Return the rows from one instant to another, both included."""
+    noise = 1e-12 * max(abs(end), 1.0)
+    ends = np.searchsorted(time, (start - noise, end + noise))
+    return slice(int(ends[0]), int(ends[1]))
