@@ -90,7 +90,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
 
 def _describe(folder: Path, console: Console) -> int:
     """Print the motion of a stored run."""
-    from presswear.show.report import motion_table
+    from presswear.show.motion_table import motion_table
 
     table = motion_table(terminal.load_result(folder, console))
     if table is None:

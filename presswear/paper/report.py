@@ -39,7 +39,8 @@ from presswear.paper.verdicts import Judged, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
 from presswear.show.page import NOTHING, Line, Section, Table, plain_table, text_of
-from presswear.show.report import provenance_table, setting_tables
+from presswear.show.report import provenance_table
+from presswear.show.scene_tables import setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, unit_factor, whole
 

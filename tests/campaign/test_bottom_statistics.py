@@ -22,7 +22,7 @@ from presswear.results.bottom_dead_centre import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers
-from presswear.show.report import stage_tables
+from presswear.show.stage_tables import stage_tables
 
 
 def strokes_of(scene: Scene, seed: int, off: float = 0.0, scatter: float = 4e-5) -> Any:

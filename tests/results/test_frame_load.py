@@ -9,7 +9,7 @@ import pytest
 import presswear as pw
 from presswear.results.frame_load import frame_loads
 from presswear.show.key_numbers import key_numbers, warnings
-from presswear.show.report import stage_tables
+from presswear.show.stage_tables import stage_tables
 
 FRAME, STOP, WEIGHT = 0.5e9, 2e9, 9.81 * 1010.0
 

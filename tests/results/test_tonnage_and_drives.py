@@ -34,7 +34,7 @@ from presswear.results.tonnage import joint_tonnage
 from presswear.scene.options import Numerics
 from presswear.scene.settings import changed
 from presswear.show.key_numbers import key_numbers
-from presswear.show.report import drive_table
+from presswear.show.stage_tables import drive_table
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()

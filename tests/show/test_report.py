@@ -20,13 +20,9 @@ from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.settings import used_settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
-from presswear.show.report import (
-    prepare,
-    render_report,
-    setting_tables,
-    stage_tables,
-    write_report,
-)
+from presswear.show.report import prepare, render_report, write_report
+from presswear.show.scene_tables import setting_tables
+from presswear.show.stage_tables import stage_tables
 
 
 def page_of(result: pw.Result) -> Page:

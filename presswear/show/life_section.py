@@ -1,0 +1,130 @@
+"""Section of a report on the service life."""
+
+import math
+
+from presswear.linkage.surface import SIDES
+from presswear.results.life import (
+    WITHOUT_CURVES,
+    LifeResult,
+    LimitResult,
+    digits_of,
+    span_of,
+    words_of,
+)
+from presswear.results.motor_load import mean_period
+from presswear.results.readings import FILE as READINGS
+from presswear.results.remaining_life import remaining_life
+from presswear.results.result import Result
+from presswear.show.figures.life import limit_text, services_done
+from presswear.show.page import NOTHING, Line
+from presswear.show.tables import Record, line_table
+from presswear.tools import numbers
+from presswear.tools.errors import InputError
+
+
+def life_section(result: Result, life: LifeResult) -> Record:
+    """Return the values of the section on the service life in ``report.html``."""
+    first = life.first if life.ended in ("limit", *WITHOUT_CURVES) else None
+    high = (life.interval.high if first else None) or 0.0
+    rivals = [
+        words_of(limit.key)
+        for limit in life.limits
+        if limit is not first
+        and limit.strokes is not None
+        and limit.strokes / math.exp(limit.error or 0.0) <= high
+    ]
+    period = mean_period(result)
+    limits = [_limit_line(period, limit) for limit in life.limits]
+    wear_rates = [
+        (
+            f"{rate.joint}: {rate.surfaces}",
+            numbers.large(rate.since, rate.until),
+            numbers.with_interval(1e15 * rate.rate, 1e15 * rate.half_width),
+        )
+        for rate in life.wear_rates
+    ]
+    end = numbers.large(
+        float(life.curves["strokes"][-1]) if life.curves else life.strokes
+    )
+    return {
+        "result": life,
+        "period": period,
+        "first": first,
+        "rivals": rivals,
+        "services": services_done(result),
+        "repeating": _repeating(life),
+        "pin": _pin_that_ends(result, life),
+        "remaining": _remaining(result),
+        "limits": line_table("limits", result, limits, True, end=end),
+        "wear_rates": line_table("wear_rates", result, wear_rates, True, end=end),
+    }
+
+
+def _remaining(result: Result) -> tuple[str, ...]:
+    """Return lines on the remaining life, computed from the readings in the result folder."""
+    if result.path is None or not (result.path / READINGS).exists():
+        return ()
+    try:
+        return remaining_life(result, result.path / READINGS).lines
+    except InputError as error:
+        return (f"{error}",)
+
+
+def _repeating(life: LifeResult) -> str:
+    """Return a sentence on the load blocks after which most wear histories repeat, or nothing."""
+    counts = [settled for settled in life.settled if settled is not None]
+    if not any(counts):
+        return ""
+    most = max(counts)
+    blocks = numbers.counted(len(counts), "load block")
+    return (
+        f"At the end of {counts.count(most)} of {blocks} {most} wear histories repeat."
+    )
+
+
+def _pin_that_ends(result: Result, life: LifeResult) -> str:
+    """Return a sentence if a pin ends a life in which only its bushing was serviced, or nothing."""
+    first = life.first
+    stages = result.stages
+    joint, _, name = first.key.partition(".") if first else ("", "", "")
+    serviced = {service.joint for service in services_done(result)}
+    is_whole = len(stages) == result.scene.wear_updates + 1 and not stages[-1].failed
+    if (
+        life.ended != "limit"
+        or name != "depth"
+        or joint not in serviced
+        or not is_whole
+    ):
+        return ""
+    end = stages[-1].joints[joint]  # on the surfaces at the end of the life
+    bearing, pin = (
+        numbers.quantity_text(float(end.depth(side).max()), "m") for side in SIDES
+    )
+    if end.depth("pin").max() <= end.depth("bearing").max():
+        return ""
+    return (
+        f"The pin of {joint} ends this life: it is worn by {pin} at the end, its bushing by "
+        f"{bearing}. A new or turned bushing does not renew the pin."
+    )
+
+
+def _limit_line(period: float, limit: LimitResult) -> Line:
+    """Return the line of a limit; ``period`` is the mean duration of a stroke, s."""
+    factor, unit = numbers.unit_scale(limit.unit, limit.value)
+    half = None if limit.last_half_width is None else factor * limit.last_half_width
+    # A level curve has no drift and no meaningful half width.
+    is_level = limit.last == 0.0 and not half
+    last = (
+        "no trend"
+        if is_level
+        else f"{numbers.with_interval(factor * limit.last, half)} {unit}"
+    )
+    name = f"{words_of(limit.key)} over {limit_text(limit)}"
+    if limit.strokes is None:
+        return name, "not exceeded", NOTHING, NOTHING, last
+    error = limit.error
+    digits = digits_of(error)
+    hours = limit.strokes * period / 3600.0
+    interval = span_of(limit.strokes, error) or "unknown"
+    strokes = numbers.large(limit.strokes, digits=digits)
+    return name, strokes, interval, numbers.readable(hours, digits), last

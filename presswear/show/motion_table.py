@@ -1,0 +1,94 @@
+"""Table of contact modes, periodicity and spectra of each stage."""
+
+from collections import Counter
+
+import numpy as np
+
+from presswear.analysis.contact_modes import (
+    MODES,
+    Timeline,
+    combine,
+    resonance,
+    timeline_of,
+)
+from presswear.analysis.periods import period_of
+from presswear.analysis.spectra import spectra_of
+from presswear.results.result import Result
+from presswear.results.sampled_cycles import has_motion, sampled_span
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.show.figures.style import stage_names
+from presswear.show.page import Table
+from presswear.show.tables import HARMONICS, Record, result_table
+from presswear.tools import numbers
+
+_TOGETHER = 8  # most frequent modes of all joints together that are listed
+# spectral lines per order; with fewer lines noise, too, has most power at whole orders
+_MIN_LINES = 8
+
+
+def motion_table(result: Result) -> Table | None:
+    """Return contact modes, periodicity and spectra by stage; None if no cycle was recorded."""
+    names = stage_names(result, result.stages)
+    records = [
+        {"name": name, **_motion_record(result.scene, stage)}
+        for name, stage in zip(names, result.stages, strict=True)
+        if has_motion(result.scene, stage)
+    ]
+    if not records:
+        return None
+    shares = Counter[str]()
+    for record in records:
+        shares.update(record["shares"])
+    series = list(records[0]["harmonics"])
+    is_alone = len(result.scene.loose_pins) == 1
+    together = [] if is_alone else [mode for mode, _ in shares.most_common(_TOGETHER)]
+    return result_table("motion", result, records, together=together, series=series)
+
+
+def _motion_record(scene: Scene, stage: StageResult) -> Record:
+    joints = scene.loose_pins
+    start, end = sampled_span(scene, stage)
+    cycles = (end - start) / scene.mechanism.period
+    lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
+    together = combine(list(lines.values())) if lines else None
+    labels = {"": f"acceleration of {scene.output} (m/s²)"}
+    labels |= {joint: f"force at {joint} (N)" for joint in joints}
+    spectra_by_name = spectra_of(scene, stage)
+    spectra = {label: spectra_by_name[name] for name, label in labels.items()}
+
+    def visits(line: Timeline) -> dict[str, str]:
+        """Return the share of the time in a mode, its visits per cycle and their mean duration."""
+        texts = {mode: f"{100.0 * share:.2f} %" for mode, share in line.shares.items()}
+        for mode in texts:
+            if (times := line.visits(mode)).size:
+                length = 1e3 * float(times.mean())
+                texts[mode] += f", {times.size / cycles:.3g} of {length:.3g} ms"
+        return texts
+
+    def changes(line: Timeline) -> dict[str, float]:
+        counts = line.transitions
+        pairs = np.argwhere(counts)
+        return {
+            f"{MODES[a]} to {MODES[b]}": float(counts[a, b]) / cycles for a, b in pairs
+        }
+
+    return {
+        "cycles": cycles,
+        "modes": {joint: visits(line) for joint, line in lines.items()},
+        "together": visits(together) if together else {},
+        "shares": together.shares if together else {},
+        "changes": {joint: changes(line) for joint, line in lines.items()},
+        "period": str(period_of(scene, stage)),
+        "harmonics": {
+            name: ", ".join(
+                numbers.readable(spectrum.amplitude(order)) for order in HARMONICS
+            )
+            for name, spectrum in spectra.items()
+        },
+        "whole": {
+            name: spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None
+            for name, spectrum in spectra.items()
+        },
+        "resonance": {joint: resonance(stage, joint) for joint in joints},
+    }

@@ -1,0 +1,133 @@
+"""Tables of a report on its scene: settings, bodies, joints."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
+from presswear.results.result import Result
+from presswear.scene.catalog import base_of, named_scene
+from presswear.scene.scene import Scene
+from presswear.scene.settings import (
+    DEFAULT,
+    SET,
+    Setting,
+    settings_of,
+    used_settings_of,
+)
+from presswear.show.page import Table
+from presswear.show.tables import Record, line_table
+from presswear.tools import numbers
+from presswear.tools.quantities import Quantity
+
+
+def setting_tables(result: Result) -> dict[str, Table]:
+    """Return the tables ``parameters``, of all settings, and ``chosen``, of those the user set."""
+    scene = result.scene
+    before = {setting.key: setting.value for setting in settings_of(base_of(scene))}
+    is_named = named_scene(scene) is not None
+    records: dict[str, list[Record]] = {"parameters": [], "chosen": []}
+    for setting in used_settings_of(scene):
+        meaning = setting.meaning
+        value = setting.value
+        record: Record = {
+            "setting": setting,
+            "value": "none" if value is None else str(value),
+        }
+        if isinstance(meaning, Quantity) and isinstance(value, int | float):
+            record["value"] = _engineers(meaning, value)
+        record["origin"] = _origin(scene, setting, before, is_named)
+        records["parameters"].append(record)
+        if record["origin"].startswith(SET):
+            records["chosen"].append(record)
+    return {
+        name: line_table(name, result, lines)
+        for name, lines in records.items()
+        if lines
+    }
+
+
+def _origin(
+    scene: Scene, setting: Setting, before: Mapping[str, Any], is_named: bool
+) -> str:
+    """Return the origin of a value.
+
+    ``before`` has the values of the named scene, or the defaults, by key.
+    """
+    origin = scene.origins.get(setting.key, DEFAULT)
+    if origin != DEFAULT:
+        return origin
+    if setting.value != before.get(setting.key, before):
+        return SET
+    if not (is_named and isinstance(setting.meaning, Quantity)):
+        return DEFAULT
+    return setting.meaning.origin
+
+
+def _engineers(meaning: Quantity, value: float) -> str:
+    """Return a value in the unit in which engineers write it."""
+    (text,), unit = meaning.texts(value)
+    return f"{text} {unit}".rstrip()
+
+
+def mechanism_tables(result: Result) -> dict[str, Table]:
+    """Return the tables ``bodies``, with the drives, and ``pins``, of all joints and contacts."""
+    scene = result.scene
+    linkage = scene.base_linkage
+    speed = Quantity("rad/s")
+    drives = {
+        drive.body: _engineers(speed, drive.mean_speed)
+        + ", not constant" * drive.repeats
+        for drive in linkage.drives
+    }
+    loose = [guide.name for guide in scene.loose_guides]
+    guided = {guide.body for guide in linkage.guides if guide.name not in loose}
+    # With clearance in its guide a slide tilts, and gets an inertia.
+    moving = {body.name: body for body in scene.linkage().bodies}
+    start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
+    bodies = [
+        {
+            "name": body.name,
+            "mass": _engineers(MASS, body.mass),
+            "inertia": None
+            if body.name in guided
+            else _engineers(INERTIA, moving[body.name].inertia),
+            "start": position,
+            "speed": drives.get(body.name),
+        }
+        for body, position in zip(linkage.bodies, start, strict=True)
+    ]
+    places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
+    titles = {}
+    for guide in linkage.guides:
+        ends = Attachment(GROUND, guide.x, guide.y), Attachment(guide.body, 0.0, 0.0)
+        places[guide.name] = ends
+        titles[guide.name] = (
+            f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
+            + ", each corner" * (guide.name in loose)
+        )
+    clearances = scene.linkage().clearances
+    radii = {joint.name: joint.pin_radius for joint in clearances}
+    contacts = {joint.name: joint for joint in clearances}
+    contacts |= {corner.guide.name: corner for corner in scene.linkage().corners}
+    pins = [
+        {
+            "name": titles.get(name, name),
+            "contact": contacts.get(name),
+            "pin_radius": radii.get(name),
+            "places": [*map(_place, ends)],
+        }
+        for name, ends in places.items()
+    ]
+    tables = {"bodies": line_table("bodies", result, bodies)}
+    return tables | {"pins": line_table("pins", result, pins)}
+
+
+def _place(point: Attachment) -> str:
+    x, y = (
+        numbers.short_number(round(1e3 * value, 6) + 0.0)
+        for value in (point.x, point.y)
+    )
+    return f"{point.body}: {x}, {y}"

@@ -1,0 +1,224 @@
+"""Tables of a report with a column per stage: joints, bottom dead centre, tonnage, drives."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from presswear.linkage.surface import SIDES, Surface
+from presswear.physics import statics
+from presswear.recording.statistics import Estimate
+from presswear.results.bottom_dead_centre import rise
+from presswear.results.drives import drives_of
+from presswear.results.frame_load import frame_loads
+from presswear.results.guide_tilt import guide_tilts
+from presswear.results.motor_load import leader_speed, motor_loads
+from presswear.results.result import Result
+from presswear.results.rigid_joints import ideal_drives, rubbing_drives
+from presswear.results.stage import StageResult, WearStep
+from presswear.results.tonnage import tonnage_of
+from presswear.scene.scene import Scene
+from presswear.show.figures.style import stage_names
+from presswear.show.key_numbers import IDEAL, RUBBING, equal_bottoms_text
+from presswear.show.page import Table
+from presswear.show.tables import Record, filled_tables, line_table, result_table
+from presswear.tools import numbers
+from presswear.tools.errors import InputError, RunFailed
+
+_TILTS = ("touch", "fracture", "bottom", "greatest")  # fields of a tilt of a slide
+
+
+def stage_tables(result: Result) -> dict[str, Table | None]:
+    """Return the tables with a column or a line per stage, by name; None for one without values.
+
+    Numbers of failed stages are left out. Stored laws of the result are not executed
+    unless they are trusted.
+    """
+    scene = result.scene
+    records = [
+        {"name": name, **_stage_record(scene, stage), **_bottom_record(result, stage)}
+        for name, stage in zip(
+            stage_names(result, result.stages), result.stages, strict=True
+        )
+    ]
+    endings = filled_tables(result)["endings"]
+    for record, stage in zip(records, result.stages, strict=True):
+        ending = endings.get(stage.status, stage.status)
+        record["ending"] = f"failed: {stage.message}" if stage.failed else ending
+    sound = [record for record in records if not record["stage"].failed]
+    has_table = {
+        "joints": True,
+        "bottom": True,
+        "tonnage": True,
+        "guide": bool(scene.loose_guides),
+        "motor": scene.linkage().leader is not None,
+    }
+    tables = {
+        name: result_table(name, result, sound) if has else None
+        for name, has in has_table.items()
+    }
+    tables["endings"] = line_table("endings", result, records)
+    tables["diagnostics"] = result_table("diagnostics", result, records)
+    return tables
+
+
+def _stage_record(scene: Scene, stage: StageResult) -> Record:
+    """Return the values of a stage, other than those of bottom dead centre."""
+    speed = leader_speed(scene, stage)
+    angles = {
+        joint: {
+            side: _direction(peak.angle) for side, peak in statistics.wear_peaks.items()
+        }
+        for joint, statistics in stage.statistics.joints.items()
+    }
+    return {
+        "stage": stage,
+        "angles": angles,
+        "worn": {joint: _deepest(stage, joint) for joint in scene.loose_pins},
+        "tonnage": tonnage_of(scene, stage),
+        "frames": frame_loads(scene, stage),
+        "guides": _guides_of(scene, stage),
+        "motors": motor_loads(scene, stage),
+        "speed": speed,
+        "strokes_per_minute": speed and speed.stroke_rate.scaled(60.0),
+        "ideal_work": None if scene.process is None else scene.process.work,
+        "represented": stage.cycles_per_update if stage.joints else None,
+    }
+
+
+def _bottom_record(result: Result, stage: StageResult) -> Record:
+    """Return the values of bottom dead centre of a stage; None for missing ones."""
+    scene = result.scene
+    first = result.stages[0]
+    bdc = stage.statistics.bdc if scene.has_deviations else None
+    record: Record = {
+        "bdc": bdc,
+        "rest": None if stage.failed else heights_at_rest(scene, stage.surfaces),
+        "rise": None,
+        "bottoms": None,
+        "dwell": None,
+    }
+    if bdc is None:
+        return record
+    if stage is not first:
+        record["rise"] = rise(stage, first)
+    record["bottoms"] = equal_bottoms_text(scene, bdc) or None
+    if not (bdc.delay or bdc.equal_bottoms):
+        record["dwell"] = bdc.ideal_dwell
+    return record
+
+
+def _guides_of(scene: Scene, stage: StageResult) -> Record:
+    """Return the tilts and loads of slides by guide; tilts in um/m, shares by state."""
+    guides: Record = {}
+    for name, tilt in guide_tilts(scene, stage).items():
+        each = {key: getattr(tilt, key) for key in _TILTS}
+        guides[name] = {
+            key: estimate and estimate.scaled(1e6) for key, estimate in each.items()
+        }
+        guides[name] |= {"force": tilt.corner_force, "loss": tilt.friction_loss}
+        guides[name] |= {"time": tilt.time_shares, "load": tilt.load_shares}
+    return guides
+
+
+def heights_at_rest(
+    scene: Scene, surfaces: Mapping[str, tuple[Surface, Surface]] | None = None
+) -> Record | None:
+    """Return total clearance and rise under a static force at bottom dead centre, m."""
+    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
+    if not (scene.has_deviations and is_trusted):
+        return None
+    linkage = scene.linkage(surfaces)
+    pull = statics.pull_of(linkage)
+    try:
+        heights = statics.heights_at_bottom(linkage, (pull, -pull, 0.0))
+    except (InputError, RunFailed):
+        return None  # the output stands still, or no equilibrium is found
+    up, down, rest = map(float, heights)
+    return {"clearance": up - down, "rise": up - rest}
+
+
+def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | None]]:
+    """Return depth, m, and angle, rad, of the deepest wear by side; no angle without wear."""
+    maps = stage.joints[joint]
+    depths = {side: maps.depth(side) for side in SIDES}
+    depths["both"] = np.sum([*depths.values()], axis=0)
+    deepest = {}
+    for side, depth in depths.items():
+        angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
+        deepest[side] = float(depth.max()), angle
+    return deepest
+
+
+def _direction(angle: Estimate) -> str:
+    """Return an angle in degrees from 0 to 360, with its interval, as a text.
+
+    The half width of the interval has two digits.
+    """
+    mean, low, high = (
+        math.degrees(end or 0.0) for end in (angle.mean, angle.low, angle.high)
+    )
+    if angle.low is None:
+        return f"{mean:.1f} (too few cycles)"
+    digits = max(1 - math.floor(math.log10(0.5 * (high - low))), 0)
+    texts = [f"{round(end, digits) % 360.0:.{digits}f}" for end in (mean, low, high)]
+    return f"{texts[0]} ({' to '.join(texts[1:]) if high - low < 360.0 else 'any'})"
+
+
+def drive_table(result: Result) -> Table | None:
+    """Return torque, power and energy of each drive beside rigid joints.
+
+    None if torques were not stored, or if ideal torques would execute untrusted stored
+    laws.
+    """
+    scene = result.scene
+    if scene.has_untrusted_loads:
+        return None
+    records: list[Record] = []
+    for name, stage in zip(
+        stage_names(result, result.stages), result.stages, strict=True
+    ):
+        if drives := drives_of(scene, stage):
+            duty = {body: drive.duty for body, drive in drives.items()}
+            records.append({"name": name, "duty": duty, "energy": stage.statistics})
+    if not records:
+        return None
+    rigid = {RUBBING: rubbing_drives(scene), IDEAL: ideal_drives(scene)}
+    for name, duties in rigid.items():
+        if duties:
+            energy = {
+                "drive_work_per_cycle": sum(drive.work for drive in duties.values())
+            }
+            records.append({"name": name, "duty": duties, "energy": energy})
+    return result_table("drives", result, records)
+
+
+def growth_table(result: Result) -> Table | None:
+    """Return the steps in which each wear update was applied; None if all were single jumps."""
+    if not result.grew_in_steps:
+        return None
+    joints = result.scene.loose_pins
+    records = [
+        {
+            "name": result.stage_name(stage.index + 1),
+            "steps": len(steps),
+            "represented": sum(step.cycles_per_update for step in steps),
+            "cycles": sum(step.cycles for step in steps),
+            "multiplier": _factor_range(steps),
+            "change": max(step.clearance_change for step in steps),
+            "wall": sum(step.wall_s for step in steps),
+            "last": steps[-1],
+            "force": {
+                joint: max(step.peak_force[joint] for step in steps) for joint in joints
+            },
+        }
+        for stage in result.stages
+        if (steps := stage.wear_steps)
+    ]
+    return result_table("growth", result, records)
+
+
+def _factor_range(steps: Sequence[WearStep]) -> str:
+    factors = [step.factor for step in steps]
+    ends = [numbers.readable(min(factors)), numbers.readable(max(factors))]
+    return " to ".join(dict.fromkeys(ends))  # one number if both ends are equal

@@ -1,0 +1,108 @@
+"""Tables of a report, whose rows are in ``templates/tables.toml``.
+
+A table has a column per record or a line per record. A record holds the values of a
+column or of a line.
+"""
+
+import tomllib
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+from presswear.analysis.contact_modes import MODES
+from presswear.linkage.surface import SIDES
+from presswear.physics import statics
+from presswear.recording.columns import CYCLE, JOINT_CYCLE, with_mean
+from presswear.recording.soundness import ENERGY_BOUND, RESIDUAL
+from presswear.results.frame_load import ALLOWED_REVERSE
+from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, STATES
+from presswear.results.motor_load import ALLOWED_DROP, RECOVERED
+from presswear.results.result import Result
+from presswear.results.strokes import PHASES, SNAP_THROUGH_S
+from presswear.show import page
+from presswear.show.figures.style import TEMPLATES, maps_turn
+from presswear.show.page import Row, Table
+
+Record = dict[str, Any]
+_TABLES = TEMPLATES.from_string(
+    (files(__package__) / "templates/tables.toml").read_text("utf-8")
+)
+HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
+
+
+def filled_tables(result: Result, **names: Any) -> Record:
+    """Return ``tables.toml`` filled with the names of a result, and with ``names``."""
+    scene = result.scene
+    linkage = scene.mechanism.linkage()
+    # Maps that are fixed in space have one angle for both surfaces.
+    sides = (
+        {side: side for side in SIDES}
+        if maps_turn(result)
+        else {"both": "bearing + pin"}
+    )
+    content = {
+        "scene": scene,
+        "linkage": linkage,
+        "joints": scene.loose_pins,
+        "drives": [drive.body for drive in linkage.drives],
+        "frames": [guide.name for guide in scene.linkage().elastic_guides],
+        "guides": [guide.name for guide in scene.loose_guides],
+        "states": STATES,
+        "allowed_tilt": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
+        "allowed_reverse": ALLOWED_REVERSE,
+        "leader": scene.linkage().leader,
+        "motors": [
+            drive.body
+            for drive in linkage.drives
+            if drive.motor is not None and drive.motor.has_slip
+        ],
+        "allowed_drop": ALLOWED_DROP,
+        "recovered": RECOVERED,
+        "pull": statics.pull_of(scene.linkage()),
+        "statics": statics,
+        "phases": PHASES,
+        "snap_through_s": SNAP_THROUGH_S,
+        "energy_bound": ENERGY_BOUND,
+        "residual": RESIDUAL,
+        "orders": HARMONICS,
+        "sides": sides,
+        "modes": MODES,
+        "means": with_mean(CYCLE),
+        "joint_means": with_mean(JOINT_CYCLE),
+    }
+    return _parsed(_TABLES.render(content | names))
+
+
+_parsed = lru_cache(maxsize=8)(tomllib.loads)
+
+
+def result_table(
+    name: str,
+    result: Result,
+    records: Sequence[Record],
+    numeric: bool = True,
+    **names: Any,
+) -> Table | None:
+    """Return a table of ``tables.toml`` with a column per record."""
+    content = filled_tables(result, **names)
+    rows = {
+        heading: [Row(*row) for row in lines]
+        for heading, lines in content[name].items()
+    }
+    columns = [record["name"] for record in records]
+    corner = content["corners"].get(name, "")
+    return page.column_table(corner, columns, records, rows, numeric)
+
+
+def line_table(
+    name: str,
+    result: Result,
+    records: Iterable[Any],
+    numeric: bool = False,
+    **names: str,
+) -> Table:
+    """Return a table of ``tables.toml`` with a line per record."""
+    columns = [Row(*row) for row in filled_tables(result, **names)["columns"][name]]
+    lines = (tuple(column.text(record) for column in columns) for record in records)
+    return page.plain_table((column.head for column in columns), lines, numeric)
