@@ -29,7 +29,7 @@ from presswear.show import page
 from presswear.show.figures import drawings, first_drawings
 from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import stage_names
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import key_numbers
 from presswear.show.life_section import life_section
 from presswear.show.motion_table import motion_table
 from presswear.show.page import Illustration, Table
@@ -41,6 +41,7 @@ from presswear.show.stage_tables import (
     stage_tables,
 )
 from presswear.show.tables import Record, line_table, result_table
+from presswear.show.warnings import warnings
 from presswear.show.wear_law import wear_law_numbers
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, NotStored

@@ -18,9 +18,10 @@ from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.results.stage import StageResult, WearStep
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
+from presswear.show.drive_numbers import IDEAL, RUBBING
 from presswear.show.figures.style import stage_names
-from presswear.show.key_numbers import IDEAL, RUBBING, equal_bottoms_text
 from presswear.show.page import Table
+from presswear.show.stroke_numbers import equal_bottoms_text
 from presswear.show.tables import Record, filled_tables, line_table, result_table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed

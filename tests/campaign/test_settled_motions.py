@@ -15,7 +15,8 @@ from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of
 from presswear.results.stage import StageStatistics
 from presswear.scene.scene import Scene
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import key_numbers
+from presswear.show.warnings import warnings
 from presswear.tools.arrays import Array
 
 

@@ -8,8 +8,9 @@ import pytest
 
 import presswear as pw
 from presswear.results.frame_load import frame_loads
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import key_numbers
 from presswear.show.stage_tables import stage_tables
+from presswear.show.warnings import warnings
 
 FRAME, STOP, WEIGHT = 0.5e9, 2e9, 9.81 * 1010.0
 

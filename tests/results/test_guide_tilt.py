@@ -19,8 +19,9 @@ from presswear.results.guide_tilt import (
     self_locking,
 )
 from presswear.show.figures.guide import largest_tilt
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import key_numbers
 from presswear.show.stage_tables import stage_tables
+from presswear.show.warnings import warnings
 from presswear.sweeps.responses import OF_GUIDES, RESPONSES, available
 
 L, C, FORCE, OFFSET = 0.4, 0.05e-3, 100e3, 0.06

@@ -19,9 +19,10 @@ from presswear.results.motor_load import (
 from presswear.results.strokes import sampled_strokes
 from presswear.show.figures import drawings
 from presswear.show.figures.style import between
-from presswear.show.key_numbers import key_numbers, warnings
+from presswear.show.key_numbers import key_numbers
 from presswear.show.report import render_report
 from presswear.show.stage_tables import stage_tables
+from presswear.show.warnings import warnings
 from presswear.sweeps.responses import available, request, responses_of
 
 TURN = 2.0 * math.pi

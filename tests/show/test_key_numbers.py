@@ -9,9 +9,12 @@ from made_up_result import altered, lived, made_up
 import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.results.rigid_joints import ideal_drives, rubbing_drives
-from presswear.show.key_numbers import IDEAL, RUBBING, key_numbers, measured, warnings
+from presswear.show.drive_numbers import IDEAL, RUBBING
+from presswear.show.key_number import measured
+from presswear.show.key_numbers import key_numbers
 from presswear.show.page import FirstScreen, render_page
 from presswear.show.report import render_report
+from presswear.show.warnings import warnings
 from presswear.tools.numbers import quantity_text
 
 

@@ -1,0 +1,97 @@
+"""Key numbers of the drives: torque and power, compared with rigid joints."""
+
+from collections.abc import Mapping
+
+from presswear.recording.statistics import Estimate
+from presswear.results.drive_duty import DriveDuty
+from presswear.results.drives import drives_of
+from presswear.results.rigid_joints import ideal_drives, rubbing_drives
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+from presswear.show.key_number import key_of_greatest, measured
+from presswear.show.page import KeyNumber
+from presswear.tools import numbers
+
+# Linkages to which a run is compared
+RUBBING = "rigid joints with friction"
+IDEAL = "rigid joints without friction"
+
+
+def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
+    """Return the peak torque and power, each of the drive where it is largest.
+
+    If torques were not stored, they are those of rigid joints.
+    """
+    if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
+        return []
+    drives = drives_of(scene, stages[-1])
+    ideal = ideal_drives(scene)
+    rubbing = rubbing_drives(scene)
+    new = drives_of(scene, stages[0]) if len(stages) > 1 else {}
+    rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
+    if scene.base_linkage.has_motors:
+        rigid = {
+            f"{words}, at the nominal speed": duty for words, duty in rigid.items()
+        }
+    duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
+    result = []
+    for name, unit in (("torque", "N m"), ("power", "W")):
+        computed = {
+            body: Estimate(abs(getattr(duty, name).peak))
+            for body, duty in duties.items()
+        }
+        peaks = {body: getattr(drive, f"peak_{name}") for body, drive in drives.items()}
+        peaks = {
+            body: peak for body, peak in peaks.items() if peak is not None
+        } or computed
+        body = key_of_greatest(peaks)
+        if name == "torque":
+            typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
+        else:
+            typical = _mean_power(
+                scene, [duty.power.mean for duty in duties.values()], peaks[body]
+            )
+        text = f"Largest in a stroke at {body}; {typical}"
+        title = f"Peak drive {name}"
+        compared = tuple(
+            (words, _peak_text(one, name, unit)) for words, one in rigid.items()
+        )
+        if not drives:
+            text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
+            text += "clearance and friction."
+            value = numbers.quantity_text(peaks[body].mean, unit)
+            result.append(KeyNumber(title, value, "", text, compared))
+            continue
+        before = getattr(new[body], f"peak_{name}") if body in new else None
+        if before is not None:
+            text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
+        result.append(
+            measured(title, peaks[body], unit, text)._replace(compared=compared)
+        )
+    return result
+
+
+def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
+    """Return the greatest peak of the drives as a text, with its drive if there are several."""
+    peaks = {
+        body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()
+    }
+    body = key_of_greatest(peaks)
+    text = numbers.quantity_text(peaks[body].mean, unit)
+    return f"{text} at {body}" if len(peaks) > 1 else text
+
+
+def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:
+    """Return a text on the mean power of all drives together.
+
+    One drive may brake while another one drives.
+    """
+    total = sum(means)
+    if abs(total) < 1e-9 * peak.mean:
+        total = 0.0  # round-off of a cycle without net work
+    together = " of all drives together" if len(means) > 1 else ""
+    text = f"mean{together} {numbers.quantity_text(total, 'W')}."
+    is_even = not any(drive.repeats for drive in scene.mechanism.linkage().drives)
+    if total > 0.0 and is_even:
+        text += " A motor with a flywheel delivers this mean."
+    return text

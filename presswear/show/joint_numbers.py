@@ -1,0 +1,165 @@
+"""Key numbers of the pins: peak force, pin pressure and p v."""
+
+from collections.abc import Mapping
+
+from presswear.recording.statistics import Estimate
+from presswear.results.deep_contacts import SMALL_CONTACT, forces_by_law, penetrations
+from presswear.results.motions import needs_warning, sentence_of
+from presswear.results.motor_load import period_in
+from presswear.results.rigid_joints import ideal_forces
+from presswear.results.stage import JointStatistics, StageResult
+from presswear.scene.scene import Scene
+from presswear.show.drive_numbers import IDEAL
+from presswear.show.key_number import key_of_greatest, measured
+from presswear.show.page import KeyNumber
+from presswear.tools import numbers
+
+# title, unit and meaning of each load of a bearing, by the setting that limits it
+LOADS = {
+    "pressure_limit": ("Pin pressure p", "Pa", "Peak force over projected area"),
+    "pv_limit": ("p v", "W/m^2", "Mean of pressure times sliding speed"),
+}
+
+
+def joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
+    """Return peak force, pin pressure and p v at the joints where they are greatest."""
+    if not pins_of(scene, stages[-1]):
+        return []
+    return [_peak_force(scene, stages), *_load_numbers(scene, stages[-1])]
+
+
+def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
+    """Return the peak force at the pin where it is greatest."""
+    first = stages[0]
+    last = stages[-1]
+    joints = pins_of(scene, last)
+    forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
+    at = key_of_greatest(forces)
+    largest = numbers.quantity_text(joints[at].peak_force, "N")
+    where = "" if last is first else " of the last stage"
+    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all strokes{where}: "
+    text += f"{largest}. Impacts are included"
+    is_rigid = not scene.linkage().elastic_joints
+    text += "; a real frame bends and makes them smaller." if is_rigid else "."
+    if not scene.has_untrusted_loads:
+        ideal = float(abs(ideal_forces(scene)[1][at]).max())
+        text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
+    if last is not first and at in first.statistics.joints:
+        new = _peak_forces_text(first, at)
+        strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
+        text += f" Before the wear of {strokes} strokes: {new}."
+    settling = last.statistics.settling
+    if settling and not needs_warning(settling):
+        text += f" {sentence_of(settling)}."
+    peak = measured("Peak joint force", forces[at], "N", text)
+    if settling and settling.is_mixture:
+        note = reason_without_interval(last)
+        peak = peak._replace(value=_peak_forces_text(last, at), interval="", note=note)
+    if penetrations(scene, stages)[at] > SMALL_CONTACT:
+        peak = _with_laws(peak, forces_by_law(scene, at, forces[at].mean))
+    return peak
+
+
+def _load_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return pin pressure and p v at the pins where they are closest to their limits.
+
+    Without limits they are those of the pins where they are greatest.
+    """
+    settling = stage.statistics.settling
+    result = []
+    for key, loads in bearing_loads(scene, stage).items():
+        limits = {name: getattr(scene.bearing(name), key) for name in loads}
+        ratios = {
+            name: loads[name].scaled(1.0 / limit)
+            for name, limit in limits.items()
+            if limit
+        }
+        at = key_of_greatest(ratios or loads)
+        bearing = scene.bearing(at)
+        title, unit, words = LOADS[key]
+        size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
+        limit = (
+            numbers.quantity_text(limits[at], unit)
+            if limits[at]
+            else f"not given ({key})"
+        )
+        if key == "pressure_limit" and settling and settling.is_mixture:
+            words += ", of the motion with the largest force,"
+        text = f"{words} at joint {at} ({size}). Limit: {limit}."
+        result.append(measured(title, loads[at], unit, text))
+    return result
+
+
+def bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estimate]]:
+    """Return pin pressure, Pa, and pressure times sliding speed, W/m^2, of each joint.
+
+    The key of each is the setting that limits it. The pressure is the peak force of a
+    stroke over the projected area 2 R b. p v needs the convention ``slip = sliding``,
+    with which the wear uses the sliding distance, and a joint that wears without an oil
+    film.
+    """
+    loads: dict[str, dict[str, Estimate]] = {key: {} for key in LOADS}
+    for name, joint in pins_of(scene, stage).items():
+        bearing = scene.bearing(name)
+        per_area = 1.0 / (2.0 * bearing.bearing_radius * bearing.total_width)
+        loads["pressure_limit"][name] = _largest_force(stage, name).scaled(per_area)
+        if (
+            scene.conventions.slip == "sliding"
+            and bearing.materials.wear_coefficient > 0.0
+            and not bearing.has_film  # whose load distance is that of asperities
+        ):
+            rate = per_area / period_in(scene, stage)
+            loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)
+    return {key: values for key, values in loads.items() if values}
+
+
+def pins_of(scene: Scene, stage: StageResult) -> dict[str, JointStatistics]:
+    """Return the statistics of the pins; those of the corners of slides are left out."""
+    joints = stage.statistics.joints.items()
+    return {name: joint for name, joint in joints if name in scene.loose_pins}
+
+
+def reason_without_interval(stage: StageResult) -> str:
+    """Return why peak values of a stage have no interval, or nothing."""
+    settling = stage.statistics.settling
+    if settling and settling.is_mixture:
+        return f"{len(settling.motions)} motions"
+    return "bumps, see the warning" if stage.statistics.high_bumps else ""
+
+
+def _largest_force(stage: StageResult, joint: str) -> Estimate:
+    """Return the mean peak force at a joint, or of the motion with the largest one."""
+    settling = stage.statistics.settling
+    if settling and settling.is_mixture:
+        forces = [motion.peak_force[joint] for motion in settling.motions]
+        return max(forces, key=lambda force: force.mean)
+    return stage.statistics.joints[joint].peak_force_per_cycle
+
+
+def _peak_forces_text(stage: StageResult, joint: str) -> str:
+    """Return the mean peak force at a joint, or of each motion if replicates differ."""
+    settling = stage.statistics.settling
+    joints = stage.statistics.joints
+    forces = [joints[joint].peak_force_per_cycle.mean]
+    if settling and settling.is_mixture:
+        forces = [motion.peak_force[joint].mean for motion in settling.motions]
+    factor, unit = numbers.unit_scale("N", max(forces))
+    return f"{' or '.join(numbers.readable(factor * force) for force in forces)} {unit}"
+
+
+def _with_laws(peak: KeyNumber, forces: Mapping[str, float]) -> KeyNumber:
+    """Return the peak force of a deep contact with the range of the elastic laws."""
+    if not forces:
+        return peak
+    factor, unit = numbers.unit_scale("N", max(forces.values()))
+    low = numbers.readable(factor * min(forces.values()))
+    high = numbers.readable(factor * max(forces.values()))
+    laws = f"{low} to {high} {unit} by contact law"
+    meaning = f"{peak.meaning} The pin sinks in deep: the range of the contact laws power, liu and "
+    meaning += "foundation is that of an impact of the same elastic energy."
+    interval = f"{peak.interval}; {laws}" if peak.interval else laws
+    return peak._replace(interval=interval, meaning=meaning)
+
+
+def _mm(length: float) -> str:
+    return numbers.short_number(1e3 * length)

@@ -1,0 +1,47 @@
+"""Key number of an estimate: value, interval, and a note on a doubtful one."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from presswear.recording.statistics import Estimate
+from presswear.show.page import NOTHING, KeyNumber
+from presswear.tools import numbers
+
+ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
+UNKNOWN = "interval unknown"
+
+
+def measured(
+    name: str,
+    estimate: Estimate | None,
+    unit: str,
+    meaning: str,
+    strokes: int | None = None,
+) -> KeyNumber:
+    """Return a key number of an estimate in SI; a doubtful one has a note.
+
+    ``strokes`` is the number of strokes of the estimate (default: its samples).
+    """
+    if strokes is None:
+        strokes = estimate.samples if estimate else 0
+    note = f"{strokes} of {ENOUGH} strokes" if strokes < ENOUGH else ""
+    if estimate is None:
+        return KeyNumber(name, NOTHING, "", meaning, note=note)
+    low = estimate.low
+    mean = estimate.mean
+    high = estimate.high
+    factor, shown = numbers.unit_scale(unit, abs(mean))
+    if low is None or high is None:
+        value = f"{numbers.readable(factor * mean, 2)} {shown}"
+        return KeyNumber(
+            name, value, UNKNOWN, meaning, note=note or "scatters too much"
+        )
+    digits = 3 if high - low < 0.2 * abs(mean) else 2
+    texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
+    interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
+    return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning, note=note)
+
+
+def key_of_greatest(values: Mapping[Any, Estimate]) -> Any:
+    """Return the key of the estimate with the greatest mean."""
+    return max(values, key=lambda name: values[name].mean)
