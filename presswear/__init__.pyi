@@ -58,7 +58,7 @@ from presswear.results.stage import JointResult as JointResult
 from presswear.results.stage import StageResult as StageResult
 from presswear.scene import catalog
 from presswear.scene.bearing import Bearing as Bearing
-from presswear.scene.bearing import Conventions as Conventions
+from presswear.scene.conventions import Conventions as Conventions
 from presswear.scene.files import scene_from as scene_from
 from presswear.scene.options import Life as Life
 from presswear.scene.options import Recording as Recording

@@ -19,7 +19,7 @@ from presswear.linkage.laws import Materials
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.options import Numerics
 from presswear.tools.arrays import Array
 

@@ -10,8 +10,8 @@ from rich.console import Console
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_with
 from presswear.cli.terminal import load_scene, parse_settings, print_lines
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import ENGINES, Scene

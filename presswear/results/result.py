@@ -30,9 +30,9 @@ from presswear.results.stored_arrays import (
 )
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.results.tonnage import Tonnage, tonnage_of
-from presswear.scene.bearing import Surfaces
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
+from presswear.scene.initial_surfaces import Surfaces
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, shown

@@ -1,16 +1,14 @@
-"""Joints with clearance as a person chooses them, readings of the wear model, initial surfaces."""
+"""Bearing of a joint with clearance, or of a rigid joint with friction, as a user chooses it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import InitVar, dataclass, fields, replace
 from typing import Any, cast, get_args
 
-import numpy as np
-
 from presswear.linkage import elements, laws
-from presswear.linkage.surface import SIDES, Surface, bin_centres
-from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, unknown
+from presswear.linkage.surface import Surface
+from presswear.scene.conventions import Conventions
+from presswear.tools.errors import InputError
 from presswear.tools.quantities import (
     Quantity,
     choice,
@@ -22,93 +20,42 @@ from presswear.tools.quantities import (
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
-# width of the friction ramp, m/s: steps inside it shorten with the width
+# width of the friction ramp, m/s; steps inside the ramp shorten with its width
 LEAST_RAMP = 1e-5
 # Bristles make the steps of explicit methods short: a pin that slides by d takes about
 # 0.3 d / z steps, with the deflection z, m, at which bristles slip, and a flight of t
 # about 0.3 t / tau, with the time tau, s, in which bristles relax.
 LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
 LEAST_RELAXATION = 1e-6  # s
-# Pa s; a film of less is too stiff for explicit steps. Petrol has five times as much.
+# Pa s; a film of a lower viscosity is too stiff for explicit steps. Petrol has five
+# times as much.
 LEAST_VISCOSITY = 1e-4
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
-# Values that a rigid joint reads
+# Settings that a rigid joint reads
 _READ_RIGID = {
-    *(
-        "clearance",
-        "bearing_radius",
-        "friction_law",
-        "friction",
-        "lower_speed",
-        "upper_speed",
-        "stiffness",
-        "damping_ratio",
-        "parallel_rods",
-    )
+    "clearance",
+    "bearing_radius",
+    "friction_law",
+    "friction",
+    "lower_speed",
+    "upper_speed",
+    "stiffness",
+    "damping_ratio",
+    "parallel_rods",
 }
-# Keys that each joint has for itself
+# Settings that each joint has for itself
 SINGLE = "stiffness", "damping_ratio"
 
-
-@dataclass(frozen=True)
-class Conventions(Checked):
-    """Choices of the contact and wear model; each can be set separately."""
-
-    stiffness: laws.StiffnessReading = choice(
-        "refined", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
-    )
-    slip: elements.Slip = choice(
-        "sliding",
-        elements.Slip,
-        "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt",
-    )
-    map_frame: elements.MapFrame = choice(
-        "body",
-        elements.MapFrame,
-        "wear maps fixed in direction, or turning with their bodies",
-    )
-    wear_distribution: elements.WearDistribution = choice(
-        "arc",
-        elements.WearDistribution,
-        "wear into the bin of the contact, or over its arc",
-    )
-    contact: elements.SurfaceContact = choice(
-        *("foundation", elements.SurfaceContact),
-        "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
-    )
-    wear_maps: elements.WearMaps = choice(
-        "smoothed",
-        elements.WearMaps,
-        "wear maps smoothed by their sampling error, or with noise",
-    )
-
-
-CONVENTIONS: dict[str, Conventions] = {
-    "refined": Conventions(),
-    "paper": Conventions("paper", "angle", "fixed", "bin", "radial", "raw"),
-}
 
 Law = str | UserFunction | Callable[..., float]
 DIAMETRAL = "diametral_clearance"  # setting that stands for twice the clearance
 _DIAMETRAL = Quantity("m", 0.0, 2.0, text="clearance in diameter")
-LEAST_CLEARANCE = 1e-9  # m, of a joint that has any
-# Values of round bearings, which a flat guide does not read
-_ROUND = (
-    "bearing_radius",
-    "elasticity",
-    "viscosity",
-    "film",
-    "asperity_pressure",
-    "roughness",
-    "pressure_limit",
-    "pv_limit",
-    "angles",
-)
+LEAST_CLEARANCE = 1e-9  # m, of a joint with clearance
 
 
 def radial_clearance(diametral: float | str) -> float:
-    """Return the radial clearance, m, half the diametral one, m or a text with its unit."""
+    """Return the radial clearance, m, of a diametral one, m or a text with its unit."""
     return 0.5 * float(_DIAMETRAL.convert(DIAMETRAL, diametral))
 
 
@@ -117,10 +64,10 @@ class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
     Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
-    stands for twice the clearance, in its place. A clearance of 0 is a rigid joint that
-    rubs: its friction is a moment r F_t(r omega, F) of the joint force F; see
-    ``rigid``. A law can be a function of some of NORMAL_PARAMETERS or
-    FRICTION_PARAMETERS that returns a force, N.
+    stands for twice the clearance, in its place. A clearance of 0 is a rigid joint with
+    friction: a moment r F_t(r omega, F) of the joint force F; see ``rigid``. A law can
+    be a function of some of NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
+    force, N.
     """
 
     clearance: float = quantity(
@@ -293,7 +240,7 @@ class Bearing(Checked):
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
 
     def _check_clearance(self) -> None:
-        """Raise InputError where the clearance is too small, or a film or a spring forbids it."""
+        """Raise InputError if the clearance is too small, or does not fit film or spring."""
         if 0.0 < self.clearance < LEAST_CLEARANCE:
             allowed = (
                 f"allowed is 0, a rigid joint, or from {written(LEAST_CLEARANCE, 'm')}"
@@ -314,7 +261,7 @@ class Bearing(Checked):
         return self.film == "run"
 
     def _check_film(self) -> None:
-        """Raise InputError where no oil film can act in the run."""
+        """Raise InputError if no oil film can act in the run."""
         if self.viscosity is None:
             raise InputError("film = run: it needs a viscosity, such as 0.1 Pa s")
         if self.viscosity < LEAST_VISCOSITY:
@@ -351,7 +298,10 @@ class Bearing(Checked):
             )
 
     def check_conventions(self, where: str, conventions: Conventions) -> None:
-        """Raise InputError, beginning with ``where``, if asperities cannot wear in this way."""
+        """Raise InputError if asperities in an oil film cannot wear with the conventions.
+
+        ``where`` is the start of the message.
+        """
         if not self.has_film or self.materials.wear_coefficient == 0.0:
             return
         for key, allowed in (("wear_distribution", "arc"), ("slip", "sliding")):
@@ -362,7 +312,7 @@ class Bearing(Checked):
                 )
 
     def _check_bristles(self) -> None:
-        """Raise InputError where bristles are too stiff for the steps, or drive the sliding."""
+        """Raise InputError if bristles are too stiff for time steps, or create energy."""
         stiffness = self.bristle_stiffness
         damping = self.bristle_damping
         highest = self.friction / LEAST_SLIP
@@ -393,16 +343,8 @@ class Bearing(Checked):
             )
 
     @property
-    def unread_in_guide(self) -> tuple[str, ...]:
-        """Names of the values that a guide with clearance does not read."""
-        wear = (one.name for one in fields(self.materials))
-        elastic = ("youngs_modulus", "bearing_modulus", "poisson_ratio")
-        of_wear = tuple(name for name in wear if name not in elastic)
-        return (*self.unread, *_ROUND, *of_wear)
-
-    @property
     def unread(self) -> tuple[str, ...]:
-        """Names of the values that its laws, its oil film and its wear do not read."""
+        """Names of the settings that have no effect with this clearance and these laws."""
         if self.clearance == 0.0:
             rigid = () if self.stiffness is not None else SINGLE
             return tuple(
@@ -447,7 +389,10 @@ class Bearing(Checked):
     def check_contact(
         self, where: str, contact: elements.SurfaceContact, is_worn: bool
     ) -> None:
-        """Raise InputError, beginning with ``where``, if surfaces cannot meet in this way."""
+        """Raise InputError if the laws do not fit the contact of the surfaces.
+
+        ``where`` is the start of the message.
+        """
         if contact != "foundation":
             return
         if self.elasticity not in (AUTO, "foundation"):
@@ -484,9 +429,10 @@ class Bearing(Checked):
     def normal_stiffness(
         self, elasticity: laws.Elasticity, reading: laws.StiffnessReading
     ) -> float:
-        """Return K, N/m^n: the contact stiffness, else Liu's for his law, else Hertz's.
+        """Return the stiffness K, N/m^n, of all parallel rods together.
 
-        Parallel rods bear equal parts of the force.
+        It is the contact stiffness; by default that of Liu for his law, and of Hertz for
+        the other laws. Parallel rods bear equal parts of the force.
         """
         if self.contact_stiffness is not None:
             return self.parallel_rods * self.contact_stiffness
@@ -511,7 +457,7 @@ class Bearing(Checked):
         return laws.NormalLaw(stiffness, self.exponent, *factors, elasticity, function)
 
     def check_user_laws(self, joint: str, conventions: Conventions) -> None:
-        """Raise InputError where a user law returns no number or creates energy; runs its text."""
+        """Raise InputError if a user law returns no number or creates energy; executes the law."""
         if isinstance(law := self.normal_law, UserFunction):
             key = f"{joint}.normal_law"
             normal = self.normal(conventions)
@@ -524,7 +470,7 @@ class Bearing(Checked):
         self.check_user_friction(joint)
 
     def check_user_friction(self, joint: str) -> None:
-        """Raise InputError where a user friction law is unsound; see ``check_user_laws``."""
+        """Raise InputError if a user friction law is unsound; see ``check_user_laws``."""
         if isinstance(law := self.friction_law, UserFunction):
             key = f"{joint}.friction_law"
             ramp = {"lower_speed": self.lower_speed, "upper_speed": self.upper_speed}
@@ -599,179 +545,4 @@ class Bearing(Checked):
             roughness=math.sqrt(2.0) * self.roughness,
             asperity_pressure=self.asperity_pressure,
             films=self.parallel_rods,
-        )
-
-    def corners(self, guide: elements.Guide) -> tuple[elements.GuideCorner, ...]:
-        """Return the corners of a slide in a guide with this clearance.
-
-        Without a contact stiffness, each corner is a line contact of the width of the
-        bearing: F = (pi / 4) E* b delta.
-        """
-        self.check_guide(guide)
-        assert guide.width is not None
-        normal = self._corner_normal
-        radius = 0.5 * guide.width + self.clearance
-        return tuple(
-            elements.GuideCorner(
-                f"{guide.name} {name}",
-                *elements.corner_ends(guide, along, side),
-                radius,
-                self.clearance,
-                self.total_width,
-                normal,
-                self.friction_parameters,
-                contact="radial",
-                guide=guide,
-                side=side,
-            )
-            for name, (along, side) in elements.CORNERS.items()
-        )
-
-    @property
-    def _corner_normal(self) -> laws.NormalLaw:
-        """Normal law of a corner of a slide."""
-        law = replace(self.normal(Conventions(contact="radial")), elasticity="power")
-        if self.contact_stiffness is not None:
-            return law
-        stiffness = 0.25 * math.pi * self.total_width / self.materials.compliance
-        return replace(law, stiffness=stiffness, exponent=1.0)
-
-    def check_guide(self, guide: elements.Guide) -> None:
-        """Raise InputError where a guide has no sizes, or they do not fit the clearance."""
-        if self.has_film:
-            raise InputError(
-                f"{guide.name}.film = run: a guide has no oil film; allowed is report"
-            )
-        if self.clearance == 0.0:
-            raise InputError(
-                f"{guide.name}.clearance = 0 m: a guide without clearance is ideal; allowed is "
-                f"from {written(LEAST_CLEARANCE, 'm')}, or joints without {guide.name}"
-            )
-        for key in ("length", "width"):
-            if getattr(guide, key) is None:
-                raise InputError(
-                    f"{key} of {guide.name}: a guide with clearance needs it; set {key} of the "
-                    f"guide, or guide_{key} of a press or slider-crank, such as 300 mm"
-                )
-        assert guide.length is not None
-        assert guide.width is not None
-        if self.clearance > 0.5 * guide.width:
-            raise InputError(
-                f"clearance of {guide.name} = {written(self.clearance, 'm')}: allowed is up to "
-                f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
-            )
-        if self.clearance >= elements.turning_clearance(guide):
-            sizes = (written(size, "m") for size in (guide.length, guide.width))
-            raise InputError(
-                f"clearance of {guide.name} = {written(self.clearance, 'm')}: allowed is below "
-                f"{written(elements.turning_clearance(guide), 'm')}, with which a slide of "
-                f"{' by '.join(sizes)} can turn over"
-            )
-        if self.elasticity not in (AUTO, "power"):
-            raise InputError(
-                f"{guide.name}.elasticity = {self.elasticity}: in a guide allowed is auto or power"
-            )
-
-
-Surfaces = Mapping[str, tuple[Any, Any]]
-"""Bearing and pin by joint; see ``Scene.surfaces`` for the form of a side."""
-
-_TURN = 2.0 * math.pi
-
-
-def initial_surfaces(
-    surfaces: Any,
-    joints: tuple[str, ...],
-    bearing: Callable[[str], Bearing],
-    contact: elements.SurfaceContact,
-) -> dict[str, tuple[Surface, Surface]]:
-    """Return initial surfaces on the bins of the wear maps, without joints that are round."""
-    if not isinstance(surfaces, Mapping):
-        raise InputError(
-            f"surfaces = {surfaces!r}: bearing and pin by joint are expected"
-        )
-    result = {}
-    for name, pair in surfaces.items():
-        if not joints:
-            raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
-        if name not in joints:
-            raise unknown("joint in surfaces", name, joints)
-        if not isinstance(pair, tuple | list) or len(pair) != len(SIDES):
-            raise InputError(
-                f"surfaces of {name}: a pair, bearing and pin, is expected"
-            )
-        first, second = (
-            _surface(f"{side} at {name}", value, bearing(name), contact)
-            for side, value in zip(SIDES, pair, strict=True)
-        )
-        if first.is_worn or second.is_worn:
-            result[name] = first, second
-    return result
-
-
-def _surface(
-    where: str, value: Any, bearing: Bearing, contact: elements.SurfaceContact
-) -> Surface:
-    """Return one side on the bins of its joint; empty where it is round."""
-    if value is None:
-        return Surface()
-    if isinstance(value, Mapping):  # as stored
-        value = value.get("depth")
-    try:
-        values = np.array(value.depth if isinstance(value, Surface) else value)
-    except ValueError:
-        values = np.array(None)  # rows of several lengths
-    if values.shape == (0,):
-        return Surface()
-    if values.ndim == 1:
-        values = np.column_stack([bin_centres(values.size), values])
-    is_number = values.dtype.kind in "fiu"
-    if not (
-        is_number
-        and values.ndim == 2
-        and values.shape[1] == 2
-        and np.isfinite(values).all()
-    ):
-        raise InputError(
-            f"{where}: finite depths, or rows of angle and depth, are expected"
-        )
-    angle, depth = values[np.argsort(values[:, 0] % _TURN, kind="stable")].T
-    if not depth.any():
-        return Surface()
-    angle = angle % _TURN
-    deepest = bearing.deepest_wear(contact)
-    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
-        place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
-        allowed = f"allowed is 0 to {written(deepest, 'm')}"
-        raise InputError(f"{where}: {place}: {allowed}")
-    _check_angles(where, angle)
-    bins = bin_centres(bearing.angles)
-    if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
-        return Surface(depth)
-    from scipy.interpolate import PchipInterpolator  # slow to import
-
-    # Each bin takes the mean of the monotone cubic through the points, which is the
-    # curve of ``Surface`` and conserves the worn volume. Neighbours beyond both ends
-    # close it.
-    around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
-    with np.errstate(over="ignore"):  # of slopes next to nothing
-        area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
-    edges = np.linspace(0.0, _TURN, bins.size + 1)
-    mean = np.diff(area.antiderivative()(edges)) * bins.size / _TURN
-    return Surface(np.maximum(mean, 0.0))
-
-
-def _check_angles(where: str, angle: Array) -> None:
-    """Raise InputError unless angles in [0, 2 pi), in order, differ and leave no gap."""
-    widest = _TURN / MIN_ANGLES
-    gaps = np.diff(angle, append=angle[0] + _TURN)
-    for k in np.flatnonzero(gaps < 1e-9)[:1]:
-        raise InputError(
-            f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice"
-        )
-    for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
-        low, high = np.degrees([angle[k], angle[k] + gaps[k]])
-        gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
-        raise InputError(
-            f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg"
         )

@@ -11,7 +11,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Blanking, Drawing
 from presswear.linkage.mechanisms import LITERATURE, Press, SliderCrank, TwoPoint
 from presswear.linkage.motor import Motor
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, Change, changed, changes_from
 from presswear.tools.errors import unknown

@@ -32,15 +32,11 @@ from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions, initial_surfaces
-from presswear.scene.options import (
-    CLEARANCES,
-    LIVES,
-    Life,
-    Limit,
-    Numerics,
-    Recording,
-)
+from presswear.scene.bearing import Bearing
+from presswear.scene.conventions import CONVENTIONS, Conventions
+from presswear.scene.guide_clearance import check_guide, corners_of
+from presswear.scene.initial_surfaces import initial_surfaces
+from presswear.scene.options import CLEARANCES, LIVES, Life, Limit, Numerics, Recording
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import (
@@ -255,7 +251,7 @@ class Scene(Checked):
 
     def _check_guide(self, guide: Guide) -> None:
         """Raise InputError where a guide cannot have its clearance."""
-        self.bearing(guide.name).check_guide(guide)
+        check_guide(self.bearing(guide.name), guide)
         for drive in self.mechanism.linkage().drives:
             if drive.body == guide.body:
                 raise InputError(
@@ -583,7 +579,7 @@ class Scene(Checked):
             corner
             for joint in ideal.guides
             if joint.name in guides
-            for corner in self.bearing(joint.name).corners(joint)
+            for corner in corners_of(self.bearing(joint.name), joint)
         )
         rigid = self.rigid_bearings
         joints = tuple(

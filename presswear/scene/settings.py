@@ -16,6 +16,7 @@ from presswear.linkage.drives import ConstantSpeed
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
 from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
+from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.files import digest
@@ -120,7 +121,7 @@ def _unread(scene: Scene, joint: str) -> tuple[str, ...]:
     """Return the keys of values of a bearing that a run of the scene does not read."""
     bearing = scene.bearing(joint)
     is_guide = any(guide.name == joint for guide in scene.loose_guides)
-    return bearing.unread_in_guide if is_guide else bearing.unread
+    return unread_in_guide(bearing) if is_guide else bearing.unread
 
 
 def setting_of(scene: Scene, key: str) -> Setting:

@@ -22,8 +22,9 @@ from presswear.results.rigid_joints import (
     rubbing_joints,
 )
 from presswear.results.run_film import film_sentences
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import changes_of, named_scene, title_of
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.show import page
 from presswear.show.figures import drawings, first_drawings

@@ -26,8 +26,8 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
 from presswear.physics.ideal import motion_of
 from presswear.physics.packed import mass_of
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError

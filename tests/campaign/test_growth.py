@@ -38,8 +38,9 @@ from presswear.results.export import life_table
 from presswear.results.life import LifeResult
 from presswear.results.result import load, unfinished
 from presswear.results.stage import JointResult, StageResult
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

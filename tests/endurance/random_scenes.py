@@ -32,9 +32,9 @@ from presswear.scene.bearing import (
     LEAST_RELAXATION,
     LEAST_SLIP,
     Bearing,
-    Conventions,
 )
 from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.conventions import Conventions
 from presswear.scene.options import Numerics
 from presswear.scene.scene import MAX_MASS_RATIO, Scene
 from presswear.scene.settings import changed

@@ -10,8 +10,8 @@ from runs import run_scene
 from presswear.engines.base import Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.settings import changed
 
 ENGINES = [

@@ -17,8 +17,8 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of, project, project_acceleration
 from presswear.physics.equations.function import END
 from presswear.physics.packed import pack
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, speed_high, wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError

@@ -15,8 +15,8 @@ from presswear.linkage.elements import Attachment
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
 from presswear.physics.packed import mass_of
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.validation import reference_problems as references
 
 

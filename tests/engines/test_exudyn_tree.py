@@ -17,8 +17,8 @@ from presswear.linkage.elements import Attachment, Slip
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load, Spring
 from presswear.linkage.surface import Surface
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 

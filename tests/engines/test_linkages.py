@@ -25,8 +25,9 @@ from presswear.linkage.loads import (
     Spring,
 )
 from presswear.linkage.mechanisms import SliderCrank
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError

@@ -21,7 +21,8 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.surface import Surface
 from presswear.physics.friction_and_normal import elastic_of, normal_record
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
+from presswear.scene.conventions import CONVENTIONS
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact

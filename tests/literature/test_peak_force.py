@@ -12,7 +12,7 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 from presswear.validation.benchmark_problems import GAP
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
 

@@ -13,7 +13,7 @@ from presswear.paper.printed import Place
 from presswear.paper.settings import BASE, base_scene
 from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 
 SETTING = "wear-times"
 FORCE = cycle_column("force_max", 0)  # column of the first joint

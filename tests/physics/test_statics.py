@@ -26,7 +26,7 @@ from presswear.physics.statics import (
     needed_torques,
     pull_of,
 )
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 

@@ -26,8 +26,8 @@ from presswear.recording.soundness import (
     examine,
     with_cause,
 )
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import scene_named
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.validation.hard_cases import twins

@@ -15,8 +15,9 @@ from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import Press, SliderCrank
-from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of, used_settings_of
 from presswear.sweeps.improve import changes_of

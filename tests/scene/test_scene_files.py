@@ -11,7 +11,7 @@ import pytest
 
 import presswear as pw
 from presswear.physics.ideal import bottom_of, motion_of
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import MECHANISMS
 from presswear.scene.settings import changed

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import presswear as pw
 from presswear.linkage.mechanisms import GEOMETRIES
-from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.settings import (
     applicable_settings_of,

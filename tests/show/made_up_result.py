@@ -15,7 +15,7 @@ from presswear.results.life import (
     LimitResult,
     RefinementResult,
 )
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.conventions import CONVENTIONS
 
 BINS = 72
 PROVENANCE = {

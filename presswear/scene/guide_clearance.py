@@ -1,0 +1,106 @@
+"""Guides with clearance: contacts at the four corners of a slide, with the laws of a bearing."""
+
+import math
+from dataclasses import fields, replace
+
+from presswear.linkage import elements, laws
+from presswear.scene.bearing import AUTO, LEAST_CLEARANCE, Bearing
+from presswear.scene.conventions import Conventions
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+
+# Settings of round bearings, which have no effect in a flat guide
+_ROUND = (
+    "bearing_radius",
+    "elasticity",
+    "viscosity",
+    "film",
+    "asperity_pressure",
+    "roughness",
+    "pressure_limit",
+    "pv_limit",
+    "angles",
+)
+
+
+def corners_of(
+    bearing: Bearing, guide: elements.Guide
+) -> tuple[elements.GuideCorner, ...]:
+    """Return the corners of a slide in a guide with the clearance and laws of a bearing.
+
+    Without a contact stiffness, each corner is a line contact of the total width b of
+    the bearing: F = (pi / 4) E* b delta.
+    """
+    check_guide(bearing, guide)
+    assert guide.width is not None
+    normal = _corner_normal(bearing)
+    radius = 0.5 * guide.width + bearing.clearance
+    return tuple(
+        elements.GuideCorner(
+            f"{guide.name} {name}",
+            *elements.corner_ends(guide, along, side),
+            radius,
+            bearing.clearance,
+            bearing.total_width,
+            normal,
+            bearing.friction_parameters,
+            contact="radial",
+            guide=guide,
+            side=side,
+        )
+        for name, (along, side) in elements.CORNERS.items()
+    )
+
+
+def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
+    """Return the normal law of a corner of a slide."""
+    law = replace(bearing.normal(Conventions(contact="radial")), elasticity="power")
+    if bearing.contact_stiffness is not None:
+        return law
+    stiffness = 0.25 * math.pi * bearing.total_width / bearing.materials.compliance
+    return replace(law, stiffness=stiffness, exponent=1.0)
+
+
+def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
+    """Raise InputError if a guide has no sizes, or its sizes do not fit the bearing."""
+    if bearing.has_film:
+        raise InputError(
+            f"{guide.name}.film = run: a guide has no oil film; allowed is report"
+        )
+    if bearing.clearance == 0.0:
+        raise InputError(
+            f"{guide.name}.clearance = 0 m: a guide without clearance is ideal; allowed is "
+            f"from {written(LEAST_CLEARANCE, 'm')}, or joints without {guide.name}"
+        )
+    for key in ("length", "width"):
+        if getattr(guide, key) is None:
+            raise InputError(
+                f"{key} of {guide.name}: a guide with clearance needs it; set {key} of the "
+                f"guide, or guide_{key} of a press or slider-crank, such as 300 mm"
+            )
+    assert guide.length is not None
+    assert guide.width is not None
+    if bearing.clearance > 0.5 * guide.width:
+        raise InputError(
+            f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is up to "
+            f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
+        )
+    if bearing.clearance >= elements.turning_clearance(guide):
+        sizes = (written(size, "m") for size in (guide.length, guide.width))
+        raise InputError(
+            f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is below "
+            f"{written(elements.turning_clearance(guide), 'm')}, with which a slide of "
+            f"{' by '.join(sizes)} can turn over"
+        )
+    if bearing.elasticity not in (AUTO, "power"):
+        raise InputError(
+            f"{guide.name}.elasticity = {bearing.elasticity}: in a guide allowed is auto or power"
+        )
+
+
+def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:
+    """Return the names of the settings of a bearing that have no effect in a guide."""
+    wear = (one.name for one in fields(bearing.materials))
+    elastic = ("youngs_modulus", "bearing_modulus", "poisson_ratio")
+    of_wear = tuple(name for name in wear if name not in elastic)
+    return (*bearing.unread, *_ROUND, *of_wear)

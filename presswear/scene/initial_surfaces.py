@@ -1,0 +1,129 @@
+"""Initial surfaces of a scene: depths from the user, on the bins of the wear maps."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from presswear.linkage import elements
+from presswear.linkage.surface import SIDES, Surface, bin_centres
+from presswear.scene.bearing import MIN_ANGLES, Bearing
+from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import written
+
+Surfaces = Mapping[str, tuple[Any, Any]]
+"""Bearing and pin by joint; see ``Scene.surfaces`` for the form of a side."""
+_TURN = 2.0 * math.pi
+
+
+def initial_surfaces(
+    surfaces: Any,
+    joints: tuple[str, ...],
+    bearing: Callable[[str], Bearing],
+    contact: elements.SurfaceContact,
+) -> dict[str, tuple[Surface, Surface]]:
+    """Return the initial surfaces on the bins of the wear maps, without round joints."""
+    if not isinstance(surfaces, Mapping):
+        raise InputError(
+            f"surfaces = {surfaces!r}: bearing and pin by joint are expected"
+        )
+    result = {}
+    for name, pair in surfaces.items():
+        if not joints:
+            raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
+        if name not in joints:
+            raise unknown("joint in surfaces", name, joints)
+        if not isinstance(pair, tuple | list) or len(pair) != len(SIDES):
+            raise InputError(
+                f"surfaces of {name}: a pair, bearing and pin, is expected"
+            )
+        first, second = (
+            _surface(f"{side} at {name}", value, bearing(name), contact)
+            for side, value in zip(SIDES, pair, strict=True)
+        )
+        if first.is_worn or second.is_worn:
+            result[name] = first, second
+    return result
+
+
+def _surface(
+    where: str, value: Any, bearing: Bearing, contact: elements.SurfaceContact
+) -> Surface:
+    """Return one side on the bins of its joint; an empty surface if it is round."""
+    if value is None:
+        return Surface()
+    angle, depth = _points_of(where, value)
+    if not depth.any():
+        return Surface()
+    deepest = bearing.deepest_wear(contact)
+    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
+        place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
+        allowed = f"allowed is 0 to {written(deepest, 'm')}"
+        raise InputError(f"{where}: {place}: {allowed}")
+    _check_angles(where, angle)
+    bins = bin_centres(bearing.angles)
+    if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
+        return Surface(depth)
+    return Surface(_means_of_bins(angle, depth, bins.size))
+
+
+def _points_of(where: str, value: Any) -> tuple[Array, Array]:
+    """Return angles in [0, 2 pi), in order, and depths, m, of one side."""
+    if isinstance(value, Mapping):  # as stored
+        value = value.get("depth")
+    if isinstance(value, Surface):
+        value = value.depth
+    try:
+        values = np.array(value)
+    except ValueError:
+        values = np.array(None)  # rows of several lengths
+    if values.shape == (0,):
+        return np.zeros(0), np.zeros(0)
+    if values.ndim == 1:
+        values = np.column_stack([bin_centres(values.size), values])
+    is_table = values.ndim == 2 and values.shape[1] == 2
+    if not (values.dtype.kind in "fiu" and is_table and np.isfinite(values).all()):
+        raise InputError(
+            f"{where}: finite depths, or rows of angle and depth, are expected"
+        )
+    order = np.argsort(values[:, 0] % _TURN, kind="stable")
+    angle, depth = values[order].T
+    return angle % _TURN, depth
+
+
+def _means_of_bins(angle: Array, depth: Array, count: int) -> Array:
+    """Return the mean depths of bins, m, of the monotone cubic through the points.
+
+    The cubic is the curve of ``Surface``, and its means conserve the worn volume.
+    """
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
+    # Three neighbours beyond both ends close the curve.
+    around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
+    depths = np.concatenate([depth[-3:], depth, depth[:3]])
+    with np.errstate(over="ignore"):  # of slopes of depths that are almost zero
+        curve = PchipInterpolator(around, depths)
+    edges = np.linspace(0.0, _TURN, count + 1)
+    means = np.diff(curve.antiderivative()(edges)) * count / _TURN
+    return np.maximum(means, 0.0)
+
+
+def _check_angles(where: str, angle: Array) -> None:
+    """Raise InputError if two angles are equal, or the gap between neighbours is too wide.
+
+    The angles are in [0, 2 pi), in order.
+    """
+    widest = _TURN / MIN_ANGLES
+    gaps = np.diff(angle, append=angle[0] + _TURN)
+    for k in np.flatnonzero(gaps < 1e-9)[:1]:
+        raise InputError(
+            f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice"
+        )
+    for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
+        low, high = np.degrees([angle[k], angle[k] + gaps[k]])
+        gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
+        raise InputError(
+            f"{where}: {gap}; allowed is a gap of {math.degrees(widest):g} deg"
+        )
