@@ -44,7 +44,8 @@ from presswear.results.life import LifeResult
 from presswear.results.motions import sentence_of
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
-from presswear.scene.scene import Scene, stage_name
+from presswear.scene.scene import Scene
+from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside

@@ -41,7 +41,8 @@ from presswear.recording.statistics import (
     smoothing_widths,
 )
 from presswear.results.stage import StageResult, WearStep
-from presswear.scene.scene import Scene, stage_name
+from presswear.scene.scene import Scene
+from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array
 
 QUICK_CYCLES = 8  # of each replicate in a stage of a quick life

@@ -33,7 +33,8 @@ from presswear.results.tonnage import Tonnage, tonnage_of
 from presswear.scene.catalog import name_of
 from presswear.scene.files import TABLE, read_profiles
 from presswear.scene.initial_surfaces import Surfaces
-from presswear.scene.scene import Scene, stage_name
+from presswear.scene.scene import Scene
+from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, shown
 from presswear.tools.files import check_folder, holder, read_checked

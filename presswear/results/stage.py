@@ -27,7 +27,7 @@ from presswear.recording.film import Film
 from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
-from presswear.scene.scene import stage_name
+from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, Arrays
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.numbers import counted

@@ -13,7 +13,8 @@ import numpy as np
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import Press
 from presswear.linkage.surface import SIDES
-from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
+from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism
+from presswear.scene.scene import Scene
 from presswear.scene.settings import (
     DEFAULT,
     IN_FILE,

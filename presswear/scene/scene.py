@@ -1,10 +1,9 @@
-"""A scene: a mechanism with clearance joints, and everything that a person chooses for a run."""
+"""Scene: a mechanism with its bearings, and all other settings of a run."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib import import_module
 from typing import Any, ClassVar, cast, get_args
 
 import numpy as np
@@ -16,27 +15,30 @@ from presswear.engines.settings import (
     InHouse,
     Purpose,
 )
-from presswear.linkage import elements, loads
-from presswear.linkage.elements import (
-    CORNERS,
-    Attachment,
-    Body,
-    Guide,
-    Revolute,
-    slide_inertia,
-)
-from presswear.linkage.laws import OILED_WEAR
-from presswear.linkage.linkage import Linkage, linkage_from
-from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
+from presswear.linkage import loads
+from presswear.linkage.elements import CORNERS, Attachment, Guide
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.mechanisms import Press
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
+from presswear.scene.clearance_linkage import with_bearings
 from presswear.scene.conventions import CONVENTIONS, Conventions
-from presswear.scene.guide_clearance import check_guide, corners_of
+from presswear.scene.guide_clearance import check_guide
 from presswear.scene.initial_surfaces import initial_surfaces
-from presswear.scene.options import CLEARANCES, LIVES, Life, Limit, Numerics, Recording
+from presswear.scene.life_checks import check_life
+from presswear.scene.mechanism_kinds import OneMechanism, mechanism_from
+from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
+from presswear.scene.run_checks import (
+    check_masses,
+    check_open_tree,
+    check_settled_speed,
+    check_springs,
+    check_torque_limits,
+)
+from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import (
@@ -48,23 +50,8 @@ from presswear.tools.quantities import (
     quantity,
     written,
 )
-from presswear.tools.serialize import (
-    Checked,
-    check_type,
-    converted,
-    from_plain,
-    make,
-    plain,
-)
+from presswear.tools.serialize import Checked, check_type, converted, from_plain, plain
 from presswear.tools.user_function import UserFunction
-
-Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint
-OneMechanism = Parametric | Linkage
-MECHANISMS: dict[str, type[Parametric]] = {
-    one.kind: one for one in get_args(Parametric)
-}
-"""The mechanisms that are made of a few quantities, by their kinds."""
-
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))
@@ -72,8 +59,6 @@ PURPOSES = ("auto", *get_args(Purpose))
 EXTRAPOLATIONS = ("conventions", "single", "steps")
 REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
-# beyond it accelerations of the light body are round-off of the forces
-MAX_MASS_RATIO = 1e6
 
 
 @dataclass(frozen=True)
@@ -104,7 +89,8 @@ class Scene(Checked):
     mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
     title: str = ""  # of reports; empty: the name
-    bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
+    # a mapping gives ``joints``, ``joint_bearings`` and the common bearing
+    bearings: Bearing | Any = field(default_factory=Bearing)
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         *("refined", CONVENTIONS),
@@ -188,7 +174,7 @@ class Scene(Checked):
     def __post_init__(self) -> None:
         """Check each value, and fill in joints and bearings; see ``check`` for the rest."""
         if isinstance(self.mechanism, Mapping | str):
-            self._set(mechanism=_mechanism_from(self.mechanism))
+            self._set(mechanism=mechanism_from(self.mechanism))
         check_type("mechanism", self.mechanism, OneMechanism)
         if (
             isinstance(self.bearings, Mapping)
@@ -234,7 +220,9 @@ class Scene(Checked):
         for guide in self.loose_guides:
             self._check_guide(guide)
         if self.life is not None:
-            self._check_life(self.life)
+            pins = {name: self.bearing(name) for name in self.loose_pins}
+            settings = self.wear_updates, self.replicates
+            check_life(self.life, pins, self.conventions, *settings)
         elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
@@ -242,7 +230,7 @@ class Scene(Checked):
 
     @property
     def _bearings_of_pins(self) -> dict[str, Bearing]:
-        """The common bearing, by an empty name, and those of single pins."""
+        """Bearings of single pins by their names, and the common bearing by an empty name."""
         guides = {guide.name for guide in self.loose_guides}
         bearings = {"": self.bearings, **self.joint_bearings}
         if guides and guides | self.joint_bearings.keys() >= set(self.bearing_joints):
@@ -250,7 +238,7 @@ class Scene(Checked):
         return {name: one for name, one in bearings.items() if name not in guides}
 
     def _check_guide(self, guide: Guide) -> None:
-        """Raise InputError where a guide cannot have its clearance."""
+        """Raise InputError if a guide cannot have its clearance."""
         check_guide(self.bearing(guide.name), guide)
         for drive in self.mechanism.linkage().drives:
             if drive.body == guide.body:
@@ -285,49 +273,22 @@ class Scene(Checked):
             raise InputError(
                 "wear_coefficient = 0: with wear_updates or a life allowed is above 0"
             )
-        bodies = self.mechanism.linkage().bodies
-        light, heavy = (
-            least(bodies, key=lambda body: body.mass) for least in (min, max)
-        )
-        if heavy.mass > MAX_MASS_RATIO * light.mass:
-            masses = f"{heavy.name} = {heavy.mass:g} kg, mass of {light.name} = {light.mass:g} kg"
-            raise InputError(
-                f"mass of {masses}: allowed is a ratio of up to {MAX_MASS_RATIO:g}"
-            )
-        _ = self.ideal  # raises where the linkage cannot follow its drives
-        if self.base_linkage.springs:
-            # Imported here, because it loads numba.
-            springs = import_module("presswear.physics.interactions.spring")
-            springs.check_springs(
-                self.base_linkage, self.ideal.at(np.zeros(1)).position[0]
-            )
+        check_masses(self.mechanism.linkage().bodies)
+        ideal = self.ideal  # raises if the linkage cannot follow its drives
+        check_springs(self.base_linkage, ideal)
         if self.process is not None:
             loads.check_reach(self.process, self.stroke, self.output)
             self._check_offset(self.process)
-        loaded = self.loaded
-        is_limited = any(
-            drive.torque_limit is not None and drive.motor is None
-            for drive in loaded.drives
-        )
-        if is_limited and not self.has_untrusted_loads:
-            from presswear.physics.statics import check_drives  # slow import
-
-            check_drives(loaded, self.ideal, self.linkage().bushings)
-        leader = loaded.leader
-        if leader is not None and self.run_up == 0.0 and not self.has_untrusted_loads:
-            from presswear.physics.settled_speed import settled_rate  # slow import
-
-            settled_rate(loaded, self.ideal, self.linkage().bushings)
-        reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
-        if isinstance(reason, str) and reason:
-            engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
-            fault = f"it needs a linkage without free loops, but {reason}"
-            raise InputError(
-                f"engine = {ExudynTree.word!r}: {fault}; allowed is one of {engines}"
-            )
+        if not self.has_untrusted_loads:
+            bushings = self.linkage().bushings
+            check_torque_limits(self.loaded, ideal, bushings)
+            if self.run_up == 0.0:
+                check_settled_speed(self.loaded, ideal, bushings)
+        if self.engine == ExudynTree.word:
+            check_open_tree(self.linkage(), ENGINES)
 
     def _check_offset(self, process: loads.Process) -> None:
-        """Raise InputError where the force of the work is off centre and nothing can tilt."""
+        """Raise InputError if the force of the work has an offset and the output cannot tilt."""
         body = self.base_linkage.output.body
         if process.offset == 0.0 or any(g.body == body for g in self.loose_guides):
             return
@@ -337,48 +298,6 @@ class Scene(Checked):
             "clearance, a length and a width"
         )
 
-    def _check_life(self, life: Life) -> None:
-        if not self.loose_pins:
-            raise InputError("life: no pin has clearance, so that no joint wears")
-        if self.wear_updates < 1:
-            raise InputError(
-                "wear_updates = 0 does not fit [life]: use 1 to 20, or switch the life off"
-            )
-        if self.replicates == 1:
-            raise InputError("replicates = 1 does not fit [life]: use 2 to 100")
-        if self.conventions.wear_distribution != "arc":
-            reason = "the depth of 'bin' depends on the width of the bins"
-            raise InputError(
-                f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
-            )
-        services = life.services(self.loose_pins)
-        limits = self.life_limits
-        if self.is_quick:
-            others = [
-                one.key for one in limits if one.name not in ("depth", "wear_volume")
-            ]
-            faults = [
-                f"until: {key}: allowed are depth and wear_volume" for key in others
-            ]
-            faults += [f"{one.words}: allowed is no maintenance" for one in services]
-            if self.wear_updates > 1:
-                faults.append(f"wear_updates = {self.wear_updates}: allowed is 1")
-            ratios = [
-                self.bearing(name).materials.running_in for name in self.loose_pins
-            ]
-            faults += [
-                f"running_in = {ratio:g}: allowed is 1"
-                for ratio in ratios
-                if ratio != 1.0
-            ]
-            if faults:
-                raise InputError(f"{faults[0]} with life.quick = on")
-        if limits and all(one.value >= self._greatest(one) for one in limits):
-            allowed = f"allowed is below {written(self._greatest(limits[0]), 'm')}"
-            limit = f"until = '{limits[0].key} > {written(limits[0].value, 'm')}'"
-            words = self._deepest_words(self.bearing(limits[0].joint))
-            raise InputError(f"{limit}: {allowed}, {words}")
-
     @property
     def life_limits(self) -> tuple[Limit, ...]:
         """Limits of the service life; none without a life."""
@@ -386,24 +305,6 @@ class Scene(Checked):
             return ()
         joints = self.loose_pins
         return self.life.limits({name: self.bearing(name).clearance for name in joints})
-
-    def _greatest(self, limit: Limit) -> float:
-        """Return the value on surfaces of the greatest depth allowed; infinite if unknown."""
-        if limit.name not in ("depth", *CLEARANCES):
-            return math.inf
-        bearing = self.bearing(limit.joint)
-        deepest = bearing.deepest_wear(self.conventions.contact)
-        if limit.name == "depth":
-            return deepest
-        return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
-
-    def _deepest_words(self, bearing: Bearing) -> str:
-        """Return a description of the greatest depth of wear of a joint."""
-        if bearing.has_film:
-            return f"with wear of {OILED_WEAR:g} clearances; film = report allows more"
-        if self.conventions.contact == "foundation":
-            return elements.DEEPEST_WORDS
-        return "with wear as deep as the clearance; contact = 'foundation' allows more"
 
     @property
     def bearing_joints(self) -> tuple[str, ...]:
@@ -453,7 +354,7 @@ class Scene(Checked):
         return Choice((*self.mechanism.allowed_joints, "none"), several=True)
 
     def check_user_laws(self) -> None:
-        """Raise InputError where a user law returns no number or creates energy; runs its text."""
+        """Raise InputError if a user law returns no number or creates energy; executes the law."""
         self.check_trusted()
         for joint in self._loose_joints:
             self.bearing(joint).check_user_laws(joint, self.conventions)
@@ -487,7 +388,7 @@ class Scene(Checked):
 
     @property
     def has_untrusted_loads(self) -> bool:
-        """True where ideal torques would execute source code that was read from a result."""
+        """True if ideal torques would execute source code that was read from a result."""
         laws = self.user_laws.items()
         return any(key.startswith("loads[") and not law.is_trusted for key, law in laws)
 
@@ -533,8 +434,9 @@ class Scene(Checked):
     def wears_in_steps(self) -> bool:
         """True if a wear update is applied in steps.
 
-        By default only with the distribution over the arc: a profile whose depth
-        depends on the width of its bins has no step that is small enough.
+        By default this is so with the distribution over the arc only. With the other
+        distribution the depth depends on the width of the bins, and no step is small
+        enough.
         """
         if self.is_quick:
             return False
@@ -544,7 +446,7 @@ class Scene(Checked):
 
     @property
     def bin_remark(self) -> str:
-        """Remark on depths and volumes that the width of the bins changes; else empty."""
+        """Remark on wear depths that depend on the width of the bins; else empty."""
         bearings = [self.bearing(name) for name in self.loose_pins]
         wears = [one for one in bearings if one.materials.wear_coefficient > 0.0]
         if self.conventions.wear_distribution != "bin" or not wears:
@@ -563,43 +465,9 @@ class Scene(Checked):
         return self._linkage_on({})
 
     def _linkage_on(self, worn: Mapping[str, tuple[Surface, Surface]]) -> Linkage:
-        ideal = self.loaded
-        surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
-        surfaces |= {**self.surfaces, **worn}
-        names = self.clearance_joints
-        loose = tuple(
-            self.bearing(joint.name).joint(
-                joint, self.conventions, surfaces[joint.name]
-            )
-            for joint in ideal.revolutes
-            if joint.name in names
-        )
-        guides = {guide.name: guide for guide in self.loose_guides}
-        corners = tuple(
-            corner
-            for joint in ideal.guides
-            if joint.name in guides
-            for corner in corners_of(self.bearing(joint.name), joint)
-        )
-        rigid = self.rigid_bearings
-        joints = tuple(
-            self.bearing(one.name).rigid(one)
-            if isinstance(one, Revolute) and one.name in rigid
-            else one
-            for one in ideal.joints
-            if one.name not in names and one.name not in guides
-        )
-        bodies = tuple(map(self._with_inertia, ideal.bodies))
-        clearances = (*ideal.clearances, *loose, *corners)
-        loosened = replace(ideal, bodies=bodies, joints=joints, clearances=clearances)
-        return loosened.released
-
-    def _with_inertia(self, body: Body) -> Body:
-        """Return a body; a slide that begins to tilt gets the inertia of a block, by default."""
-        for guide in self.loose_guides:
-            if guide.body == body.name and body.inertia == 0.0:
-                return replace(body, inertia=slide_inertia(body.mass, guide))
-        return body
+        bearings = {name: self.bearing(name) for name in self.bearing_joints}
+        surfaces = {**self.surfaces, **worn}
+        return with_bearings(self.loaded, bearings, self.conventions, surfaces)
 
     @property
     def has_deviations(self) -> bool:
@@ -636,9 +504,9 @@ class Scene(Checked):
 
     @property
     def base_linkage(self) -> Linkage:
-        """Linkage of the mechanism, its output direction away from the work.
+        """Linkage of the mechanism, with the output direction away from the work.
 
-        So bottom dead centre is the lowest position in every scene.
+        With this direction bottom dead centre is the lowest position in every scene.
         """
         linkage = self.mechanism.linkage()
         if self.process is None or self.process.bottom == "lowest":
@@ -671,10 +539,10 @@ class Scene(Checked):
 
     @property
     def auto_purpose(self) -> Purpose:
-        """Purpose of a run for which none is specified.
+        """Purpose of a run for which no purpose is specified.
 
-        With clearance, trajectories diverge within the first cycles: a run that is
-        longer has statistics, which need no trajectory.
+        With clearance, trajectories diverge within the first cycles. Longer runs are
+        evaluated by statistics, which need no exact trajectory.
         """
         if self.wear_updates > 0:
             return "wear"
@@ -758,34 +626,3 @@ def _refuse_files(data: Any) -> None:
     elif isinstance(data, list):
         for value in data:
             _refuse_files(value)
-
-
-def _mechanism_from(data: Any) -> OneMechanism:
-    """Return a mechanism from its kind, or from plain data with a kind."""
-    data = {"kind": data} if isinstance(data, str) else data
-    kind = data.get("kind")
-    Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
-    if kind == Linkage.kind:
-        return linkage_from(data, "mechanism")
-    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], data))
-
-
-_ORDINALS = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-)
-
-
-def stage_name(index: int, is_worn: bool = False) -> str:
-    """Return the name of a stage: ``no wear``, or ``initial surfaces``, ``first wear``, ..."""
-    if index == 0:
-        return "initial surfaces" if is_worn else "no wear"
-    return (
-        f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
-    )

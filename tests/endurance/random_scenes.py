@@ -36,7 +36,8 @@ from presswear.scene.bearing import (
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.conventions import Conventions
 from presswear.scene.options import Numerics
-from presswear.scene.scene import MAX_MASS_RATIO, Scene
+from presswear.scene.run_checks import MAX_MASS_RATIO
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Choice, Quantity, meaning_of

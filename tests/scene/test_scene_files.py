@@ -13,7 +13,7 @@ import presswear as pw
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import EXAMPLES, example_file, scene_from
-from presswear.scene.scene import MECHANISMS
+from presswear.scene.mechanism_kinds import MECHANISMS
 from presswear.scene.settings import changed
 from presswear.tools.serialize import plain
 from presswear.tools.user_function import UserFunction

@@ -1,0 +1,64 @@
+"""Linkage of a scene: bearings in the joints of the ideal linkage."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from presswear.linkage.elements import Body, Guide, Revolute, slide_inertia
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import Surface
+from presswear.scene.bearing import Bearing
+from presswear.scene.conventions import Conventions
+from presswear.scene.guide_clearance import corners_of
+
+
+def with_bearings(
+    ideal: Linkage,
+    bearings: Mapping[str, Bearing],
+    conventions: Conventions,
+    surfaces: Mapping[str, tuple[Surface, Surface]],
+) -> Linkage:
+    """Return a linkage with the bearings of its joints.
+
+    Parameters
+    ----------
+    ideal : Linkage
+        Linkage with ideal joints.
+    bearings : mapping of str to Bearing
+        Bearings by joint. A pin with a clearance of 0 stays rigid, with friction.
+    conventions : Conventions
+    surfaces : mapping of str to pair of Surface
+        Worn surfaces of bearing and pin by joint; the other ones are round.
+    """
+    round_surfaces = Surface(), Surface()
+    loose_pins = []
+    corners = []
+    joints = []
+    loose_guides = []
+    for joint in ideal.joints:
+        bearing = bearings.get(joint.name)
+        if bearing is None:
+            joints.append(joint)
+        elif isinstance(joint, Guide):
+            loose_guides.append(joint)
+            corners += corners_of(bearing, joint)
+        elif isinstance(joint, Revolute) and bearing.clearance > 0.0:
+            worn = surfaces.get(joint.name, round_surfaces)
+            loose_pins.append(bearing.joint(joint, conventions, worn))
+        elif isinstance(joint, Revolute):
+            joints.append(bearing.rigid(joint))
+        else:
+            joints.append(joint)
+    bodies = tuple(_with_inertia(body, loose_guides) for body in ideal.bodies)
+    clearances = (*ideal.clearances, *loose_pins, *corners)
+    loosened = replace(
+        ideal, bodies=bodies, joints=tuple(joints), clearances=clearances
+    )
+    return loosened.released
+
+
+def _with_inertia(body: Body, loose_guides: Sequence[Guide]) -> Body:
+    """Return a body; a slide that begins to tilt gets the inertia of a block, by default."""
+    for guide in loose_guides:
+        if guide.body == body.name and body.inertia == 0.0:
+            return replace(body, inertia=slide_inertia(body.mass, guide))
+    return body

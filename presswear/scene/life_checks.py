@@ -1,0 +1,105 @@
+"""Checks of a scene with a service life: its settings fit the life and each other."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from presswear.linkage import elements
+from presswear.linkage.laws import OILED_WEAR
+from presswear.scene.bearing import Bearing
+from presswear.scene.conventions import Conventions
+from presswear.scene.options import CLEARANCES, Life, Limit
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+
+
+def check_life(
+    life: Life,
+    pins: Mapping[str, Bearing],
+    conventions: Conventions,
+    wear_updates: int,
+    replicates: int | None,
+) -> None:
+    """Raise InputError if a life cannot be computed for these bearings of pins that wear."""
+    if not pins:
+        raise InputError("life: no pin has clearance, so that no joint wears")
+    if wear_updates < 1:
+        raise InputError(
+            "wear_updates = 0 does not fit [life]: use 1 to 20, or switch the life off"
+        )
+    if replicates == 1:
+        raise InputError("replicates = 1 does not fit [life]: use 2 to 100")
+    if conventions.wear_distribution != "arc":
+        reason = "the depth of 'bin' depends on the width of the bins"
+        raise InputError(
+            f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
+        )
+    services = [service.words for service in life.services(tuple(pins))]
+    limits = life.limits({name: bearing.clearance for name, bearing in pins.items()})
+    if life.quick == "on":
+        _check_quick_life(limits, services, pins, wear_updates)
+    _check_reach(limits, pins, conventions.contact)
+
+
+def _check_quick_life(
+    limits: Sequence[Limit],
+    services: Sequence[str],
+    pins: Mapping[str, Bearing],
+    wear_updates: int,
+) -> None:
+    """Raise InputError if a life cannot be computed from two wear rates."""
+    faults = [
+        f"until: {limit.key}: allowed are depth and wear_volume"
+        for limit in limits
+        if limit.name not in ("depth", "wear_volume")
+    ]
+    faults += [f"{words}: allowed is no maintenance" for words in services]
+    if wear_updates > 1:
+        faults.append(f"wear_updates = {wear_updates}: allowed is 1")
+    ratios = [bearing.materials.running_in for bearing in pins.values()]
+    faults += [
+        f"running_in = {ratio:g}: allowed is 1" for ratio in ratios if ratio != 1.0
+    ]
+    if faults:
+        raise InputError(f"{faults[0]} with life.quick = on")
+
+
+def _check_reach(
+    limits: Sequence[Limit],
+    pins: Mapping[str, Bearing],
+    contact: elements.SurfaceContact,
+) -> None:
+    """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
+    greatest = [_greatest_value(limit, pins, contact) for limit in limits]
+    values = [limit.value for limit in limits]
+    if not limits or any(
+        value < most for value, most in zip(values, greatest, strict=True)
+    ):
+        return
+    first = limits[0]
+    words = _deepest_words(pins[first.joint], contact)
+    raise InputError(
+        f"until = '{first.key} > {written(first.value, 'm')}': allowed is below "
+        f"{written(greatest[0], 'm')}, {words}"
+    )
+
+
+def _greatest_value(
+    limit: Limit, pins: Mapping[str, Bearing], contact: elements.SurfaceContact
+) -> float:
+    """Return the value of a limited quantity with the deepest wear allowed; inf if unknown."""
+    if limit.name not in ("depth", *CLEARANCES):
+        return math.inf
+    bearing = pins[limit.joint]
+    deepest = bearing.deepest_wear(contact)
+    if limit.name == "depth":
+        return deepest
+    return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
+
+
+def _deepest_words(bearing: Bearing, contact: elements.SurfaceContact) -> str:
+    """Return a text on the deepest wear of a joint that is allowed."""
+    if bearing.has_film:
+        return f"with wear of {OILED_WEAR:g} clearances; film = report allows more"
+    if contact == "foundation":
+        return elements.DEEPEST_WORDS
+    return "with wear as deep as the clearance; contact = 'foundation' allows more"

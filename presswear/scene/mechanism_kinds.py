@@ -1,0 +1,25 @@
+"""Kinds of mechanisms of a scene: those made of a few quantities, and linkages."""
+
+from typing import Any, cast, get_args
+
+from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.mechanisms import FourBar, Press, SixBar, SliderCrank, TwoPoint
+from presswear.tools.quantities import Choice
+from presswear.tools.serialize import make
+
+Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint
+OneMechanism = Parametric | Linkage
+MECHANISMS: dict[str, type[Parametric]] = {
+    one.kind: one for one in get_args(Parametric)
+}
+"""Classes of the mechanisms that are made of a few quantities, by kind."""
+
+
+def mechanism_from(data: Any) -> OneMechanism:
+    """Return a mechanism from its kind, or from plain data with a kind."""
+    data = {"kind": data} if isinstance(data, str) else data
+    kind = data.get("kind")
+    Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
+    if kind == Linkage.kind:
+        return linkage_from(data, "mechanism")
+    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], data))
