@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import stiff_joints
 
+from presswear.campaign.bottom_statistics import bottom_statistics, equal_bottoms
 from presswear.campaign.campaign import run
-from presswear.campaign.stage_statistics import bottom_statistics, equal_bottoms
 from presswear.linkage.drives import Drive, Dwell
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble

@@ -16,12 +16,8 @@ from presswear.campaign import replicates
 from presswear.campaign.campaign import run, run_stage
 from presswear.campaign.ensemble import FEWEST, WATCHED_CYCLES, Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
-from presswear.campaign.stage_statistics import (
-    COLUMNS,
-    StageWear,
-    _wear_peaks,
-    deviation,
-)
+from presswear.campaign.stage_arrays import COLUMNS, deviation
+from presswear.campaign.stage_wear import StageWear, wear_peaks_of
 from presswear.campaign.wear_update import initial_depth
 from presswear.linkage.surface import SIDES
 from presswear.physics.constraints import constraints_of
@@ -118,7 +114,7 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     wear = StageWear(
         maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None
     )
-    depth = _wear_peaks(joint, 0, wear)["bearing"].depth
+    depth = wear_peaks_of(joint, 0, wear)["bearing"].depth
     samples = maps[:, 0, 0, int(wear.added_depth[0, 0].argmax())]
     mean, error = samples.mean(), stats.sem(samples)
     half = stats.t.interval(0.95, 3, mean, error)[1] - mean

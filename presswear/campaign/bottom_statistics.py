@@ -1,0 +1,100 @@
+"""Accuracy and repeatability of the strokes of a stage at bottom dead centre."""
+
+import math
+
+import numpy as np
+
+from presswear.campaign.cycle_means import Recorders, mean_over_cycles
+from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
+from presswear.recording.statistics import (
+    Estimate,
+    after_startup,
+    mean_range,
+    pooled,
+    spread,
+)
+from presswear.results.stage import BottomStatistics
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+# part of the scatter of bottom dead centre, within which the ideal motion dwells
+SHARP = 0.01
+STILL = 1e-9  # part of the stroke, by which round-off moves an ideal slider at rest
+
+
+def bottom_statistics(
+    scene: Scene, recorders: Recorders, alone: Recorders = ()
+) -> BottomStatistics | None:
+    """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
+
+    None if there is no sampled stroke. The delay is None if the ideal motion, such as
+    that of a servo, stays within ``SHARP`` of the scatter for longer than ``DWELL``,
+    because it then has no instant of bottom dead centre. It is also None if the ideal
+    stroke has several equal bottoms.
+    """
+    ideal = bottom_of(scene.ideal)
+    if ideal is None:
+        return None
+    finished, alone = (
+        [run for run in runs if len(run.cycles) > ideal.first]
+        for runs in (recorders, alone)
+    )
+    if not finished:
+        return None
+    heights = [run.each_cycle("bottom_height") for run in finished]
+    samples = [after_startup(rows) for rows in heights]
+    height = mean_over_cycles(finished, alone, "bottom_height")
+    scatter = spread(heights)
+    span, count = mean_range(heights)
+    scatter_size = 0.0 if scatter is None else scatter.mean
+    rest = STILL * ideal.stroke
+    dwell = dwell_of(scene.ideal, max(SHARP * scatter_size, rest))
+    delay = angle = delay_scatter = None
+    delays, alone_delays = (
+        [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
+        for runs in (finished, alone)
+    )
+    every_delay = np.concatenate(
+        [after_startup(rows) for rows in (*delays, *alone_delays)]
+    )
+    equal = equal_bottoms(ideal, every_delay, max(scatter_size, rest))
+    if dwell < DWELL * ideal.period and not equal:
+        delay = pooled(delays, alone_delays)[0]
+        delay_scatter = spread(delays)
+        angle = delay.scaled(2.0 * math.pi / ideal.period)
+    return BottomStatistics(
+        strokes=sum(run.size for run in samples),
+        ideal_height=ideal.height,
+        ideal_time=ideal.time,
+        ideal_dwell=dwell,
+        height=height,
+        error=Estimate.symmetric(
+            height.mean - ideal.height, height.half_width, height.samples
+        ),
+        range_of_all=float(np.ptp(np.concatenate(samples))),
+        range=span,
+        range_strokes=count,
+        standard_deviation=scatter,
+        delay=delay,
+        delay_angle=angle,
+        delay_standard_deviation=delay_scatter,
+        equal_bottoms=equal,
+    )
+
+
+def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float, ...]:
+    """Return the times in the cycle, s, of bottoms of an ideal stroke that count as equal.
+
+    They are the minima within ``resolution``, m, of the lowest one, and the minima that
+    are nearest to a stroke with one of the delays, s. Empty if there is only one.
+    """
+    times = np.array([time for time, _ in ideal.minima])
+    if times.size < 2:
+        return ()
+    nearest = np.abs(delay[:, np.newaxis] - (times - ideal.time)).argmin(axis=1)
+    is_equal = np.array(
+        [height - ideal.height < resolution for _, height in ideal.minima]
+    )
+    is_equal[nearest] = True
+    equal = times[is_equal]
+    return tuple((equal % ideal.period).tolist()) if equal.size > 1 else ()

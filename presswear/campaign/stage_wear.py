@@ -1,0 +1,156 @@
+"""Wear of a stage: depth that its wear update adds, its deepest places and their intervals."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.campaign.ensemble import Ensemble
+from presswear.campaign.wear_update import STEP_SAFETY, WearUpdate
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.surface import bin_centres
+from presswear.physics.running_in import running_in_of, worn_off
+from presswear.recording.statistics import (
+    Estimate,
+    differ,
+    half_width_of_runs,
+    inefficiency,
+    map_batches,
+    peak_of,
+    resampled,
+    smoothed_mean,
+    widened,
+)
+from presswear.results.stage import WearPeak
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+BOOTSTRAP_SAMPLES = 10  # samples of a raw wear map that a bootstrap needs
+
+
+@dataclass(frozen=True)
+class StageWear:
+    """Depth that the wear update after a stage adds, with its samples, m."""
+
+    added_depth: Array  # (joints, 2, bins)
+    # samples of the depth, by batches of cycles or by replicates; none: no intervals
+    maps: Array
+    weights: Array  # cycles in each sample, (n,)
+    successive: tuple[int, ...]  # samples of each run, which are correlated
+    # depth added in half as many steps: the difference is the error of the steps
+    coarser: Array | None
+    by_replicate: Array  # added by each replicate, (replicates, joints, 2, bins)
+    # True if the wear of an update in steps is extrapolated from cycles on constant
+    # surfaces: the noise of few cycles hides the deepest places.
+    is_frozen: bool
+    is_smoothed: bool  # True if ``added_depth`` is smoothed
+    # depth by which smoothing lowers ``added_depth`` and the samples alike
+    flattening: Array | None
+
+    def series(self, values: Array) -> list[Array]:
+        """Return values of the samples by run."""
+        return np.split(values, np.cumsum(self.successive)[:-1])
+
+
+def stage_wear_of(
+    scene: Scene,
+    index: int,
+    factor: float,
+    ensemble: Ensemble,
+    update: WearUpdate | None,
+) -> StageWear:
+    """Return the wear of a stage by its update, or by one jump of ``factor`` cycles."""
+    count = ensemble.replicates
+    together = ensemble.together
+    batches, weights = map_batches(together.maps)
+    laws = running_in_of(ensemble.linkage.clearances)
+    before = together.depth.mean(axis=0)
+    samples = worn_off(laws, before, factor * batches)
+    coarser = None
+    successive = [len(run.batches) for run in together.maps]
+    if update is None:
+        mean_depth = factor * smoothed_mean(together.maps, ensemble.bins)
+        added_depth = worn_off(laws, before, mean_depth)
+        alone = ensemble.alone
+        by_replicate = worn_off(laws, alone.depth, factor * alone.added_by_run())
+    else:
+        added_depth = update.added_depth[:count].mean(axis=0)
+        by_replicate = update.added_depth[-count:]
+        coarser = None if update.coarser is None else update.coarser.mean(axis=0)
+    is_in_steps = update is not None and scene.wears_in_steps
+    volumes = zip(
+        *(run.batches.sum(axis=(-2, -1)).T for run in together.maps), strict=True
+    )
+    # Cycles on one surface are not samples of the motion on other surfaces. Neither are
+    # the cycles of a replicate if the worn volumes of the replicates differ at a joint.
+    # The samples are then the replicates.
+    are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
+    if scene.replicate_count > 1 and not are_alike:
+        samples = by_replicate
+        weights = np.ones(len(by_replicate))
+        successive = [1] * len(by_replicate)
+    elif is_in_steps:
+        samples = samples[:0]
+        weights = weights[:0]
+        successive = [0]
+    return StageWear(
+        added_depth=added_depth,
+        maps=samples,
+        weights=weights,
+        successive=tuple(successive),
+        coarser=coarser,
+        by_replicate=by_replicate,
+        is_frozen=update is None and index > 0 and scene.wears_in_steps,
+        is_smoothed=bool(ensemble.bins),
+        flattening=None if update is None else update.flattening,
+    )
+
+
+def wear_peaks_of(
+    joint: ClearanceJoint, k: int, wear: StageWear
+) -> dict[str, WearPeak]:
+    """Return the deepest places of the wear map of one joint by side.
+
+    The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed
+    map has no such bias, and a bootstrap of a few maps is not valid. The interval is
+    then that of the samples at the deepest place.
+    """
+    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
+    if joint.map_frame == "fixed":
+        sides["both"] = [0, 1]
+    is_at_place = wear.is_smoothed or len(wear.maps) < BOOTSTRAP_SAMPLES
+    peaks = {}
+
+    def of_sides(maps: Array, rows: list[int]) -> Array:
+        return np.asarray(maps[..., k, rows, : joint.bins].sum(axis=-2))
+
+    for name, rows in sides.items():
+        depth = of_sides(wear.added_depth, rows)
+        samples = of_sides(wear.maps, rows)
+        place = int(depth.argmax())
+        value = float(depth.max())
+        error = None
+        if wear.coarser is not None:
+            coarser = float(of_sides(wear.coarser, rows).max())
+            error = STEP_SAFETY * abs(value - coarser)
+        deepest = Estimate(value)
+        angle = Estimate(float(bin_centres(joint.bins)[place]))
+        if len(samples):
+            centre = np.average(samples, axis=0, weights=wear.weights)
+            share = inefficiency(wear.series(samples[:, place]))
+            draws = centre + math.sqrt(share) * (
+                resampled(samples, wear.weights) - centre
+            )
+            deepest, angle = peak_of(depth, draws, len(samples), centre)
+            if is_at_place:
+                half = half_width_of_runs(wear.series(samples[:, place]))
+                deepest = Estimate.symmetric(value, half, len(samples))
+                deepest = widened(deepest, value - float(centre[place]))
+            if wear.flattening is not None:
+                deepest = widened(
+                    deepest, float(of_sides(wear.flattening, rows)[place])
+                )
+            deepest = widened(deepest, error or 0.0)
+            deepest = deepest.positive if is_at_place else deepest
+        peaks[name] = WearPeak(deepest, angle, error)
+    return peaks
