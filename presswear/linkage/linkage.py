@@ -133,6 +133,12 @@ class Linkage(Checked):
         return tuple(dict.fromkeys(corner.guide for corner in self.corners))
 
     @property
+    def without_oil(self) -> "Linkage":
+        """The linkage whose joints are dry."""
+        clearances = tuple(replace(joint, oil=None) for joint in self.clearances)
+        return replace(self, clearances=clearances)
+
+    @property
     def with_closed_guides(self) -> "Linkage":
         """The linkage whose guides have no clearance."""
         if not self.corners:

@@ -323,8 +323,8 @@ class _Rest:
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
-        # A guide with clearance is ideal at rest.
-        linkage = linkage.without_motors.with_closed_guides
+        # At rest a guide with clearance is ideal, and the oil is squeezed out.
+        linkage = linkage.without_motors.with_closed_guides.without_oil
         self.ideal = ideal_motion(linkage.ideal, linkage.period)
         if self.ideal.rows.repeated:
             raise InputError(

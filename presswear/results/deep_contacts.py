@@ -92,7 +92,15 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         if ratio <= SMALL_CONTACT:
             continue
         arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
-        deepest = 1e6 * ratio * scene.bearing(name).clearance
+        bearing = scene.bearing(name)
+        deepest = 1e6 * ratio * bearing.clearance
+        if bearing.has_film:
+            sentences.append(
+                f"Joint {name}: pin and bearing deform by {readable(deepest)} µm, "
+                f"{readable(ratio)} of the clearance, while the oil film is that between rigid "
+                "ones: a real film is wider, and its least thickness greater."
+            )
+            continue
         text = (
             f"Joint {name}: the pin penetrates its bearing by {readable(deepest)} µm, "
             f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
@@ -104,7 +112,7 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
         if joint and (
             forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)
         ):
-            used = scene.bearing(name).elastic_law(scene.conventions.contact)
+            used = bearing.elastic_law(scene.conventions.contact)
             rest = [
                 f"{quantity_text(force, 'N')} by {LAW_WORDS[law]}"
                 for law, force in forces.items()

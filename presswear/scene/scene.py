@@ -307,6 +307,11 @@ class Scene(Checked):
         return self.life.limits({name: self.bearing(name).clearance for name in joints})
 
     @property
+    def dry_pins(self) -> tuple[str, ...]:
+        """Names of the pin joints with clearance whose contacts begin and end in the run."""
+        return tuple(one for one in self.loose_pins if not self.bearing(one).has_film)
+
+    @property
     def bearing_joints(self) -> tuple[str, ...]:
         """Names of the joints with a bearing, which has clearance or only friction."""
         words = self._joint_choice.split(self.joints)

@@ -41,7 +41,7 @@ def motion_table(result: Result) -> Table | None:
     for record in records:
         shares.update(record["shares"])
     series = list(records[0]["harmonics"])
-    is_alone = len(result.scene.loose_pins) == 1
+    is_alone = len(result.scene.dry_pins) == 1
     together = [] if is_alone else [mode for mode, _ in shares.most_common(_TOGETHER)]
     return result_table("motion", result, records, together=together, series=series)
 
@@ -50,7 +50,7 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     joints = scene.loose_pins
     start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
-    lines = {joint: timeline_of(scene, stage, joint) for joint in joints}
+    lines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
     together = combine(list(lines.values())) if lines else None
     labels = {"": f"acceleration of {scene.output} (m/s²)"}
     labels |= {joint: f"force at {joint} (N)" for joint in joints}

@@ -4,6 +4,8 @@ from presswear.recording.statistics import Estimate
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, guide_tilts
 from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
+from presswear.results.oil_film import percent
+from presswear.results.run_film import run_films
 from presswear.results.stage import BottomStatistics, StageResult
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
@@ -26,6 +28,7 @@ def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         result.append(measured("Working force", tonnage.peak_force, "N", text))
     result += _frame_numbers(scene, stage)
     result += _guide_numbers(scene, stage)
+    result += _film_numbers(scene, stage)
     if bdc is None or not scene.has_deviations:
         return result
     text = f"Lowest position of {scene.output} compared with rigid joints without clearance; "
@@ -94,6 +97,21 @@ def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         scaled = first.scaled(1e6)
         result.append(measured("Tilt of the slide", scaled, "µm/m", text))
     return result
+
+
+def _film_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the least oil film of the joints in which a film acts in the run."""
+    films = run_films(scene, stage)
+    if not films:
+        return []
+    thinnest = {name: float(film.thickness.min()) for name, film in films.items()}
+    joint = min(thinnest, key=lambda name: thinnest[name])
+    film = films[joint]
+    roughness = numbers.quantity_text(film.roughness, "m")
+    text = f"At joint {joint}, in the last recorded cycle; the roughness of both surfaces is "
+    text += f"{roughness}. Full film for {percent(film.time_shares[0])} of the cycle."
+    value = numbers.quantity_text(thinnest[joint], "m")
+    return [KeyNumber("Least oil film", value, "", text)]
 
 
 def motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:

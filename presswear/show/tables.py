@@ -45,6 +45,7 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "scene": scene,
         "linkage": linkage,
         "joints": scene.loose_pins,
+        "dry_joints": scene.dry_pins,
         "drives": [drive.body for drive in linkage.drives],
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
         "guides": [guide.name for guide in scene.loose_guides],

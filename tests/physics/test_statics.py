@@ -25,6 +25,7 @@ from presswear.physics.statics import (
     load_corners,
     needed_torques,
     pull_of,
+    total_clearance,
 )
 from presswear.scene.conventions import CONVENTIONS
 from presswear.tools.arrays import Array
@@ -286,3 +287,14 @@ def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
     plays = 2.0 * sum(joint.clearance for joint in linkage.clearances)
     assert pw.total_clearance(linkage, weight + 1.0) > plays
     assert pw.total_clearance(linkage) > plays
+
+
+def test_oil_is_squeezed_out_at_rest() -> None:
+    oil = {"viscosity": "0.1 Pa s", "film": "run"}
+    dry, oiled = (
+        total_clearance(
+            pw.scenes.slider_crank(clearance="30 um", joints="B", **values).linkage()
+        )
+        for values in ({}, oil)
+    )
+    assert oiled == dry > 6e-5

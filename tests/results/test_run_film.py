@@ -6,8 +6,10 @@ import pytest
 
 import presswear as pw
 from presswear.results.run_film import film_sentences, run_films
+from presswear.show.figures import drawings
 from presswear.show.key_numbers import key_numbers
 from presswear.show.report import render_report
+from presswear.tools.numbers import quantity_text
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -51,6 +53,16 @@ def test_asperities_far_below_the_film_do_not_wear() -> None:
     assert stage.joints["B"].statistics.is_unworn
     assert stage.cycles_per_update == 1.0
     assert not any("Wear per" in one.name for one in key_numbers(result))
+    (film,) = run_films(result.scene, stage).values()
+    (least,) = (one for one in key_numbers(result) if one.name == "Least oil film")
+    assert least.value == quantity_text(film.thickness.min(), "m")
+    # Contacts of asperities neither begin nor end: they have no modes and no wear map.
+    names = [drawing.file for drawing in drawings(result)]
+    assert "oil.png" in names
+    assert not {"modes.png", "impacts.png", "wear-depth.png"} & {*names}
+    assert "of the clearance, while the oil film is that between rigid ones" in str(
+        result
+    )
 
 
 def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:

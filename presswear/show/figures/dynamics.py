@@ -99,7 +99,7 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     scene = result.scene
-    joints = result.scene.loose_pins
+    joints = scene.dry_pins
     impacts = {
         (j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown
     }
@@ -132,7 +132,9 @@ def _label_phase(lowest: list[Axes], result: Result) -> None:
 def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the share of each contact mode over the cycle, a panel for joint and stage."""
     scene = result.scene
-    joints = result.scene.loose_pins
+    joints = scene.dry_pins
+    if not joints:
+        return []
     label = "part of the time (%)"
     sharing = {"sharex": True, "sharey": True}
     sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)

@@ -43,7 +43,7 @@ _RIGHT = "outside upper right"
 
 def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
-    joints = result.scene.loose_pins
+    joints = [name for name in result.scene.loose_pins if _wears(name, shown)]
     turns = style.maps_turn(result)
     places = list(product(joints, [(side,) for side in SIDES] if turns else [SIDES]))
     curves = [_depth_curves(result, shown, *place) for place in places]
@@ -67,6 +67,12 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
         "is_log": any(axes.get_yscale() == "log" for axes in panels),
     }
     return style.finished("wear", sheet, pens.values(), _RIGHT, **content)
+
+
+def _wears(joint: str, shown: Shown) -> bool:
+    """Return True if a joint wears in some stage; a failed one has no statistics."""
+    joints = [one.data.statistics.joints.get(joint) for one in shown]
+    return not all(one is not None and one.is_unworn for one in joints)
 
 
 def _depth_curves(
