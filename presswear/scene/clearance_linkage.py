@@ -3,7 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from presswear.linkage.elements import Body, Guide, Revolute, slide_inertia
+from presswear.linkage.elements import (
+    Body,
+    Guide,
+    GuideCorner,
+    Revolute,
+    slide_inertia,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import Bearing
@@ -31,7 +37,7 @@ def with_bearings(
     """
     round_surfaces = Surface(), Surface()
     loose_pins = []
-    corners = []
+    corners: list[GuideCorner] = []
     joints = []
     loose_guides = []
     for joint in ideal.joints:

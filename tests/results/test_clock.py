@@ -90,12 +90,12 @@ def test_places_in_the_cycle_and_durations(
     power = [curves_of(scene, one)["crank"].power for one in (stage, slow)]
     assert power[1] == pytest.approx(0.5 * power[0], rel=1e-6)
     # the contact resonance, and the cycle, twice as slow
-    lines = [
-        [line.get_xdata() for line in resonance_lines(result)]
+    places = [
+        [np.asarray(line.get_xdata()) for line in resonance_lines(result)]
         for result in (results[1], replace(results[1], stages=(slow,)))
     ]
-    assert len(lines[0]) == 1
-    assert lines[1][0] == pytest.approx(lines[0][0], rel=1e-6)
+    assert len(places[0]) == 1
+    assert places[1][0] == pytest.approx(places[0][0], rel=1e-6)
 
 
 def resonance_lines(result: pw.Result) -> list[Line2D]:
