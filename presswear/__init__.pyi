@@ -6,11 +6,7 @@ from presswear.engines.settings import ExudynJoints as ExudynJoints
 from presswear.engines.settings import ExudynTree as ExudynTree
 from presswear.engines.settings import InHouse as InHouse
 from presswear.linkage.drives import Drive as Drive
-from presswear.linkage.drives import Dwell as Dwell
 from presswear.linkage.drives import Follow as Follow
-from presswear.linkage.drives import Forming as Forming
-from presswear.linkage.drives import Pendulum as Pendulum
-from presswear.linkage.drives import Rise as Rise
 from presswear.linkage.elements import Attachment as Attachment
 from presswear.linkage.elements import Bar as Bar
 from presswear.linkage.elements import Body as Body
@@ -40,7 +36,11 @@ from presswear.linkage.mechanisms import Press as Press
 from presswear.linkage.mechanisms import SixBar as SixBar
 from presswear.linkage.mechanisms import SliderCrank as SliderCrank
 from presswear.linkage.mechanisms import TwoPoint as TwoPoint
+from presswear.linkage.motion_pieces import Rise as Rise
 from presswear.linkage.motor import Motor as Motor
+from presswear.linkage.servos import Dwell as Dwell
+from presswear.linkage.servos import Forming as Forming
+from presswear.linkage.servos import Pendulum as Pendulum
 from presswear.linkage.surface import Surface as Surface
 from presswear.physics.statics import deflection as deflection
 from presswear.physics.statics import total_clearance as total_clearance

@@ -28,7 +28,7 @@ from presswear.campaign.wear_histories import WearHistories
 from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
-from presswear.linkage.drives import RISES, Drive, Rise
+from presswear.linkage.drives import Drive
 from presswear.linkage.laws import (
     DAMPINGS,
     KELVIN_VOIGT,
@@ -37,6 +37,7 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.loads import Blanking, Force, OverPosition
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.motion_pieces import RISES, Rise
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene

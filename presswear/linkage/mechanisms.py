@@ -15,13 +15,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar, NamedTuple
 
-from presswear.linkage.drives import (
-    SERVOS,
-    ConstantSpeed,
-    Drive,
-    Servo,
-    torque_limit,
-)
+from presswear.linkage.drives import Drive, torque_limit
 from presswear.linkage.elements import (
     DAMPING,
     MAX_STIFFNESS,
@@ -38,6 +32,7 @@ from presswear.linkage.elements import (
 )
 from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
 from presswear.linkage.motor import Motor
+from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import (
     choice,

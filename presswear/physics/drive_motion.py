@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from presswear.linkage.drives import DEGREE, MAX_HARMONICS, MAX_PIECES, Drive
+from presswear.linkage.drives import MAX_HARMONICS, Drive
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.motion_pieces import DEGREE, MAX_PIECES
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
 # A drive as the kernels see it

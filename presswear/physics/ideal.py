@@ -14,10 +14,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import MAX_PIECES, MIN_PIECE
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Mechanism
+from presswear.linkage.motion_pieces import MAX_PIECES, MIN_PIECE
 from presswear.physics.assembly import (
     ROUND_OFF,
     Levels,

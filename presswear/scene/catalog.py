@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from presswear.linkage.drives import Dwell, Forming, Pendulum
 from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Blanking, Drawing
 from presswear.linkage.mechanisms import LITERATURE, Press, SliderCrank, TwoPoint
 from presswear.linkage.motor import Motor
+from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene

@@ -12,9 +12,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from presswear.linkage.drives import ConstantSpeed
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.servos import ConstantSpeed
 from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
 from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene

@@ -12,10 +12,11 @@ import stiff_joints
 
 from presswear.campaign.bottom_statistics import bottom_statistics, equal_bottoms
 from presswear.campaign.campaign import run
-from presswear.linkage.drives import Drive, Dwell
+from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import GEOMETRIES, Press
+from presswear.linkage.servos import Dwell
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom_dead_centre import bottom_errors, rise

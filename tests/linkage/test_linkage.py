@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from presswear.linkage.drives import MAX_PIECES, Drive, Follow, Rise
+from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -38,6 +38,7 @@ from presswear.linkage.loads import (
     laws_of,
 )
 from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.motion_pieces import MAX_PIECES, Rise
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 

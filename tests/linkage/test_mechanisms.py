@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from presswear.campaign.campaign import run
-from presswear.linkage.drives import Dwell, Forming, Pendulum
 from presswear.linkage.loads import Blanking, Coining, Drawing
 from presswear.linkage.mechanisms import (
     GEOMETRIES,
@@ -19,6 +18,7 @@ from presswear.linkage.mechanisms import (
     SliderCrank,
     TwoPoint,
 )
+from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import deflection
 from presswear.scene.scene import Scene

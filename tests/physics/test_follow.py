@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from presswear.linkage.drives import Drive, Dwell, Follow
+from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import Press, SliderCrank
+from presswear.linkage.servos import Dwell
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.ideal import followed, motion_of
 from presswear.scene.scene import Scene

@@ -14,9 +14,10 @@ from listeners import Keeps
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.drives import RISES, Drive, Rise
+from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.motion_pieces import RISES, Rise
 from presswear.physics.drive_motion import (
     break_after,
     drive_motion,
