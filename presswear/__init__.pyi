@@ -32,12 +32,12 @@ from presswear.linkage.loads import OverPosition as OverPosition
 from presswear.linkage.loads import OverTime as OverTime
 from presswear.linkage.loads import Spring as Spring
 from presswear.linkage.mechanisms import FourBar as FourBar
-from presswear.linkage.mechanisms import Press as Press
 from presswear.linkage.mechanisms import SixBar as SixBar
 from presswear.linkage.mechanisms import SliderCrank as SliderCrank
 from presswear.linkage.mechanisms import TwoPoint as TwoPoint
 from presswear.linkage.motion_pieces import Rise as Rise
 from presswear.linkage.motor import Motor as Motor
+from presswear.linkage.press import Press as Press
 from presswear.linkage.servos import Dwell as Dwell
 from presswear.linkage.servos import Forming as Forming
 from presswear.linkage.servos import Pendulum as Pendulum

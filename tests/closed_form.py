@@ -11,12 +11,8 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import (
-    CRANK_2_START,
-    CRANK_7_START,
-    Press,
-    SliderCrank,
-)
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import Mechanism
+from presswear.linkage.mechanism import Mechanism
 from presswear.linkage.motion_pieces import MAX_PIECES, MIN_PIECE
 from presswear.physics.assembly import (
     ROUND_OFF,

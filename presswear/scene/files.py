@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, linkage_from
-from presswear.linkage.mechanisms import Press
+from presswear.linkage.press import Press
 from presswear.linkage.surface import SIDES
 from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism
 from presswear.scene.scene import Scene

@@ -18,7 +18,7 @@ from presswear.engines.settings import (
 from presswear.linkage import loads
 from presswear.linkage.elements import CORNERS, Attachment, Guide
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import Press
+from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion

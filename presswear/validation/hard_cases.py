@@ -21,7 +21,8 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage import laws
 from presswear.linkage.elements import GROUND, Attachment, Body, ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
 from presswear.physics.ideal import motion_of

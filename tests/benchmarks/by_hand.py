@@ -18,7 +18,7 @@ import numpy as np
 
 from presswear.engines.base import Start
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import CRANK_2_START, CRANK_7_START, Press
+from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled

@@ -15,7 +15,7 @@ from presswear.campaign.campaign import run
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
-from presswear.linkage.mechanisms import GEOMETRIES, Press
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servos import Dwell
 from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled

@@ -24,7 +24,8 @@ from presswear.linkage.laws import (
     Materials,
     greatest_bristle_damping,
 )
-from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (
     LEAST_CLEARANCE,

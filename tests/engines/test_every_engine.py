@@ -11,7 +11,7 @@ from presswear.campaign.campaign import run
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, Purpose
-from presswear.linkage.mechanisms import GEOMETRIES, Press
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal, slider_crank, wear_times
 
 SCENE = wear_times()

@@ -37,8 +37,9 @@ from presswear.linkage.loads import (
     Spring,
     laws_of,
 )
-from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import MAX_PIECES, Rise
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 

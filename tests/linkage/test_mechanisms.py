@@ -9,15 +9,8 @@ import pytest
 
 from presswear.campaign.campaign import run
 from presswear.linkage.loads import Blanking, Coining, Drawing
-from presswear.linkage.mechanisms import (
-    GEOMETRIES,
-    FourBar,
-    Geometry,
-    Press,
-    SixBar,
-    SliderCrank,
-    TwoPoint,
-)
+from presswear.linkage.mechanisms import FourBar, SixBar, SliderCrank, TwoPoint
+from presswear.linkage.press import GEOMETRIES, Geometry, Press
 from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import deflection

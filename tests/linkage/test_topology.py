@@ -11,7 +11,8 @@ from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.closed_loops import place_prescribed
 from presswear.physics.constraints import constraints_of

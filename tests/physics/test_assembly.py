@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, OutputPoint, Pin
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.mechanisms import GEOMETRIES, Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.assembly import Rows, assembled
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import Motion, bottom_of, ideal_motion, motion_of

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.mechanisms import Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import Press
 from presswear.linkage.servos import Dwell
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.ideal import followed, motion_of

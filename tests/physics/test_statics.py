@@ -14,7 +14,7 @@ from presswear.engines.base import Plan, Start
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition, OverTime
-from presswear.linkage.mechanisms import GEOMETRIES
+from presswear.linkage.press import GEOMETRIES
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import (
     LEAST_PULL,

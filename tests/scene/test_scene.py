@@ -14,7 +14,8 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.linkage import assemble
-from presswear.linkage.mechanisms import Press, SliderCrank
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.press import Press
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.conventions import CONVENTIONS

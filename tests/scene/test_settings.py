@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.linkage.mechanisms import GEOMETRIES
+from presswear.linkage.press import GEOMETRIES
 from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import example_file, scene_from

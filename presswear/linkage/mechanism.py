@@ -1,0 +1,226 @@
+"""Mechanisms made of a few quantities: base class and common fields."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from functools import lru_cache, partial
+from typing import Any, ClassVar, NamedTuple
+
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import (
+    DAMPING,
+    MAX_STIFFNESS,
+    MIN_STIFFNESS,
+    Bar,
+    Body,
+    End,
+    Guide,
+    Place,
+    slide_size,
+)
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.motor import Motor
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import optional, quantity, written
+from presswear.tools.serialize import Checked
+
+MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
+# speed of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
+MIN_SPEED = 0.1 * math.pi / 30.0
+LITERATURE = "literature, from memory"
+RIGHT, LEFT = -1.0, 1.0  # side of a directed line
+CHOSEN = "Dimensions, masses and speed are chosen."
+_OF_BAR = "length", "mass", "inertia"
+DEFAULT_OF_ROD = "; default: that of a thin rod"
+# length of a rod over its crank; with equal lengths the rod does not determine on
+# which side of the crank the slider is
+_MIN_ROD_RATIO = 1.0001
+
+
+def number_field(
+    unit: str, low: float, high: float, origin: str, default: float | None, text: str
+) -> Any:
+    """Return a data class field of a number with its limits and origin."""
+    return quantity(default, unit, low, high, origin, text)
+
+
+length_field = partial(number_field, "m", MIN_LINK, MAX_LINK)
+mass_field = partial(number_field, "kg", 1e-6, 1e4)
+inertia_field = partial(number_field, "kg m^2", 1e-9, 1e4)
+paper_length, paper_mass, paper_inertia = (
+    partial(make, "paper") for make in (length_field, mass_field, inertia_field)
+)
+literature_length, literature_mass = (
+    partial(make, LITERATURE) for make in (length_field, mass_field)
+)
+chosen_length, chosen_mass, chosen_inertia = (
+    partial(make, "chosen") for make in (length_field, mass_field, inertia_field)
+)
+chosen_speed = partial(number_field, "rad/s", MIN_SPEED, 5000.0, "chosen")
+frame_mass_field = partial(
+    number_field,
+    "kg",
+    1.0,
+    1e6,
+    "assumed",
+    None,
+    "reduced mass of crown and bed, which move on a frame with a frame_stiffness",
+)
+frame_stiffness_field = partial(
+    number_field,
+    "N/m",
+    MIN_STIFFNESS,
+    MAX_STIFFNESS,
+    "chosen",
+    None,
+    "stiffness of the frame along the output direction; default: rigid",
+)
+frame_damping_field = partial(
+    number_field,
+    "",
+    0.0,
+    1.0,
+    "assumed",
+    DAMPING,
+    "damping of the frame, part of the critical one",
+)
+guide_length_field = partial(
+    slide_size, "length of the slide along its guide, for a guide with clearance"
+)
+guide_width_field = partial(
+    slide_size, "width of the slide between its walls, for a guide with clearance"
+)
+motor_field = partial(
+    optional,
+    Motor,
+    {"torque": 0.0},
+    "motor of the crank; none: the crank turns at its nominal speed",
+)
+
+
+class _Crown(NamedTuple):
+    """Part of an elastic frame in which cranks turn; without bodies on a rigid frame."""
+
+    bodies: tuple[Body, ...]
+    guides: tuple[Guide, ...]
+    ends: Mapping[str, End]  # of the pins on the frame, by joint
+
+
+class Mechanism(Checked, ABC):
+    """Driven mechanism, a data class of its quantities, with ideal joints."""
+
+    kind: ClassVar[str]  # name of the mechanism in a stored scene
+    allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance
+    default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
+    origin: ClassVar[str]  # of its values, in a sentence
+    speed: float  # of the driven crank, rad/s
+    torque_limit: float | None  # N m
+    # Elastic frame; None: rigid
+    frame_mass: float | None = None  # kg
+    frame_stiffness: float | None = None  # N/m
+    frame_damping: float = DAMPING
+    motor: Motor | None = None  # of the driven crank; None: it turns at its speed
+    # Slide in its guide; None: without clearance
+    guide_length: float | None = None  # m
+    guide_width: float | None = None  # m
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.frame_stiffness is not None and self.frame_mass is None:
+            stiffness = written(self.frame_stiffness, "N/m")
+            raise InputError(
+                f"frame_stiffness = {stiffness}: it needs a frame_mass, such as 600 kg"
+            )
+        if self.motor is not None and self.motor.is_servo:
+            raise InputError(
+                "motor: a torque or a user law is expected, not a stiffness, which only a servo "
+                "has; 0 N m is a free crank"
+            )
+
+    def _crown(self, direction: float, pivots: Mapping[str, Place]) -> _Crown:
+        """Return the crown of an elastic frame that moves along a direction, rad.
+
+        ``pivots`` are the places of joints on the frame, m.
+        """
+        if self.frame_stiffness is None or self.frame_mass is None:
+            return _Crown((), (), pivots)
+        crown = Body("crown", self.frame_mass, points=pivots)
+        guide = Guide(
+            "frame",
+            crown.name,
+            *(0.0, 0.0),
+            direction=direction,
+            stiffness=self.frame_stiffness,
+            damping=self.frame_damping,
+        )
+        ends = {joint: f"{crown.name}.{joint}" for joint in pivots}
+        return _Crown((crown,), (guide,), ends)
+
+    def _slide_inertia(self, mass: float) -> float:
+        """Return the inertia of a slide, kg m^2, which matters with clearance in its guide only."""
+        if self.guide_length is None or self.guide_width is None:
+            return 1.0
+        return mass * (self.guide_length**2 + self.guide_width**2) / 12.0
+
+    @property
+    def period(self) -> float:
+        """Time of one cycle, s."""
+        return 2.0 * math.pi / self.speed
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Settings without effect: those of a rigid frame, and the torque limit of a motor."""
+        rigid = self.frame_stiffness is None
+        frame = ("frame_mass", "frame_damping") if rigid else ()
+        return (*frame, *(("torque_limit",) if self.motor else ()))
+
+    def _drive(self, crank: str, start: float = 0.0) -> Drive:
+        """Return the drive of the only driven crank, from an angle, rad."""
+        limit = None if self.motor else self.torque_limit
+        return Drive(crank, self.speed, start, torque_limit=limit, motor=self.motor)
+
+    def linkage(self) -> Linkage:
+        """Return the ideal linkage, every joint closed."""
+        return _assembled(self)
+
+    @abstractmethod
+    def _assemble(self) -> Linkage: ...
+
+
+@lru_cache(maxsize=64)
+def _assembled(mechanism: Mechanism) -> Linkage:
+    return mechanism._assemble()
+
+
+def check_rod(rod: float, crank: float, fault: str) -> None:
+    """Raise InputError for a rod, m, that is not longer than its crank."""
+    least = _MIN_ROD_RATIO * crank
+    if not rod >= least:
+        allowed = f"{written(least, 'm')} to {written(MAX_LINK, 'm')}"
+        raise InputError(
+            f"rod_length = {written(rod, 'm')}: with crank_length = {written(crank, 'm')} allowed "
+            f"is {allowed}; {fault} over the whole turn"
+        )
+
+
+def bars_of(mechanism: Mechanism, *names: str) -> list[Body]:
+    """Return the bars of a mechanism; its fields begin with the first words of their names."""
+    return [
+        Bar(
+            name, *(getattr(mechanism, f"{name.split()[0]}_{item}") for item in _OF_BAR)
+        )
+        for name in names
+    ]
+
+
+def meeting_point(
+    p: complex, q: complex, from_p: float, from_q: float, side: float
+) -> complex:
+    """Return the point at distances from p and q, on a side of the line p to q.
+
+    If no point has these distances, a point of the line p to q is returned.
+    """
+    length = max(abs(q - p), 1e-12)
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    across = side * math.sqrt(max(from_p**2 - along**2, 0.0))
+    return p + complex(along, across) * (q - p) / length
