@@ -5,9 +5,10 @@ from dataclasses import replace
 
 from presswear.linkage.elements import (
     Body,
+    ClearanceJoint,
     Guide,
     GuideCorner,
-    Revolute,
+    Joint,
     slide_inertia,
 )
 from presswear.linkage.linkage import Linkage
@@ -36,10 +37,10 @@ def with_bearings(
         Worn surfaces of bearing and pin by joint; the other ones are round.
     """
     round_surfaces = Surface(), Surface()
-    loose_pins = []
+    joints: list[Joint] = []
+    loose_pins: list[ClearanceJoint] = []
+    loose_guides: list[Guide] = []
     corners: list[GuideCorner] = []
-    joints = []
-    loose_guides = []
     for joint in ideal.joints:
         bearing = bearings.get(joint.name)
         if bearing is None:
@@ -47,13 +48,11 @@ def with_bearings(
         elif isinstance(joint, Guide):
             loose_guides.append(joint)
             corners += corners_of(bearing, joint)
-        elif isinstance(joint, Revolute) and bearing.clearance > 0.0:
+        elif bearing.clearance > 0.0:
             worn = surfaces.get(joint.name, round_surfaces)
             loose_pins.append(bearing.joint(joint, conventions, worn))
-        elif isinstance(joint, Revolute):
-            joints.append(bearing.rigid(joint))
         else:
-            joints.append(joint)
+            joints.append(bearing.rigid(joint))
     bodies = tuple(_with_inertia(body, loose_guides) for body in ideal.bodies)
     clearances = (*ideal.clearances, *loose_pins, *corners)
     loosened = replace(
@@ -63,7 +62,7 @@ def with_bearings(
 
 
 def _with_inertia(body: Body, loose_guides: Sequence[Guide]) -> Body:
-    """Return a body; a slide that begins to tilt gets the inertia of a block, by default."""
+    """Return a body; a slide that can tilt has by default the inertia of a block."""
     for guide in loose_guides:
         if guide.body == body.name and body.inertia == 0.0:
             return replace(body, inertia=slide_inertia(body.mass, guide))
