@@ -24,10 +24,9 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
-_PIECES = 720  # equal parts of a cycle, between which torques are integrated
-_PIECES_BEFORE = (
-    90  # of the cycle before, in which laws of loads only follow the motion
-)
+_PIECES = 720  # equal parts of a cycle, over which torques are integrated
+# parts of the cycle before, through which the laws of loads follow the motion
+_PIECES_BEFORE = 90
 
 
 def rubbing_joints(scene: Scene) -> tuple[Bushing, ...]:

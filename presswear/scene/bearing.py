@@ -44,6 +44,13 @@ _READ_RIGID = {
     "damping_ratio",
     "parallel_rods",
 }
+# Settings of friction_law = lugre
+_OF_LUGRE = (
+    "static_friction",
+    "stribeck_speed",
+    "bristle_stiffness",
+    "bristle_damping",
+)
 # Settings that each joint has for itself
 SINGLE = "stiffness", "damping_ratio"
 
@@ -346,38 +353,29 @@ class Bearing(Checked):
     def unread(self) -> tuple[str, ...]:
         """Names of the settings that have no effect with this clearance and these laws."""
         if self.clearance == 0.0:
-            rigid = () if self.stiffness is not None else SINGLE
-            return tuple(
-                one.name
-                for one in fields(self)
-                if one.name not in _READ_RIGID or one.name in rigid
-            )
-        lugre = (
-            "static_friction",
-            "stribeck_speed",
-            "bristle_stiffness",
-            "bristle_damping",
-        )
-        # Oil damps the contact in place of the normal law.
-        damped = "normal_law", "restitution", "viscous_damping"
-        return (
-            *SINGLE,
-            *(damped if self.has_film else ("asperity_pressure",)),
-            *(("film",) if self.viscosity is None else ()),
-            *(lugre if self.friction_law != laws.LUGRE else ()),
-            *(
-                ("viscous_damping",)
-                if self.normal_law != laws.KELVIN_VOIGT and not self.has_film
-                else ()
-            ),
-            *(() if self._reads_roughness else ("roughness",)),
-            *(("running_in_depth",) if self.materials.running_in == 1.0 else ()),
-            *(
-                ("pressure_reference",)
-                if self.materials.pressure_exponent == 1.0
-                else ()
-            ),
-        )
+            read = _READ_RIGID
+            if self.stiffness is None:
+                read = read.difference(SINGLE)
+            return tuple(item.name for item in fields(self) if item.name not in read)
+        names = [*SINGLE]
+        if self.has_film:
+            # Oil damps the contact in place of the normal law.
+            names += "normal_law", "restitution", "viscous_damping"
+        else:
+            names.append("asperity_pressure")
+        if self.viscosity is None:
+            names.append("film")
+        if self.friction_law != laws.LUGRE:
+            names += _OF_LUGRE
+        if self.normal_law != laws.KELVIN_VOIGT and not self.has_film:
+            names.append("viscous_damping")
+        if not self._reads_roughness:
+            names.append("roughness")
+        if self.materials.running_in == 1.0:
+            names.append("running_in_depth")
+        if self.materials.pressure_exponent == 1.0:
+            names.append("pressure_reference")
+        return tuple(names)
 
     @property
     def _reads_roughness(self) -> bool:
