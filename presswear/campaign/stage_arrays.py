@@ -7,6 +7,7 @@ import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.stage_wear import StageWear
+from presswear.campaign.wall_statistics import wall_arrays
 from presswear.engines.base import Plan
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.columns import JOINT_ARRAYS
@@ -72,6 +73,7 @@ def arrays_of(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Ar
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added_depth[k, i, : joint.bins]
+    arrays |= wall_arrays(ensemble.linkage, ensemble.together.recorders)
     are_alike = len({joint.bins for joint in joints}) == 1
     angles = {
         "angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints

@@ -26,6 +26,7 @@ from presswear.campaign.cycle_means import (
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.stage_arrays import arrays_of
 from presswear.campaign.stage_wear import StageWear, stage_wear_of, wear_peaks_of
+from presswear.campaign.wall_statistics import wall_statistics
 from presswear.campaign.wear_update import (
     STEP_SAFETY,
     WearUpdate,
@@ -150,6 +151,7 @@ def _statistics(
         peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
         settling=settling,
         means=declared_means(mean_peak, recorders, alone, CYCLE),
+        walls=wall_statistics(ensemble.linkage, recorders),
     )
     try:
         json.dumps(asdict(statistics), allow_nan=False)

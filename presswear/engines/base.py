@@ -19,6 +19,7 @@ from presswear.physics.ledger import SETTLED
 from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
+from presswear.physics.wall_wear import wall_maps_shape
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import (
     JOINT_SERIES_COUNT,
@@ -185,6 +186,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         nominal=nominal_of(linkage),
         cycle=np.zeros(cycle_columns(count, drives, has_leader)),
         depth=np.zeros(shape),
+        walls=np.zeros(wall_maps_shape(linkage)),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros(shape[1:]),
         torque=np.zeros(drives),
@@ -196,7 +198,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)
-    return Recorder(records, MapBatches(shape), len(plan.sections))
+    maps = MapBatches(shape), MapBatches(records.walls.shape)
+    return Recorder(records, *maps, len(plan.sections))
 
 
 def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:
@@ -241,7 +244,7 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     worn = any(
         joint.bearing_surface.is_worn or joint.pin_surface.is_worn for joint in joints
     )
-    wear = any(joint.wear is not None for joint in joints)
+    wear = any(joint.wear is not None for joint in joints) or linkage.worn_guides
     return (
         f"{model}; clearance: {', '.join(joint.name for joint in joints)}; "
         f"friction {'on' if friction else 'off'}; "

@@ -381,6 +381,24 @@ class ClearanceJoint:
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
 
 
+# of the map of a wall along its length; those of a press are half a millimetre long
+WALL_BINS = 1000
+
+
+@dataclass(frozen=True)
+class WallMap:
+    """Map of the wear along a wall, which both corners of the slide on its side share."""
+
+    coefficient: float  # K_d, 1/Pa
+    start: float  # of the map along the guide, from its point, m
+    length: float  # m
+
+    @property
+    def bin_length(self) -> float:
+        """Length of a bin, m."""
+        return self.length / WALL_BINS
+
+
 @dataclass(frozen=True)
 class GuideCorner(ClearanceJoint):
     """Corner of a slide in a guide with clearance, which touches one of the two walls.
@@ -392,6 +410,8 @@ class GuideCorner(ClearanceJoint):
 
     guide: Guide = field(kw_only=True)
     side: float = field(kw_only=True)  # of the wall: 1 left of the direction, -1 right
+    # None: no wear of the wall is computed
+    wall: WallMap | None = field(default=None, kw_only=True)
 
 
 def slide_inertia(mass: float, guide: Guide) -> float:

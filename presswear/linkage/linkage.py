@@ -139,6 +139,12 @@ class Linkage(Checked):
         return replace(self, clearances=clearances)
 
     @property
+    def worn_guides(self) -> tuple[Guide, ...]:
+        """Guides with clearance, the wear of whose walls is computed."""
+        corners = (corner for corner in self.corners if corner.wall is not None)
+        return tuple(dict.fromkeys(corner.guide for corner in corners))
+
+    @property
     def with_closed_guides(self) -> "Linkage":
         """The linkage whose guides have no clearance."""
         if not self.corners:

@@ -47,7 +47,8 @@ CONTACT = np.dtype(
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        # on a foundation the direction of the greatest overlap, rad
+        # on a foundation the direction of the greatest overlap, rad; of a corner its
+        # place along the guide, m
         ("place", np.float64),
         # Of the pressure on the worn pin about the contact point, N m; the bearing's is
         # opposite.

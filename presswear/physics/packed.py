@@ -75,6 +75,11 @@ JOINT = np.dtype(
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
         ("is_flat", np.bool_),  # a corner on a wall
+        ("wall", np.int64),  # row of its map; see ``physics.wall_wear``
+        ("wall_start", np.float64),  # of the map along the guide, m
+        ("wall_bin", np.float64),  # length of a bin, m
+        # 1 where the corner moves along the guide with a positive sliding speed, or -1
+        ("wall_sense", np.float64),
         ("oiled", np.bool_),  # always closed, without events
     ]
 )
@@ -140,6 +145,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         bins = max(sizes, default=later)
         record["surface_bins"] = bins
         record["surface_nodes"] = bins * parts_of(bins) if bins else 0
+    _pack_walls(joints, linkage)
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
     for load in linkage.dead_loads:
@@ -161,6 +167,20 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
 def onset_floor(joint: ClearanceJoint) -> float:
     """Return the least speed at touchdown, m/s, that the damping of a joint is divided by."""
     return CORNER_SPEED_FLOOR if isinstance(joint, GuideCorner) else ONSET_SPEED_FLOOR
+
+
+def _pack_walls(joints: Records, linkage: Linkage) -> None:
+    """Write the maps of the walls into the records of the corners that wear them."""
+    guides = linkage.worn_guides
+    for record, joint in zip(joints, linkage.clearances, strict=True):
+        if not isinstance(joint, GuideCorner) or joint.wall is None:
+            continue
+        record["wear_coefficient"] = joint.wall.coefficient
+        record["wall"] = 2 * guides.index(joint.guide) + (joint.side < 0.0)
+        record["wall_start"] = joint.wall.start
+        record["wall_bin"] = joint.wall.bin_length
+        # Tangent of a contact: the direction into the wall turned by +90 degrees.
+        record["wall_sense"] = -joint.side
 
 
 def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:

@@ -13,6 +13,7 @@ from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.pressure_wear import deposit_by_pressure
+from presswear.physics.wall_wear import deposit_on_wall
 from presswear.physics.wear import deposit_in_bins, deposit_over_arc
 from presswear.recording.columns import (
     ACCELERATION,
@@ -155,6 +156,8 @@ class RecorderState(NamedTuple):
     nominal: Records  # one of NOMINAL
     cycle: Array  # row of the present cycle, see ``cycle_columns``
     depth: Array  # that the present cycle added, (joints, 2, m), see ``map_shape``, m
+    # that it added to the walls of guides, (walls, bins), see ``wall_maps_shape``, m
+    walls: Array
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
     shares: Array  # working space of ``deposit_over_arc``, (2, m)
     torque: Array  # of the drives in the present state, N m
@@ -383,6 +386,10 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
     integrals = records.wear_integrals[k]
     joint = records.packed.joints[k]
     if not integrals.work > 0.0:
+        return
+    if joint.is_flat:
+        wall = records.walls[joint.wall]
+        deposit_on_wall(wall, joint, records.contacts[k], integrals.work, h)
         return
     depth = records.depth[k, :, : joint.map_bins]
     if joint.over_arc:

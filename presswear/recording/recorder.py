@@ -52,6 +52,7 @@ class Recorder:
 
     records: RecorderState  # arrays that the kernels fill
     maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
+    wall_maps: MapBatches  # depth that they added to the walls of guides, m
     sections_per_cycle: int = 0
     # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE and DRIVE_CYCLE
     cycles: Array = field(init=False)
@@ -119,6 +120,7 @@ class Recorder:
         later = copy(self)
         later.cycles = self.cycles[cycle:]
         later.maps = self.maps.since(cycle)
+        later.wall_maps = self.wall_maps.since(cycle)
         return later
 
     @property
@@ -179,6 +181,7 @@ class Recorder:
             leader[LEADER_SPEED_MIN] = math.inf if is_first else speed
             leader[LEADER_SPEED_MAX] = -math.inf if is_first else speed
         records.depth[:] = 0.0
+        records.walls[:] = 0.0
 
     @property
     def last_time(self) -> float:
@@ -234,6 +237,7 @@ class Recorder:
         self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)
+        self.wall_maps.add(self.records.walls)
         self.start_cycle()
         return depth
 
@@ -263,6 +267,7 @@ class Recorder:
         arrays = {
             **{name: getattr(records, name).copy() for name in _SMALL},
             **named("maps", self.maps.save()),
+            **named("wall_maps", self.wall_maps.save()),
             "series": self.rows,
             "stretches": self.stretches,
             "film": records.film[:frames],
@@ -285,6 +290,7 @@ class Recorder:
         for name in _SMALL:
             getattr(records, name)[...] = saved[name]
         self.maps = MapBatches.load(part(saved, "maps"))
+        self.wall_maps = MapBatches.load(part(saved, "wall_maps"))
         records.series[: len(saved["series"])] = saved["series"]
         records.stretches[: len(saved["series"])] = saved["stretches"]
         records.film[:frames], records.film[frames] = saved["film"], saved["frame"]

@@ -20,7 +20,7 @@ from presswear.results.frame_load import FrameLoad, frame_loads
 from presswear.results.guide_tilt import GuideTilt, guide_tilts
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
-from presswear.results.stage import StageResult
+from presswear.results.stage import JointStatistics, StageResult
 from presswear.results.stored_arrays import (
     CURVE_BYTES,
     check_shapes,
@@ -143,12 +143,12 @@ class Result:
             for name in stage.statistics.joints or [""]:
                 joint = stage.statistics.joints.get(name)
                 if joint:
-                    worn = 1e15 / stage.cycles_per_update * joint.wear_volume.mean
-                    worn = 0.0 if joint.is_unworn else worn
-                    # walls of guides have no wear model
-                    wears = name in self.scene.loose_pins
+                    volume = joint.wear_volume.mean / stage.cycles_per_update
+                    volume = 0.0 if joint.is_unworn else volume
+                    if name not in self.scene.loose_pins:  # corner of a slide
+                        volume = self._wall_volume(name, joint)
                     row += [name, readable(joint.peak_force)]
-                    row += [readable(worn) if wears else "not modelled"]
+                    row += [readable(1e15 * volume)]
                 rows.append([*row, *[""] * (len(rows[0]) - len(row))])
                 row = ["", "", ""]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -161,14 +161,19 @@ class Result:
         lines += [f"worn volume: {remark}"] if remark else []
         return "\n".join([*first, *lines, *contact_warnings(self.scene, self.stages)])
 
+    def _wall_volume(self, corner: str, joint: JointStatistics) -> float:
+        """Return the volume that a corner wears off its wall in a cycle, m^3."""
+        materials = self.scene.bearing(corner).materials
+        return materials.wear_coefficient * joint.load_distance_per_cycle.mean
+
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
 
         Names are life, mechanism, stroke, tonnage, wear, growth, surfaces, response,
-        bottom, force, path, tilt, corners, phase, poincare, impacts, modes, spectrum,
-        drives, motor, frame and oil; without a name all figures that have data are drawn. ``stage``
-        is the only stage to draw. InputError for an unknown name or stage, and for a
-        figure without data.
+        bottom, force, path, tilt, corners, walls, phase, poincare, impacts, modes,
+        spectrum, drives, motor, frame and oil; without a name all figures that have
+        data are drawn. ``stage`` is the only stage to draw. InputError for an unknown
+        name or stage, and for a figure without data.
         """
         # Imported here, because results are in a lower layer.
         return import_module("presswear.show.figures").plot(self, names, stage)

@@ -136,6 +136,18 @@ class JointStatistics:
 
 
 @dataclass(frozen=True)
+class WallStatistics:
+    """Wear rate of a wall of a guide with clearance, which stays flat in the run; SI units.
+
+    All wear is at the wall, over its width, by the constant coefficient.
+    """
+
+    volume_per_cycle: Estimate  # m^3
+    depth_per_cycle: Estimate  # in the deepest bin along the wall, m
+    place: float  # of this bin along the guide, from its point, m
+
+
+@dataclass(frozen=True)
 class StageStatistics:
     """Statistics of a stage; SI units. If they are not finite, only the cycles are stored."""
 
@@ -158,6 +170,8 @@ class StageStatistics:
     settling: Settling | None = None
     # over cycles, of the columns of ``CYCLE`` that declare a mean, by name; SI
     means: Mapping[str, Estimate] = field(default_factory=dict)
+    # by guide with clearance, then by wall, ``left`` or ``right``
+    walls: Mapping[str, Mapping[str, WallStatistics]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", Joints(self.joints))
@@ -349,6 +363,18 @@ class StageResult:
             name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
             for name, joint in self.joints.items()
         }
+
+    def wall_wear(self, guide: str) -> tuple[Array, Array]:
+        """Return places along a guide and the mean depth that a cycle adds to its walls.
+
+        Places are from the point of the guide, m, shape (bins,). Depths are of the left
+        and the right wall, seen along the direction of the guide, m, shape (2, bins).
+        InputError for a guide whose walls have no map.
+        """
+        if f"{guide}_wall_wear" not in self.arrays:
+            walls = self.statistics.walls
+            raise unknown("guide with wear of its walls", guide, walls)
+        return self.arrays[f"{guide}_wall_place"], self.arrays[f"{guide}_wall_wear"]
 
     @property
     def failed(self) -> bool:

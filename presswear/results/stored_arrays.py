@@ -6,6 +6,7 @@ A result may come from anybody: nothing larger than a run can write is read into
 import math
 
 from presswear.engines.base import Plan
+from presswear.linkage.elements import WALL_BINS
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS
@@ -50,10 +51,12 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
     width = cycle_columns(joints, drives, linkage.leader is not None)
     width += sections + 8 + joints * (1 + 2 * bins)
+    walls = 3 * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
     series += LEADER_SERIES_COUNT
     series += len(linkage.elastic_guides)
-    return _HEADS + 8 * (rows * series + contacts + cycles * width + 8 * joints * bins)
+    maps = 8 * joints * bins + walls
+    return _HEADS + 8 * (rows * series + contacts + cycles * width + maps)
 
 
 def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
@@ -92,6 +95,9 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
             series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
             arrays[f"{joint.name}_depth_{side}"], arrays[f"{joint.name}_wear_{side}"]
         shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
+    for guide in linkage.worn_guides:
+        shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
+        shapes[f"{guide.name}_wall_wear"] = (2, WALL_BINS)
     check_shapes(arrays, shapes)
 
 

@@ -100,7 +100,7 @@ def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:
     """Return the names of the settings of a bearing that have no effect in a guide."""
-    wear = (one.name for one in fields(bearing.materials))
-    elastic = ("youngs_modulus", "bearing_modulus", "poisson_ratio")
-    of_wear = tuple(name for name in wear if name not in elastic)
-    return (*bearing.unread, *_ROUND, *of_wear)
+    names = (one.name for one in fields(bearing.materials))
+    read = ("youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient")
+    of_pins = tuple(name for name in names if name not in read)
+    return (*bearing.unread, *_ROUND, *of_pins)

@@ -39,6 +39,7 @@ from presswear.scene.run_checks import (
     check_torque_limits,
 )
 from presswear.scene.stage_names import stage_name
+from presswear.scene.wall_maps import with_wall_maps
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import (
@@ -326,7 +327,7 @@ class Scene(Checked):
 
     @property
     def loose_pins(self) -> tuple[str, ...]:
-        """Names of the pin joints with clearance, which wear; walls of guides do not."""
+        """Names of the pin joints with clearance, whose worn surfaces act on the motion."""
         guides = [guide.name for guide in self.loose_guides]
         return tuple(
             name
@@ -472,7 +473,11 @@ class Scene(Checked):
     def _linkage_on(self, worn: Mapping[str, tuple[Surface, Surface]]) -> Linkage:
         bearings = {name: self.bearing(name) for name in self.bearing_joints}
         surfaces = {**self.surfaces, **worn}
-        return with_bearings(self.loaded, bearings, self.conventions, surfaces)
+        linkage = with_bearings(self.loaded, bearings, self.conventions, surfaces)
+        # Without a drive nothing tells how far a slide moves.
+        if not (linkage.corners and linkage.drives):
+            return linkage
+        return with_wall_maps(linkage, self.ideal, bearings)
 
     @property
     def has_deviations(self) -> bool:

@@ -119,7 +119,20 @@ def _guides_of(scene: Scene, stage: StageResult) -> Record:
         }
         guides[name] |= {"force": tilt.corner_force, "loss": tilt.friction_loss}
         guides[name] |= {"time": tilt.time_shares, "load": tilt.load_shares}
+        guides[name]["walls"] = _walls_of(stage, name)
     return guides
+
+
+def _walls_of(stage: StageResult, guide: str) -> Record:
+    """Return the wear of both walls of a guide in a million strokes, by side; SI units."""
+    return {
+        side: {
+            "depth": wall.depth_per_cycle.scaled(1e6),
+            "place": wall.place,
+            "volume": wall.volume_per_cycle.scaled(1e6),
+        }
+        for side, wall in stage.statistics.walls.get(guide, {}).items()
+    }
 
 
 def heights_at_rest(

@@ -13,6 +13,7 @@ from typing import Any
 from presswear.analysis.contact_modes import MODES
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
+from presswear.physics.wall_wear import WALLS
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.soundness import ENERGY_BOUND, RESIDUAL
 from presswear.results.frame_load import ALLOWED_REVERSE
@@ -50,6 +51,12 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
         "guides": [guide.name for guide in scene.loose_guides],
         "states": STATES,
+        "walls": WALLS,
+        "wall_bins": {
+            corner.guide.name: corner.wall.bin_length
+            for corner in scene.linkage().corners
+            if corner.wall is not None
+        },
         "allowed_tilt": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
         "allowed_reverse": ALLOWED_REVERSE,
         "leader": scene.linkage().leader,

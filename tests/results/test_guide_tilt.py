@@ -159,6 +159,42 @@ def test_the_report_has_the_tilt(result: pw.Result) -> None:
     assert "share of the time, two opposite corners" in table
 
 
+def test_the_walls_wear_by_the_load_distance_of_their_corners(
+    result: pw.Result,
+) -> None:
+    """Worn volume is K_d times the load distance; the slide tilts to one side."""
+    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    walls = stage.statistics.walls["guide"]
+    coefficient = result.scene.bearing("guide").materials.wear_coefficient
+    place, depth = stage.wall_wear("guide")
+    area = 0.1 * (place[1] - place[0])
+    for side, each in zip(("left", "right"), depth, strict=True):
+        corners = [stage.joints[f"guide {side} {end}"] for end in ("front", "back")]
+        # of two cycles the second one is the sample
+        load = sum(one.each_cycle("load_distance")[-1] for one in corners)
+        volume = walls[side].volume_per_cycle.mean
+        assert volume == pytest.approx(coefficient * load, rel=1e-9)
+        assert area * each.sum() == pytest.approx(volume, rel=1e-12)
+        assert walls[side].depth_per_cycle.mean == each.max() > 0.0
+        assert walls[side].place == place[each.argmax()]
+    # The work presses the slide into two opposite corners at the bottom of the stroke.
+    bottom = -0.64 - guide.y
+    assert walls["left"].place == pytest.approx(bottom + 0.5 * L, abs=0.01)
+    assert walls["right"].place == pytest.approx(bottom - 0.5 * L, abs=0.01)
+
+
+def test_the_report_has_the_wear_of_the_walls(result: pw.Result) -> None:
+    table = f"{stage_tables(result)['guide']}"
+    assert "deepest wear of the left wall per million strokes" in table
+    place, depth = result.stages[0].wall_wear("guide")
+    (axes,) = result.plot("walls")
+    for line, each in zip(axes.lines, depth, strict=True):
+        assert np.asarray(line.get_xdata()) == pytest.approx(1e3 * place)
+        assert np.asarray(line.get_ydata()) == pytest.approx(1e12 * each)
+    with pytest.raises(pw.InputError, match="slide"):
+        result.stages[0].wall_wear("slide")
+
+
 def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     result: pw.Result,
 ) -> None:

@@ -41,6 +41,7 @@ NOT_MADE_UP = (
     "oil",
     "tilt",
     "corners",
+    "walls",
     "motor",
     "frame",
 )  # figures that need what made-up results lack

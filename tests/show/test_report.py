@@ -483,12 +483,12 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
     assert "50.0 µm between slider 6 and each of two walls" in text
     assert "400 mm long and 300 mm wide" in text
     assert "Joints with clearance: 300 µm at A." in text
-    assert "The walls do not wear in this model" in text
+    assert "The walls stay flat in the run" in text
     assert "left front" not in text
     assert "Tilt and load" not in page_of(made_up(made.BOTH, 1)).text
     assert "greatest tilt in a stroke (µm/m)" in text
     assert "600 kg mm²" in text  # 28.8 g (0.4^2 + 0.3^2) / 12
-    assert "not modelled" in str(result)
+    assert "96.0" in str(result)  # mm^3: 1.2e-15 1/Pa times 80 N m, a million times
     assert {one.file for one in drawings(result)} >= OF_PINS
 
 
@@ -501,8 +501,8 @@ def test_a_guide_alone_has_no_figures_of_pins() -> None:
     assert "between slider 6 and each of two walls" in text
     assert "Peak joint force" not in text
     keys = {setting.key for setting in used_settings_of(scene)}
-    assert not {"bearing_radius", "wear_coefficient", "angles"} & keys
-    assert {"friction", "clearance", "width"} <= keys
+    assert not {"bearing_radius", "running_in", "angles"} & keys
+    assert {"friction", "clearance", "width", "wear_coefficient"} <= keys
     files = {one.file for one in drawings(result)}
     assert not OF_PINS & files
     assert {"stroke.png", "phase.png", "spectrum.png"} <= files

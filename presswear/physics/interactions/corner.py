@@ -17,6 +17,7 @@ from presswear.physics.equations.text import (
     ZERO,
     Vector,
     difference,
+    negative,
 )
 from presswear.physics.interactions.clearance import ContactText
 from presswear.physics.interactions.page import Kernels, Page
@@ -75,6 +76,15 @@ class _CornerText(ContactText):
         """Name and body in a comment."""
         return f"{self.joint.name}: corner of {self.joint.pin.body} on a wall"
 
+    @property
+    def wears_by_pressure(self) -> bool:
+        """False: the wear of a wall is by the load distance alone."""
+        return False
+
+    def _from_wall(self) -> Vector:
+        """Return the way of the corner from the point beside the middle of the guide."""
+        return self.pin.position.plus(self.pin_arm).minus(self.bearing_arm)
+
     def _wall_normal(self) -> Vector:
         """Return n, the direction into the wall."""
         direction, side = self.joint.guide.direction, self.joint.side
@@ -88,8 +98,7 @@ class _CornerText(ContactText):
         text, slide, at_corner = self.text, self.pin, self.pin_arm
         normal = self._wall_normal()
         self._set_fields("normal", normal)
-        way = slide.position.plus(at_corner).minus(self.bearing_arm)
-        across = self.let("across", normal.dot(way))
+        across = self.let("across", normal.dot(self._from_wall()))
         velocity = text.let_vector(self.name("velocity"), slide.velocity_at(at_corner))
         rate = self.let("rate", normal.dot(velocity))
         self.fields |= {"across": across, "rate": rate, "is_flat": ONE}
@@ -113,8 +122,17 @@ class _CornerText(ContactText):
         """Return nothing: the direction into the wall stays."""
         return ZERO
 
+    def _write_place(self) -> None:
+        """Write the place of the corner along the guide, from its point."""
+        normal, side = self.vector("normal"), self.joint.side
+        forwards = Vector(normal.y, negative(normal.x))
+        along = forwards.times(ONE if side > 0.0 else f"-{ONE}").dot(self._from_wall())
+        self.fields["place"] = self.let("along", along)
+
     def _write_record(self) -> None:
         """Write the contact for the recorder, with e and its rate along the wall left out."""
+        if self.wears:
+            self._write_place()
         across = self.fields.pop("across")
         normal = self.vector("normal")
         rate = self.value("rate")

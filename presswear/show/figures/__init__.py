@@ -65,6 +65,7 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "path": ("loose", motion.centre_trajectory),
     "tilt": ("guides", guide.tilt_over_angle),
     "corners": ("guides", guide.corner_trajectories),
+    "walls": ("shown", guide.wall_wear),
     "phase": ("sampled", dynamics.phase_portrait),
     "poincare": ("sampled pins", dynamics.poincare_section),
     "impacts": ("sampled pins", dynamics.impact_section),

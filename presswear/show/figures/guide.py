@@ -1,8 +1,10 @@
-"""Figures of guides with clearance: tilt of the slide, paths of its corners between the walls."""
+"""Figures of guides with clearance: tilt of the slide, paths of its corners, wear of its walls."""
 
 import math
+from itertools import chain
 
 from presswear.linkage.elements import CORNERS, Guide
+from presswear.physics.wall_wear import WALLS
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result
@@ -14,6 +16,7 @@ from presswear.tools.numbers import unit_scale
 _LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
 _ASKED = Pen("limit that press makers ask for", style.MUTED, "dotted", 1.2)
 _WALL = Pen("walls", style.REFERENCE, width=1.0)
+_WALL_DASHES = {"left": "solid", "right": "dashed"}
 _ENDS = ("front", "back")  # of a slide along its guide
 _PATH_WIDTH = 0.5  # of the line of a path, points
 _EDGE = (
@@ -98,3 +101,33 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
         }
         drawings += style.finished("corners", sheet, pens, **content)
     return drawings
+
+
+def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
+    """Draw the depth that a million strokes wear off both walls of each guide along its length."""
+    stages = [stage for stage in shown if stage.data.statistics.walls]
+    names = list(dict.fromkeys(chain(*(one.data.statistics.walls for one in stages))))
+    if not names:
+        return []
+    sheet, panels, _ = style.panel_list(len(names), 2.4, 1)
+    for axes, name in zip(panels, names, strict=True):
+        for stage in stages:
+            place, depth = stage.data.wall_wear(name)
+            for side, each in zip(WALLS, depth, strict=True):
+                pen = stage.pen
+                axes.step(
+                    1e3 * place,
+                    1e12 * each,
+                    where="mid",
+                    color=pen.colour,
+                    linestyle=_WALL_DASHES[side],
+                )
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel(f"place along {name} (mm)")
+        axes.set_ylabel("depth per million\nstrokes (µm)")
+    walls = [
+        Pen(f"{side} wall", style.REFERENCE, dashes)
+        for side, dashes in _WALL_DASHES.items()
+    ]
+    pens = [*(stage.pen for stage in stages), *walls]
+    return style.finished("walls", sheet, pens, guides=names)

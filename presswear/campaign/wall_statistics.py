@@ -1,0 +1,91 @@
+"""Wear rates of the walls of guides with clearance, from the maps of all replicates."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswear.linkage.elements import GuideCorner, WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.physics.wall_wear import WALLS, bin_centres_of, wall_volume
+from presswear.recording.recorder import Recorder
+from presswear.recording.statistics import (
+    Estimate,
+    half_width,
+    half_width_of_runs,
+    mean_map,
+)
+from presswear.results.stage import WallStatistics
+from presswear.tools.arrays import Array
+
+
+def wall_statistics(
+    linkage: Linkage, recorders: Sequence[Recorder]
+) -> dict[str, dict[str, WallStatistics]]:
+    """Return the wear rates of the walls of each guide by side."""
+    runs = [run.wall_maps for run in recorders]
+    means = _by_guide(linkage, mean_map(runs))
+    batches = [run.batches for run in runs]
+    if len(runs) > 1:
+        batches = [run.sampled[np.newaxis] / run.samples for run in runs]
+    samples = [_by_guide(linkage, each) for each in batches]
+    statistics: dict[str, dict[str, WallStatistics]] = {}
+    for name, corner in _corners(linkage).items():
+        statistics[name] = {
+            side: _of_wall(
+                corner, means[name][row], [each[name][:, row] for each in samples]
+            )
+            for row, side in enumerate(WALLS)
+        }
+    return statistics
+
+
+def wall_arrays(linkage: Linkage, recorders: Sequence[Recorder]) -> dict[str, Array]:
+    """Return the mean depth that a cycle adds along the walls of each guide, m, by array."""
+    means = _by_guide(linkage, mean_map([run.wall_maps for run in recorders]))
+    arrays: dict[str, Array] = {}
+    for name, corner in _corners(linkage).items():
+        arrays[f"{name}_wall_place"] = bin_centres_of(_map_of(corner))
+        arrays[f"{name}_wall_wear"] = means[name]
+    return arrays
+
+
+def _corners(linkage: Linkage) -> dict[str, GuideCorner]:
+    """Return a corner of each guide whose walls have maps, by guide."""
+    worn = (corner for corner in linkage.corners if corner.wall is not None)
+    return {corner.guide.name: corner for corner in worn}
+
+
+def _map_of(corner: GuideCorner) -> WallMap:
+    assert corner.wall is not None
+    return corner.wall
+
+
+def _by_guide(linkage: Linkage, maps: Array) -> dict[str, Array]:
+    """Return maps of shape (.., walls, bins) as (.., 2, bins) by guide."""
+    return {
+        guide.name: maps[..., 2 * k : 2 * k + 2, :]
+        for k, guide in enumerate(linkage.worn_guides)
+    }
+
+
+def _of_wall(
+    corner: GuideCorner, mean: Array, samples: Sequence[Array]
+) -> WallStatistics:
+    """Return the wear rate of a wall from its mean map and from samples by run, (n, bins)."""
+    deepest = int(mean.argmax())
+    area = corner.width * _map_of(corner).bin_length
+
+    def estimate(value: float, series: list[Array]) -> Estimate:
+        values = np.concatenate(series)
+        half = half_width(values) if len(series) > 1 else half_width_of_runs(series)
+        return Estimate.symmetric(value, half, values.size).positive
+
+    return WallStatistics(
+        volume_per_cycle=estimate(
+            wall_volume(corner, mean), [area * each.sum(axis=-1) for each in samples]
+        ),
+        depth_per_cycle=estimate(
+            float(mean[deepest]), [each[:, deepest] for each in samples]
+        ),
+        place=float(bin_centres_of(_map_of(corner))[deepest]),
+    )

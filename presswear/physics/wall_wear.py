@@ -1,0 +1,66 @@
+"""Wear of the walls of a guide with clearance, along their length: dV = K_d F_n ds.
+
+A map holds the mean depth of equal bins along a wall. Both corners of the slide on the
+side of the wall wear it, over its width, and the slide does not wear. The wall itself
+stays flat: its map is an account, which does not act on the motion.
+"""
+
+import math
+
+import numpy as np
+
+from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled
+
+WALLS = ("left", "right")  # of a guide, seen along its direction
+
+
+@compiled
+def deposit_on_wall(
+    depth: Array, joint: Records, contact: Records, load_distance: float, h: float
+) -> None:
+    """Add the wear of a dose F_n ds, N m, to the depths along a wall, shape (bins,), m.
+
+    It is spread over the way of the corner in the step, which takes ``h`` seconds.
+    """
+    end = (contact.place - joint.wall_start) / joint.wall_bin
+    start = end - joint.wall_sense * contact.sliding * h / joint.wall_bin
+    volume = joint.wear_coefficient * load_distance
+    spread_along(depth, start, end, volume / (joint.width * joint.wall_bin))
+
+
+@compiled
+def spread_along(depth: Array, start: float, end: float, depth_sum: float) -> None:
+    """Add a sum of depths, m, to the bins of a map evenly between two places, in bins.
+
+    What lies beyond the ends of the map is added to the bin at the end.
+    """
+    last = depth.shape[0] - 1
+    low = min(max(min(start, end), 0.0), float(last))
+    high = min(max(max(start, end), 0.0), float(last + 1))
+    first = int(low)
+    if not high - low > 0.0 or high <= first + 1.0:
+        depth[first] += depth_sum
+        return
+    for k in range(first, min(math.ceil(high), last + 1)):
+        part = min(high, k + 1.0) - max(low, float(k))
+        depth[k] += depth_sum * part / (high - low)
+
+
+def bin_centres_of(wall: WallMap) -> Array:
+    """Return the places of the bins of a wall along its guide, from its point, m, (bins,)."""
+    bins = np.arange(WALL_BINS, dtype=np.float64)
+    return wall.start + (bins + 0.5) * wall.bin_length
+
+
+def wall_volume(corner: GuideCorner, depth: Array) -> float:
+    """Return the volume that a wall lost by a depth along it, m, shape (bins,); m^3."""
+    assert corner.wall is not None
+    return float(depth.sum()) * corner.width * corner.wall.bin_length
+
+
+def wall_maps_shape(linkage: Linkage) -> tuple[int, int]:
+    """Return the shape of the maps of all walls: the left and the right one of each guide."""
+    return len(WALLS) * len(linkage.worn_guides), WALL_BINS

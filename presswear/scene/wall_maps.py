@@ -1,0 +1,52 @@
+"""Maps of the wear of walls, which reach as far as the slide in the ideal motion."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from presswear.linkage.elements import ClearanceJoint, Guide, GuideCorner, WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.physics.ideal import IdealMotion
+from presswear.scene.bearing import Bearing
+
+_MARGIN = 0.01  # of a map at each end, beside the ideal motion
+
+
+def with_wall_maps(
+    linkage: Linkage, ideal: IdealMotion, bearings: Mapping[str, Bearing]
+) -> Linkage:
+    """Return a linkage whose corners wear the walls, if their bearings wear.
+
+    Parameters
+    ----------
+    linkage : Linkage
+        With the bearings in its joints.
+    ideal : IdealMotion
+        Motion of all slides without clearance.
+    bearings : mapping of str to Bearing
+        Bearings by guide.
+    """
+    maps = {}
+    for guide in linkage.loose_guides:
+        coefficient = bearings[guide.name].materials.wear_coefficient
+        if coefficient > 0.0:
+            maps[guide.name] = _wall_map(guide, ideal, coefficient)
+
+    def worn(joint: ClearanceJoint) -> ClearanceJoint:
+        if not isinstance(joint, GuideCorner):
+            return joint
+        return replace(joint, wall=maps.get(joint.guide.name))
+
+    return replace(linkage, clearances=tuple(map(worn, linkage.clearances)))
+
+
+def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
+    assert guide.length is not None
+    x, y = ideal.position[:, ideal.rows.linkage.index(guide.body), :2].T
+    c, s = math.cos(guide.direction), math.sin(guide.direction)
+    way = c * (x - guide.x) + s * (y - guide.y)
+    length = float(way.max() - way.min()) + guide.length
+    start = float(way.min()) - 0.5 * guide.length
+    return WallMap(
+        coefficient, start - _MARGIN * length, (1.0 + 2.0 * _MARGIN) * length
+    )

@@ -1,0 +1,142 @@
+"""Wear of the walls of a guide: closed forms of a slide pressed on a wall."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.engines.base import Plan, Start, recorder_of
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import WALL_BINS, WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.physics.wall_wear import (
+    bin_centres_of,
+    spread_along,
+    wall_volume,
+)
+
+L, W, C = 0.4, 0.3, 0.05e-3  # of the slide, m
+WIDTH, COEFFICIENT = 0.1, 2e-13  # of the walls, m, and K_d, 1/Pa
+MASS, PERIOD, AMPLITUDE, FORCE = 300.0, 0.1, 0.03, 5e3
+WALL = WallMap(COEFFICIENT, -0.25, 0.5)
+
+
+def press_on_wall(time: float) -> float:
+    """Force on the slide to the left of its guide, N."""
+    return 5e3
+
+
+def swinging_slide() -> tuple[Linkage, Start]:
+    """Return a slide that a spring swings along a wall, on which a force presses it."""
+    stiffness = MASS * (2.0 * math.pi / PERIOD) ** 2
+    linkage = pw.assemble(
+        [pw.Body("slide", MASS)],
+        [pw.Guide("guide", "slide", direction=0.5 * math.pi, length=L, width=W)],
+        output="slide",
+        gravity=0.0,
+        cycle=PERIOD,
+        springs=[pw.Spring("s", (0.0, -50.0), "slide", stiffness, length=50.0)],
+        loads=[pw.Force("slide", math.pi, press_on_wall)],
+    )
+    bearing = pw.Bearing(clearance=C, width=WIDTH, friction=0.0)
+    linkage = pw.Scene(linkage, bearings={"guide": bearing}).linkage()
+    corners = tuple(replace(one, wall=WALL) for one in linkage.corners)
+    linkage = replace(linkage, clearances=corners)
+    depth = 0.5 * FORCE / corners[0].normal.stiffness
+    return linkage, Start(np.array([-C - depth, AMPLITUDE, 0.0]), np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("engine", "within"),
+    [
+        (InHouse(integration_tolerance=1e-9), 1e-5),
+        (ExudynTree(), 1e-5),
+        (ExudynJoints(), 1e-3),
+    ],
+)
+def test_a_constant_force_wears_both_ends_of_the_way_evenly(
+    engine: Engine, within: float
+) -> None:
+    """Each corner bears F / 2 and passes each place twice a period: h = K F / b there."""
+    linkage, start = swinging_slide()
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
+    assert run.status == "completed", run.message
+    left, right = run.recorder.wall_maps.sampled
+    assert not right.any()
+    place = bin_centres_of(WALL)
+    half = 0.5 * WALL.bin_length
+    off = np.abs(np.abs(place) - 0.5 * L)  # from the middles of the two worn parts
+    within_way = off < AMPLITUDE - half
+    assert within_way.sum() > 0.9 * 4.0 * AMPLITUDE / WALL.bin_length
+    even = COEFFICIENT * FORCE / WIDTH
+    # A bin holds the wear of few steps, whose ways end within 1e-3 of a bin.
+    assert left[within_way] == pytest.approx(even, rel=5e-3)
+    assert not left[off > AMPLITUDE + half].any()
+    distance = 8.0 * AMPLITUDE  # of both corners in a period
+    volume = COEFFICIENT * 0.5 * FORCE * distance
+    worn = wall_volume(linkage.corners[0], left)
+    assert worn == pytest.approx(volume, rel=within)
+    load = sum(run.recorder.each_cycle("load_distance", k)[0] for k in range(4))
+    assert worn == pytest.approx(COEFFICIENT * load, rel=1e-12)
+
+
+def test_the_way_of_a_step_is_that_of_the_corner() -> None:
+    """The sense of the sliding speed of each corner gives its speed along the guide."""
+    linkage, start = swinging_slide()
+    start = replace(start, velocity=np.array([0.0, 0.7, 0.0]))
+    engine = InHouse(integration_tolerance=1e-9)
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(0.13 * PERIOD, 1))
+    records = run.recorder.records
+    speed = records.packed.joints["wall_sense"] * records.contacts["sliding"]
+    assert speed == pytest.approx([run.end.velocity[1]] * 4, rel=1e-9)
+    place = records.contacts["place"]
+    ends = run.end.position[1] + 0.5 * L * np.array([1.0, -1.0, 1.0, -1.0])
+    assert place == pytest.approx(ends, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "parts"),
+    [
+        (1.25, 3.5, {1: 0.75, 2: 1.0, 3: 0.5}),
+        (3.5, 1.25, {1: 0.75, 2: 1.0, 3: 0.5}),
+        (2.25, 2.5, {2: 1.0}),
+        (2.0, 2.0, {2: 1.0}),
+        (-3.0, -1.0, {0: 1.0}),
+        (7.0, 9.0, {4: 1.0}),
+        (3.5, 8.0, {3: 0.5, 4: 1.0}),
+    ],
+)
+def test_a_depth_is_spread_over_the_bins_of_a_way(
+    start: float, end: float, parts: dict[int, float]
+) -> None:
+    depth = np.zeros(5)
+    spread_along(depth, start, end, 6.0)
+    wanted = np.zeros(5)
+    for k, part in parts.items():
+        wanted[k] = 6.0 * part / sum(parts.values())
+    assert depth == pytest.approx(wanted, rel=1e-14)
+
+
+def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide() -> None:
+    scene = pw.scenes.press_off_centre()
+    reach = scene.stroke + 0.4
+    walls = [corner.wall for corner in scene.linkage().corners]
+    assert len(set(walls)) == 1
+    (wall,) = set(walls)
+    assert wall is not None
+    assert wall.length == pytest.approx(1.02 * reach, rel=1e-6)
+    assert scene.linkage().worn_guides == scene.loose_guides
+
+
+def test_walls_without_wear_or_clearance_have_no_map() -> None:
+    press = pw.scenes.press_off_centre()
+    materials = replace(press.bearings.materials, wear_coefficient=0.0)
+    hard = replace(press, bearings=replace(press.bearings, materials=materials))
+    for scene in (hard, pw.scenes.wear_times()):
+        linkage = scene.linkage()
+        bodies = np.zeros(3 * len(linkage.bodies))
+        recorder = recorder_of(linkage, Start(bodies, bodies), Plan(1.0, 1))
+        assert recorder.records.walls.shape == (0, WALL_BINS)
+        assert not linkage.worn_guides
