@@ -18,12 +18,8 @@ from matplotlib.axes import Axes
 import presswear
 from presswear.campaign.campaign import run_stage, workers_of
 from presswear.campaign.ensemble import Runner
-from presswear.campaign.service_life import (
-    BlockPlan,
-    LifeProblem,
-    Refinement,
-    next_block,
-)
+from presswear.campaign.refinement import Refinement
+from presswear.campaign.service_life import BlockPlan, LifeProblem, next_block
 from presswear.campaign.wear_histories import WearHistories
 from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan

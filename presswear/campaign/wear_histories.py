@@ -9,24 +9,25 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign import wear_update
+from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
 from presswear.campaign.ensemble import (
     WATCHED_CYCLES,
     WATCHED_SECONDS,
     EnsembleState,
     Runner,
 )
-from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
-from presswear.campaign.service_life import (
+from presswear.campaign.life_estimate import estimate_life
+from presswear.campaign.refinement import (
     FIRST_CHANGE,
-    FIRST_WEAR,
-    BlockPlan,
-    LifeProblem,
     LoadBlock,
     Refinement,
     Refinements,
-    cycles_left,
-    estimate_life,
-    fewest_cycles,
+)
+from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
+from presswear.campaign.service_life import (
+    FIRST_WEAR,
+    BlockPlan,
+    LifeProblem,
     run_refinements,
 )
 from presswear.campaign.settled_motions import settling_of

@@ -18,7 +18,18 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import presswear as pw
-from presswear.campaign import replicates, service_life, wear_histories
+from presswear.campaign import replicates, wear_histories
+from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
+from presswear.campaign.life_estimate import LifeEstimate, estimate_life
+from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
+from presswear.campaign.service_life import (
+    FIRST_WEAR,
+    BlockPlan,
+    LifeProblem,
+    next_block,
+    next_refinement,
+    run_refinements,
+)
 from presswear.engines import driver
 from presswear.physics.ideal import bottom_of
 from presswear.physics.wear import map_shape
@@ -39,7 +50,7 @@ Levels = dict[str, Array]
 
 def load_block(
     strokes: float, cycles: int, levels: Levels, rate: float = 0.0, **settings: Any
-) -> service_life.LoadBlock:
+) -> LoadBlock:
     """Return a block of the first service interval in which a stroke wears a depth, m."""
     more: dict[str, Any] = {
         "interval": 0,
@@ -47,9 +58,7 @@ def load_block(
         "removed": np.full((1, 1, 1), rate),
     }
     more |= settings
-    return service_life.LoadBlock(
-        strokes, cycles, levels=levels, rate=rate / CLEARANCE, **more
-    )
+    return LoadBlock(strokes, cycles, levels=levels, rate=rate / CLEARANCE, **more)
 
 
 @dataclass
@@ -77,9 +86,9 @@ class KnownWear:
 
     def __call__(
         self,
-        refinements: service_life.Refinements,
-        plan: service_life.BlockPlan | Service,
-    ) -> service_life.LoadBlock:
+        refinements: Refinements,
+        plan: BlockPlan | Service,
+    ) -> LoadBlock:
         before = refinements[-1].blocks
         if isinstance(plan, Service):
             self.depth = np.zeros(8)
@@ -106,18 +115,16 @@ class KnownWear:
         return load_block(strokes, plan.cycles, {"A.depth": self.depth}, rate, **more)
 
 
-def problem(*limits: Limit, **settings: Any) -> service_life.LifeProblem:
+def problem(*limits: Limit, **settings: Any) -> LifeProblem:
     common: dict[str, Any] = {"services": (), "at_most": 1e12, "tolerance": 0.1}
-    return service_life.LifeProblem(
-        limits, **{"max_cycles": 10_000} | common | settings
-    )
+    return LifeProblem(limits, **{"max_cycles": 10_000} | common | settings)
 
 
 def life_of(
-    problem: service_life.LifeProblem, wear: KnownWear
-) -> tuple[service_life.LifeEstimate, tuple[service_life.Refinement, ...]]:
-    refinements = service_life.run_refinements(problem, wear)
-    return service_life.estimate_life(refinements, problem.limits), refinements
+    problem: LifeProblem, wear: KnownWear
+) -> tuple[LifeEstimate, tuple[Refinement, ...]]:
+    refinements = run_refinements(problem, wear)
+    return estimate_life(refinements, problem.limits), refinements
 
 
 def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
@@ -127,10 +134,8 @@ def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
     old = [load_block(strokes, cycles, levels, rate) for strokes, cycles, rate in rows]
     service = replace(old[-1], cycles=0, interval=1, rate=0.0)
     blocks = (*old, service, load_block(2e5 + 2.0, 2, levels, 4e-11, interval=1))
-    refinement = service_life.Refinement(1e-3, 8, blocks)
-    plan = service_life.next_block(
-        problem(DEPTH, services=(Service("A", 2e5, False),)), refinement
-    )
+    refinement = Refinement(1e-3, 8, blocks)
+    plan = next_block(problem(DEPTH, services=(Service("A", 2e5, False),)), refinement)
     assert (plan.cycles, plan.extra) == (8, 0.0)
     assert plan.share == pytest.approx(1e-3 / 4e-8)
 
@@ -140,7 +145,7 @@ def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> N
     """Of a rate that rises linearly with the strokes, the sum of a block lacks a known part."""
     rate, slope, stood_for, cycles = 1e-12, 3e-18, 1e4, 4
 
-    def block(strokes: float, cycles: int, stood_for: float) -> service_life.LoadBlock:
+    def block(strokes: float, cycles: int, stood_for: float) -> LoadBlock:
         """Return a block in which each cycle wears at the rate of the strokes before it."""
         starts = strokes - stood_for * np.arange(1, cycles + 1)
         mean = rate + slope * float(starts.mean())
@@ -149,9 +154,7 @@ def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> N
     ends = 2.0, 2.0 + before * stood_for, 2.0 + (before + cycles) * stood_for
     counts = 2, before, cycles
     blocks = tuple(map(block, ends, counts, (1.0, stood_for, stood_for)))
-    plan = service_life.next_block(
-        problem(DEPTH), service_life.Refinement(1e-3, 5, blocks)
-    )
+    plan = next_block(problem(DEPTH), Refinement(1e-3, 5, blocks))
     # The integral over each cycle less the rate at its start.
     lacking = cycles * 0.5 * slope * stood_for**2
     assert plan.extra * plan.cycles == pytest.approx(
@@ -171,7 +174,7 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
         blocks.append(
             load_block(strokes, cycles, {"A.depth": np.zeros(2)}, wear, samples=samples)
         )
-    refinement = service_life.Refinement(blocks=tuple(blocks))
+    refinement = Refinement(blocks=tuple(blocks))
     expected = 1.0 + 1e4 * wear * refinement.strokes
     assert refinement.curve("A.force_max") == pytest.approx(expected, rel=1e-9)
 
@@ -225,10 +228,7 @@ def test_first_of_several_limits_ends_the_life() -> None:
     wear = KnownWear(2, noise=0.1, scatter=1e-7)
     life, refinements = life_of(problem(later, sooner), wear)
     assert abs(math.log(life.strokes / wear.life_until(2e-5))) <= life.error < 0.1
-    each = [
-        service_life.estimate_life(refinements, [limit]).strokes
-        for limit in (later, sooner)
-    ]
+    each = [estimate_life(refinements, [limit]).strokes for limit in (later, sooner)]
     assert each == [math.inf, life.strokes]
 
 
@@ -245,9 +245,7 @@ def test_limit_exceeded_when_new_is_refused() -> None:
     with pytest.raises(
         pw.InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"
     ):
-        service_life.run_refinements(
-            problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5)
-        )
+        run_refinements(problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5))
     # A drift is zero when new, whatever scatters.
     drift = Limit("bdc_drift", "", 1e-5)
     assert math.isfinite(life_of(problem(drift), KnownWear(4, scatter=1e-6))[0].strokes)
@@ -257,11 +255,11 @@ def test_cycles_are_limited() -> None:
     limited = problem(DEPTH, tolerance=0.001, max_cycles=1000)
     life, refinements = life_of(limited, KnownWear(8, noise=3.0))
     assert max(each.cycles for each in refinements) <= 2 * limited.max_cycles
-    assert service_life.next_refinement(limited, refinements) is None
+    assert next_refinement(limited, refinements) is None
     assert life.error > limited.tolerance
 
 
-def ran(refinements: service_life.Refinements) -> int:
+def ran(refinements: Refinements) -> int:
     """Return the cycles of each history, with two of a start-up in each refinement."""
     return sum(2 + sum(block.cycles for block in each.blocks) for each in refinements)
 
@@ -270,11 +268,11 @@ def estimates(limit: Limit, seed: int) -> list[float]:
     """Return the ratios of cycles left, estimated and run, from a fifth of a life on."""
     wear, life, moments = KnownWear(seed), problem(limit), []
 
-    def advance(done: service_life.Refinements, plan: Any) -> service_life.LoadBlock:
-        moments.append((ran(done), service_life.cycles_left(life, done)))
+    def advance(done: Refinements, plan: Any) -> LoadBlock:
+        moments.append((ran(done), cycles_left(life, done)))
         return wear(done, plan)
 
-    whole = ran(service_life.run_refinements(life, advance))
+    whole = ran(run_refinements(life, advance))
     return [
         left / (whole - cycles) for cycles, left in moments if cycles >= 0.2 * whole
     ]
@@ -290,13 +288,11 @@ def test_cycles_left_are_estimated(limit: Limit) -> None:
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
 def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
     """A cycle of the first refinement wears half a percent of the clearance, on average."""
-    fewest = service_life.fewest_cycles(problem(limit), {"A": CLEARANCE})
+    fewest = fewest_cycles(problem(limit), {"A": CLEARANCE})
     expected = 8.0 + 10.0 + 26.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
     assert fewest == pytest.approx(expected)
     whole = [
-        ran(
-            service_life.run_refinements(problem(limit, tolerance=1.0), KnownWear(seed))
-        )
+        ran(run_refinements(problem(limit, tolerance=1.0), KnownWear(seed)))
         for seed in range(20)
     ]
     assert fewest <= min(whole) <= 2.5 * fewest
@@ -465,7 +461,7 @@ def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -
 def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
     """Each of their cycles stands for as many strokes as their factor, in both replicates."""
     steps = pw.load(whole[0]).stages[0].wear_steps
-    first = service_life.FIRST_WEAR / COEFFICIENT
+    first = FIRST_WEAR / COEFFICIENT
     assert steps[0].cycles == 4
     assert steps[0].factor == pytest.approx(first, rel=1e-15, abs=0.0)
     assert sum(step.factor * step.cycles / 2 for step in steps) == pytest.approx(
@@ -490,7 +486,7 @@ def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
         started.append(self.part.replicate)
         return call(self, report)
 
-    def noting(self: Any, refinements: service_life.Refinements, plan: Any) -> Any:
+    def noting(self: Any, refinements: Refinements, plan: Any) -> Any:
         first, block = len(started), advance(self, refinements, plan)
         numbers.setdefault(len(refinements), set()).update(started[first:])
         return block
@@ -653,7 +649,7 @@ def test_limit_that_is_not_exceeded_ends_with_the_strokes(
     assert life.limits[0].last < 0.02 * GAP
 
 
-def evenly_worn(cycles: int, strokes: float, **rates: float) -> service_life.Refinement:
+def evenly_worn(cycles: int, strokes: float, **rates: float) -> Refinement:
     """Return a refinement of two histories that wear evenly and differ by a hundredth."""
     blocks = []
     for k in range(cycles + 1):
@@ -667,7 +663,7 @@ def evenly_worn(cycles: int, strokes: float, **rates: float) -> service_life.Ref
         blocks.append(
             load_block(now, int(k > 0), levels, 1e-9 * CLEARANCE, removed=removed)
         )
-    return service_life.Refinement(1.0 / cycles, 1, tuple(blocks))
+    return Refinement(1.0 / cycles, 1, tuple(blocks))
 
 
 def test_first_limit_is_as_accurate_as_the_life() -> None:
