@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -132,6 +133,12 @@ def _greatest_of(
     return read
 
 
+def _wall_wear(result: Result, stage: StageResult, joint: None) -> Response | None:
+    sides = (walls.values() for walls in stage.statistics.walls.values())
+    depths = [wall.depth_per_cycle for wall in chain.from_iterable(sides)]
+    return _response(max(depths, key=lambda depth: depth.mean, default=None))
+
+
 def _settled(result: Result, stage: StageResult, joint: None) -> Response | None:
     settling = stage.statistics.settling
     return None if settling is None else Response(settling.settled / settling.runs)
@@ -185,6 +192,7 @@ _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     ),
     "slide_tilt_max": ("", "greatest tilt of the slide in a stroke, rad"),
     "corner_force": ("N", "greatest normal force of a corner of the slide in a cycle"),
+    "wall_wear": ("m", "depth that a stroke wears off the deepest place of a wall"),
     "settled": ("", "share of the runs that came to rest on a regular motion"),
     "life": ("", "strokes until the first limit is exceeded"),
 }
@@ -208,12 +216,13 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "slide_tilt": ("stage", _greatest_of(guide_tilts, "working")),
     "slide_tilt_max": ("stage", _greatest_of(guide_tilts, "greatest")),
     "corner_force": ("stage", _greatest_of(guide_tilts, "corner_force")),
+    "wall_wear": ("stage", _wall_wear),
     "settled": ("stage", _settled),
     "life": ("result", _life),
 }
 OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
 OF_FRAMES = ("frame_stretch", "reverse_force")
-OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force")
+OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
 RESPONSES = {
     name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()
 }

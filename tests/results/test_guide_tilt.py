@@ -140,7 +140,9 @@ def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) 
         name: RESPONSES[name].function(result, result.stages[0], None)
         for name in OF_GUIDES
     }
-    estimates = tilt.fracture, tilt.greatest, tilt.corner_force
+    walls = result.stages[0].statistics.walls["guide"].values()
+    deepest = max((wall.depth_per_cycle for wall in walls), key=lambda one: one.mean)
+    estimates = tilt.fracture, tilt.greatest, tilt.corner_force, deepest
     for name, estimate in zip(OF_GUIDES, estimates, strict=True):
         response = values[name]
         assert response is not None
