@@ -53,6 +53,11 @@ def arrays_of(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Ar
         arrays["drive_torque"] = recorder.torques.copy()
     if recorder.stretches.size:
         arrays["stretch"] = recorder.stretches.copy()
+    if recorder.pin_stretches.size:
+        arrays["pin_stretch"] = recorder.pin_stretches.copy()
+    if recorder.turns.size:
+        arrays["drive_angle"] = recorder.turns[:, 0].copy()
+        arrays["drive_speed"] = recorder.turns[:, 1].copy()
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
     deviations = [deviation(scene, run) for run in recorders]

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.constraints import constraints_of
@@ -36,6 +37,7 @@ from presswear.recording.observe import (
     FRAME_ROWS,
     GUIDE,
     OUTPUT,
+    PIN,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
     ROWS_IN_ALL,
@@ -169,6 +171,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     shape, has_leader = map_shape(linkage.clearances), linkage.leader is not None
     columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
     film, sampler = empty_film(len(linkage.bodies), count, cycle)
+    moved = linkage.drives if has_leader else ()
+    turned = np.array([3 * linkage.index(one.body) + 2 for one in moved], np.int64)
     records = RecorderState(
         packed=pack(linkage, plan.wear is not None),
         motions=motions_of(linkage),
@@ -194,7 +198,10 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         energies=np.zeros(len(ENERGIES)),
         powers=np.zeros(len(ENERGIES)),
         guides=_guides_of(linkage),
-        stretches=np.empty((rows, len(linkage.elastic_guides))),
+        pins=_pins_of(linkage),
+        stretches=np.empty((rows, len(linkage.elastic_joints))),
+        turned=turned,
+        turns=np.empty((rows, 2, turned.size)),
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)
@@ -218,6 +225,16 @@ def _guides_of(linkage: Linkage) -> Records:
         record["cos"], record["sin"] = cosine, sine
         record["point"] = cosine * guide.x + sine * guide.y
     return guides
+
+
+def _pins_of(linkage: Linkage) -> Records:
+    """Return the elastic pins as records of PIN."""
+    pins = np.zeros(len(linkage.elastic_pins), PIN)
+    for record, pin in zip(pins, linkage.elastic_pins, strict=True):
+        for name, end in zip(("first", "second"), pin.ends, strict=True):
+            record[name] = -1 if end.body == GROUND else 3 * linkage.index(end.body)
+            record[f"{name}_x"], record[f"{name}_y"] = end.x, end.y
+    return pins
 
 
 def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:

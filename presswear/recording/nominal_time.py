@@ -149,9 +149,7 @@ def section_at_start(
 @compiled
 def section_value(nominal: Records, q: Array, v: Array) -> tuple[float, float]:
     """Return the nominal time of a state beyond the end of the section, s, and its rate."""
-    state = nominal[0]
-    time = (q[state.column] - state.start) / state.speed
-    return time - state.end, v[state.column] / state.speed
+    return nominal_time(nominal, 0.0, q) - nominal[0].end, nominal_rate(nominal, v)
 
 
 @compiled

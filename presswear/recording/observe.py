@@ -134,6 +134,17 @@ GUIDE = np.dtype(
         ("point", np.float64),  # m
     ]
 )
+# An elastic pin, the distance of whose centres is recorded
+PIN = np.dtype(
+    [
+        ("first", np.int64),  # of the x of the body of its bearing in q; -1: ground
+        ("first_x", np.float64),  # in the frame of this body, m
+        ("first_y", np.float64),
+        ("second", np.int64),  # of the x of the body of the pin in q; -1: ground
+        ("second_x", np.float64),
+        ("second_y", np.float64),
+    ]
+)
 FRAME_ROWS = 40  # of a series, at least, in a period of an elastic frame
 
 
@@ -167,7 +178,12 @@ class RecorderState(NamedTuple):
     energies: Array
     powers: Array
     guides: Records  # of GUIDE, with a spring
-    stretches: Array  # of the guides in the rows of the series, m
+    pins: Records  # of PIN, elastic
+    # of the guides, then of the pins, in the rows of the series, m
+    stretches: Array
+    turned: Array  # places in q of the angles of the drives, with a motor
+    # their angles, rad, and speeds, rad/s, in the rows of the series, (rows, 2, drives)
+    turns: Array
 
 
 @inlined
@@ -461,12 +477,37 @@ def write_row(records: RecorderState) -> None:
 
 
 @compiled
-def note_stretches(guides: Records, stretches: Array, row: int, q: Array) -> None:
-    """Write the stretches of guides with a spring into a row."""
+def note_stretches(
+    guides: Records, pins: Records, stretches: Array, row: int, q: Array
+) -> None:
+    """Write the stretches of guides with a spring and of elastic pins into a row."""
     for k in range(guides.shape[0]):
         guide = guides[k]
         i = guide.index
         stretches[row, k] = guide.cos * q[i] + guide.sin * q[i + 1] - guide.point
+    first = guides.shape[0]
+    for k in range(pins.shape[0]):
+        pin = pins[k]
+        x, y = place_in(pin.second, pin.second_x, pin.second_y, q)
+        bearing_x, bearing_y = place_in(pin.first, pin.first_x, pin.first_y, q)
+        stretches[row, first + k] = math.hypot(x - bearing_x, y - bearing_y)
+
+
+@inlined
+def place_in(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
+    """Return the place of a point of a body, m; ``body`` is the place of its x in q."""
+    dx, dy = lever(body, x, y, q)
+    if body < 0:
+        return dx, dy
+    return q[body] + dx, q[body + 1] + dy
+
+
+@compiled
+def note_turns(turned: Array, turns: Array, row: int, q: Array, v: Array) -> None:
+    """Write angles and speeds of the drives of a linkage with a motor into a row."""
+    for k in range(turned.shape[0]):
+        turns[row, 0, k] = q[turned[k]]
+        turns[row, 1, k] = v[turned[k]]
 
 
 @inlined
@@ -483,5 +524,6 @@ def observe(
     take_frame(records.film, records.sampler, records.contacts, records.memory, time, q)
     if is_row_due(records, t):
         row = records.output[0].rows
-        note_stretches(records.guides, records.stretches, row, q)
+        note_stretches(records.guides, records.pins, records.stretches, row, q)
+        note_turns(records.turned, records.turns, row, q, v)
         write_row(records)

@@ -40,7 +40,7 @@ from presswear.tools.arrays import Array, State, named, part
 
 _KEPT = (
     *("packed", "motions", "series", "stored_contacts", "film", "shares"),
-    *("guides", "stretches"),
+    *("guides", "pins", "stretches", "turned", "turns"),
 )
 # saved whole
 _SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)
@@ -102,7 +102,24 @@ class Recorder:
     @property
     def stretches(self) -> Array:
         """Recorded stretches of guides with a spring, shape (n, guides), m."""
+        return self._stretches[:, : self.records.guides.size]
+
+    @property
+    def pin_stretches(self) -> Array:
+        """Recorded distances of the centres of elastic pins, shape (n, pins), m."""
+        return self._stretches[:, self.records.guides.size :]
+
+    @property
+    def _stretches(self) -> Array:
         return self.records.stretches[: len(self.rows)]
+
+    @property
+    def turns(self) -> Array:
+        """Recorded angles, rad, and speeds, rad/s, of the drives, shape (n, 2, drives).
+
+        No drive without a motor.
+        """
+        return self.records.turns[: len(self.rows)]
 
     def each_cycle(self, name: str, joint: int | None = None) -> Array:
         """Return a quantity of each finished cycle by its name, shape (cycles,)."""
@@ -269,7 +286,8 @@ class Recorder:
             **named("maps", self.maps.save()),
             **named("wall_maps", self.wall_maps.save()),
             "series": self.rows,
-            "stretches": self.stretches,
+            "stretches": self._stretches,
+            "turns": self.turns,
             "film": records.film[:frames],
             "frame": records.film[frames].copy(),
             "cycles": self.cycles,
@@ -292,7 +310,8 @@ class Recorder:
         self.maps = MapBatches.load(part(saved, "maps"))
         self.wall_maps = MapBatches.load(part(saved, "wall_maps"))
         records.series[: len(saved["series"])] = saved["series"]
-        records.stretches[: len(saved["series"])] = saved["stretches"]
+        for name in ("stretches", "turns"):
+            getattr(records, name)[: len(saved["series"])] = saved[name]
         records.film[:frames], records.film[frames] = saved["film"], saved["frame"]
         self.cycles = np.array(saved["cycles"])
         self.growth = np.array(saved["growth"])

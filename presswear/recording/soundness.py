@@ -142,8 +142,7 @@ def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | N
             "state", "the state is no longer finite", now.time, "", now.remedy
         )
     return (
-        check_motor(recorder, now.time)
-        or _check_contacts(linkage, recorder, now)
+        _check_contacts(linkage, recorder, now)
         or _check_energy(linkage, recorder, now)
         or _check_constraints(linkage, now)
     )

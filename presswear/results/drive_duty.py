@@ -42,6 +42,7 @@ class DriveCurve(NamedTuple):
     angle: Array  # of its body, rad
     torque: Array  # on its body, N m
     power: Array  # W
+    speed: Array  # of its body, rad/s
 
 
 def farthest_from_zero(values: Array) -> float:
@@ -82,8 +83,9 @@ def drive_curves(
     for k, drive in enumerate(linkage.drives):
         angle = 3 * linkage.index(drive.body) + 2
         stored = np.zeros(0) if torque is None else torque[:, k]
-        power = stored * motion.velocity[: stored.size, angle]
+        speed = motion.velocity[:, angle]
+        power = stored * speed[: stored.size]
         curves[drive.body] = DriveCurve(
-            motion.time, motion.position[:, angle], stored, power
+            motion.time, motion.position[:, angle], stored, power, speed
         )
     return curves

@@ -1,6 +1,5 @@
 """Drives of a stage: torque and power of the run, beside those of rigid joints."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -90,9 +89,15 @@ def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
 
     Torque and power are empty if torques were not stored.
     """
-    motion = scene.ideal.at(stage.time)
     torque = stage.arrays.get("drive_torque")
-    if stage.has_clock:
-        rate = stage.nominal_rate[:, np.newaxis]
-        motion = replace(motion, velocity=motion.velocity * rate)
-    return drive_curves(scene.mechanism.linkage(), motion, torque)
+    linkage = scene.mechanism.linkage()
+    if not stage.has_clock:
+        return drive_curves(linkage, scene.ideal.at(stage.time), torque)
+    curves = {}
+    for k, drive in enumerate(linkage.drives):
+        angle = stage.arrays["drive_angle"][:, k]
+        speed = stage.arrays["drive_speed"][:, k]
+        stored = np.zeros(0) if torque is None else torque[:, k]
+        power = stored * speed[: stored.size]
+        curves[drive.body] = DriveCurve(stage.time, angle, stored, power, speed)
+    return curves

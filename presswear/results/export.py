@@ -32,7 +32,8 @@ from presswear.tools.files import (
 
 Table = Mapping[str, Array]  # columns by name, all of one length
 
-_DRIVE = {"angle": "rad", "torque": "N m", "power": "W"}  # torque, power: if stored
+# torque, power: if stored
+_DRIVE = {"angle": "rad", "speed": "rad/s", "torque": "N m", "power": "W"}
 UNITS = {
     **{column.table_name: column.unit for column in SERIES},
     "clock": "s",  # real time; with a motor ``time`` is the nominal time
@@ -40,6 +41,7 @@ UNITS = {
     "process_force": "N",  # of the work, if the scene has a process
     **{column.table_name: column.unit for column in JOINT_SERIES},
     **_DRIVE,
+    "stretch": "m",  # of an elastic frame, or between the centres of an elastic pin
     "strokes": "1",
     **{name: item.unit for name, item in FOLLOWED.items()},
 }
@@ -92,6 +94,13 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     for body, curve in curves_of(result.scene, item).items():
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}
+    linkage = result.scene.linkage()
+    for array, joints in (
+        ("stretch", linkage.elastic_guides),
+        ("pin_stretch", linkage.elastic_pins),
+    ):
+        for k, elastic in enumerate(joints):
+            columns[f"{elastic.name}_stretch"] = item.arrays[array][:, k]
     return columns
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
+from presswear.recording.statistics import Estimate
 from presswear.results.contact_warnings import contact_warnings
 from presswear.results.drives import DriveResult, drives_of
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
@@ -20,6 +21,7 @@ from presswear.results.frame_load import FrameLoad, frame_loads
 from presswear.results.guide_tilt import GuideTilt, guide_tilts
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
+from presswear.results.pin_load import elastic_pin_forces
 from presswear.results.stage import JointStatistics, StageResult
 from presswear.results.stored_arrays import (
     CURVE_BYTES,
@@ -118,6 +120,10 @@ class Result:
     def frame_loads(self, index: int) -> dict[str, FrameLoad]:
         """Return the loads of elastic frames in a stage by guide; empty without a stroke."""
         return frame_loads(self.scene, self.stage(index))
+
+    def elastic_pin_forces(self, index: int) -> dict[str, Mapping[str, Estimate]]:
+        """Return the greatest force of each elastic pin in a stage by phase of a stroke, N."""
+        return elastic_pin_forces(self.scene, self.stage(index))
 
     def guide_tilts(self, index: int) -> dict[str, GuideTilt]:
         """Return tilt and load of slides in a stage by guide; empty without a loose guide."""

@@ -126,7 +126,8 @@ def ideal_curves(
     # sign.
     for _ in range(2):
         curves, _ = _integrated(scene, edges, corners, bushings)
-        for time, _, _, power in curves.values():
+        for curve in curves.values():
+            time, power = curve.time, curve.power
             k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
             zeros = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
             edges = np.union1d(edges, zeros)

@@ -36,12 +36,22 @@ from presswear.tools.serialize import NOT_STORED
 T = TypeVar("T")
 LEAST_LOAD_DISTANCE = 1e-15  # N m in a cycle; an oiled press may have 1e-40
 
+# of the length of a series: an instant may lie so far behind its last row by round-off
+_ROW_ROUNDING = 1e-9
+
 
 class Joints(dict[str, T]):
     """Values by the name of a joint with clearance; InputError lists them for an unknown name."""
 
     def __missing__(self, name: str) -> T:
         raise unknown("joint with clearance", name, self)
+
+
+def _between_rows(times: Array, rows: Array, values: Array) -> Array:
+    """Return values at times, linear between rows; nan beyond the first and the last row."""
+    margin = _ROW_ROUNDING * (rows[-1] - rows[0])
+    is_beyond = (times < rows[0] - margin) | (times > rows[-1] + margin)
+    return np.where(is_beyond, np.nan, np.interp(times, rows, values))
 
 
 @dataclass(frozen=True)
@@ -429,12 +439,18 @@ class StageResult:
         return self.arrays["nominal_rate"]
 
     def nominal_of(self, clock: Array) -> Array:
-        """Return the nominal times of real times, s, linear between rows of the series."""
-        return np.interp(clock, self.clock, self.time) if self.has_clock else clock
+        """Return the nominal times of real times, s, linear between rows of the series.
+
+        With a motor they are nan beyond the first and the last row.
+        """
+        return _between_rows(clock, self.clock, self.time) if self.has_clock else clock
 
     def clock_of(self, time: Array) -> Array:
-        """Return the real times of nominal times, s, linear between rows of the series."""
-        return np.interp(time, self.time, self.clock) if self.has_clock else time
+        """Return the real times of nominal times, s, linear between rows of the series.
+
+        With a motor they are nan beyond the first and the last row.
+        """
+        return _between_rows(time, self.time, self.clock) if self.has_clock else time
 
     @property
     def displacement(self) -> Array:

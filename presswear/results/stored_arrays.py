@@ -54,7 +54,7 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     walls = 3 * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
     series += LEADER_SERIES_COUNT
-    series += len(linkage.elastic_guides)
+    series += len(linkage.elastic_joints) + 2 * drives
     maps = 8 * joints * bins + walls
     return _HEADS + 8 * (rows * series + contacts + cycles * width + maps)
 
@@ -73,7 +73,10 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
         "nominal_rate": ("time",),
         "slider": ("time", 3),
         "drive_torque": ("time", drives),
+        "drive_angle": ("time", drives),
+        "drive_speed": ("time", drives),
         "stretch": ("time", len(linkage.elastic_guides)),
+        "pin_stretch": ("time", len(linkage.elastic_pins)),
         "cycles": ("cycles", columns),
         "cycle_start": ("cycles",),
         "sections": ("sections", scene.recording.sections, section),

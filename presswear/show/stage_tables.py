@@ -13,6 +13,7 @@ from presswear.results.drives import drives_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed, motor_loads
+from presswear.results.pin_load import elastic_pin_forces
 from presswear.results.result import Result
 from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.results.stage import StageResult, WearStep
@@ -78,6 +79,7 @@ def _stage_record(scene: Scene, stage: StageResult) -> Record:
         "worn": {joint: _deepest(stage, joint) for joint in scene.loose_pins},
         "tonnage": tonnage_of(scene, stage),
         "frames": frame_loads(scene, stage),
+        "pins": elastic_pin_forces(scene, stage),
         "guides": _guides_of(scene, stage),
         "motors": motor_loads(scene, stage),
         "speed": speed,

@@ -49,6 +49,7 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "dry_joints": scene.dry_pins,
         "drives": [drive.body for drive in linkage.drives],
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
+        "elastic_pins": [pin.name for pin in scene.linkage().elastic_pins],
         "guides": [guide.name for guide in scene.loose_guides],
         "states": STATES,
         "walls": WALLS,

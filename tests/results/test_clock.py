@@ -70,9 +70,13 @@ def test_places_in_the_cycle_and_durations(
     contacts = stage.arrays["B_contacts"].copy()
     contacts[:, :2] *= 2.0  # touchdown and separation
     slowed = {"clock": 2.0 * stage.clock, "nominal_rate": 0.5 * stage.nominal_rate}
+    slowed["drive_speed"] = 0.5 * stage.arrays["drive_speed"]
     arrays = {**stage.arrays, **slowed, "B_contacts": contacts}
     slow = replace(stage, arrays=arrays)
     assert slow.nominal_of(slow.clock) == pytest.approx(slow.time, abs=1e-12)
+    beyond = np.array([-1e-3, 2.001 * stage.clock[-1]])
+    assert np.isnan(slow.nominal_of(beyond)).all()
+    assert np.isnan(slow.clock_of(np.array([-1e-3, 1.001 * stage.time[-1]]))).all()
     for one, other in zip(
         impacts_of(scene, stage, "B"), impacts_of(scene, slow, "B"), strict=True
     ):
@@ -141,3 +145,6 @@ def test_tables_hold_the_clock(results: tuple[pw.Result, pw.Result]) -> None:
     assert "clock" not in table_of(results[0], 0)
     table = table_of(results[1], 0)
     assert np.array_equal(table["clock"], results[1].stages[0].clock)
+    assert np.array_equal(
+        table["crank_speed"], results[1].stages[0].arrays["drive_speed"][:, 0]
+    )

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import presswear as pw
+from presswear.results.export import table_of
 from presswear.results.frame_load import frame_loads
+from presswear.results.strokes import sampled_strokes
 from presswear.show.key_numbers import key_numbers
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
@@ -15,7 +17,7 @@ from presswear.show.warnings import warnings
 FRAME, STOP, WEIGHT = 0.5e9, 2e9, 9.81 * 1010.0
 
 
-def pressed(process: Any, **frame: Any) -> pw.Result:
+def pressed(process: Any, bearings: Any = None, **frame: Any) -> pw.Result:
     """Run an upright slider-crank of 410 kg for a stroke, on a crown of 600 kg."""
     crank = pw.SliderCrank(
         crank_length=0.04,
@@ -26,7 +28,8 @@ def pressed(process: Any, **frame: Any) -> pw.Result:
         speed=2.0 * math.pi,
         **frame,
     )
-    return pw.run(pw.Scene(crank, joints="none", process=process, cycles=2))
+    joints = {"joints": "none"} if bearings is None else {"bearings": bearings}
+    return pw.run(pw.Scene(crank, process=process, cycles=2, **joints))
 
 
 def on_frame(process: Any, damping: float) -> pw.Result:
@@ -73,6 +76,33 @@ def test_the_frame_swings_back_after_a_fracture() -> None:
     assert any("press makers allow 10 %" in text for text in texts)
     assert any("the reverse force of frame" in line for line in warnings(result))
     assert "reverse force over greatest force" in f"{stage_tables(result)['tonnage']}"
+    assert np.array_equal(table_of(result, 0)["frame_stretch"], stretch[:, 0])
+
+
+def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
+    """F - m (g + a), with the acceleration of the slide; the damper takes little."""
+    sheet = pw.Blanking(
+        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
+    )
+    pin = pw.Bearing(clearance=0.0, stiffness=FRAME, damping_ratio=0.02)
+    result = pressed(sheet, bearings={"B": pin})
+    stage = result.stages[0]
+    (forces,) = result.elastic_pin_forces(0).values()
+    process = result.process_force(0)
+    assert process is not None
+    expected = np.abs(process - 300.0 * (9.81 + stage.acceleration))
+    (stroke,) = sampled_strokes(result.scene, stage)
+    for phase, (start, end) in stroke.phases.items():
+        within = expected[(stage.clock >= start) & (stage.clock <= end)]
+        assert forces[phase].mean == pytest.approx(within.max(), rel=0.03)
+    assert forces["approach"].mean < 5e3 < 9e4 < forces["work"].mean
+    table = f"{stage_tables(result)['tonnage']}"
+    assert "Elastic pin B" in table
+    assert "greatest in a stroke, snap-through" in table
+    columns = table_of(result, 0)
+    assert FRAME * columns["B_stretch"].max() == pytest.approx(
+        max(one.mean for one in forces.values()), rel=1e-3
+    )
 
 
 def test_a_rigid_frame_has_no_load() -> None:

@@ -171,7 +171,8 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
     """Return the stage with the rows of all its series between two times, s."""
     first = int(np.searchsorted(stage.time, start))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
-    series = ["time", "clock", "nominal_rate", "slider", "drive_torque", "stretch"]
+    series = ["time", "clock", "nominal_rate", "slider", "drive_torque"]
+    series += ["drive_angle", "drive_speed", "stretch", "pin_stretch"]
     series += [
         f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS
     ]
