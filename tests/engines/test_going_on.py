@@ -14,6 +14,7 @@ from presswear.recording.observer import Observer
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import (
     clearance_c,
+    press_hybrid,
     press_off_centre,
     slider_crank,
     wear_times,
@@ -26,6 +27,7 @@ RECORDED = 2
 FAST = {"speed": "60rad/s"}
 RUBBING = {"B": Bearing(), "O": Bearing(clearance=0.0), "A": Bearing(clearance=0.0)}
 OILED = {"film": "run", "viscosity": "0.01 Pa s", "clearance": "50 um"}
+ON_FRAME = {"frame_mass": "2 kg", "frame_stiffness": "10 MN/m"}
 COARSE = {"steps_per_contact": "20", "steps_sustained": "5"}
 
 
@@ -95,6 +97,13 @@ CASES = {
             changed(slider_crank(), {"engine": engine, **OILED}), 2
         )
         for engine in ("dae", "exudyn-tree", "exudyn-joints")
+    },
+    **{
+        f"motor, servo and elastic frame, {engine}": Case(
+            changed(press_hybrid(), {"engine": engine, **ON_FRAME}),
+            2,
+        )
+        for engine in ("dae", "exudyn-tree")
     },
     "bodies and joints": Case(
         changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2

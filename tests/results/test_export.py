@@ -141,7 +141,7 @@ def test_an_exported_run_agrees_with_itself(
         np.testing.assert_array_equal(
             table["A_tangential_force"], stored["A_force"][:, 1]
         )
-    assert len(table) == 19
+    assert len(table) == 21
     assert "MISS" not in command(
         f"crosscheck {folder} --against {file} --tolerance 1e-12"
     )

@@ -79,6 +79,25 @@ def test_the_frame_swings_back_after_a_fracture() -> None:
     assert np.array_equal(table_of(result, 0)["frame_stretch"], stretch[:, 0])
 
 
+@pytest.mark.parametrize(("damping", "excessive"), [(0.6, False), (0.57, True)])
+def test_a_reverse_force_above_10_percent_is_warned_of(
+    damping: float, excessive: bool
+) -> None:
+    """The force of the spring is the greatest where the frame has it most stretched."""
+    sheet = pw.Blanking(
+        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=2e-5
+    )
+    result = on_frame(sheet, damping)
+    stage = result.stages[0]
+    # The second of two strokes that begin at the top; the sheet breaks once.
+    late = stage.time >= 0.5
+    load = (FRAME * stage.arrays["stretch"][:, 0] + WEIGHT)[late]
+    part = -load.min() / load.max()
+    assert part == pytest.approx(0.1, abs=0.02)
+    warned = any("the reverse force of frame" in line for line in warnings(result))
+    assert warned == excessive == (part > 0.1)
+
+
 def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
     """F - m (g + a), with the acceleration of the slide; the damper takes little."""
     sheet = pw.Blanking(
