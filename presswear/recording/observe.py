@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
 from presswear.physics.loads import last_change
@@ -181,7 +182,7 @@ class RecorderState(NamedTuple):
     pins: Records  # of PIN, elastic
     # of the guides, then of the pins, in the rows of the series, m
     stretches: Array
-    turned: Array  # places in q of the angles of the drives, with a motor
+    turned: NDArray[np.int64]  # places in q of the angles of the drives, with a motor
     # their angles, rad, and speeds, rad/s, in the rows of the series, (rows, 2, drives)
     turns: Array
 
@@ -503,7 +504,9 @@ def place_in(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 
 
 @compiled
-def note_turns(turned: Array, turns: Array, row: int, q: Array, v: Array) -> None:
+def note_turns(
+    turned: NDArray[np.int64], turns: Array, row: int, q: Array, v: Array
+) -> None:
     """Write angles and speeds of the drives of a linkage with a motor into a row."""
     for k in range(turned.shape[0]):
         turns[row, 0, k] = q[turned[k]]

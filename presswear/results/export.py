@@ -95,12 +95,10 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
         series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
         columns |= {name: values for name, values in series.items() if values.size}
     linkage = result.scene.linkage()
-    for array, joints in (
-        ("stretch", linkage.elastic_guides),
-        ("pin_stretch", linkage.elastic_pins),
-    ):
-        for k, elastic in enumerate(joints):
-            columns[f"{elastic.name}_stretch"] = item.arrays[array][:, k]
+    for k, guide in enumerate(linkage.elastic_guides):
+        columns[f"{guide.name}_stretch"] = item.arrays["stretch"][:, k]
+    for k, pin in enumerate(linkage.elastic_pins):
+        columns[f"{pin.name}_stretch"] = item.arrays["pin_stretch"][:, k]
     return columns
 
 

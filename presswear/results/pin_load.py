@@ -27,7 +27,7 @@ def elastic_pin_forces(
     if "pin_stretch" not in stage.arrays or stage.failed:
         return {}
     strokes = sampled_strokes(scene, stage)
-    forces = {}
+    forces: dict[str, Mapping[str, Estimate]] = {}
     columns = zip(
         scene.linkage().elastic_pins, stage.arrays["pin_stretch"].T, strict=True
     )
