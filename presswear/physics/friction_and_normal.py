@@ -67,9 +67,11 @@ def elastic_force(penetration: float, stiffness: float, exponent: float) -> floa
     """Return the elastic contact force K delta^n, N; zero when open."""
     if penetration <= 0.0:
         return 0.0
-    # n = 3/2 is by far the most common; a square root is cheaper than a power.
+    # n = 3/2 and 1 are by far the most common, and cheaper without a power.
     if exponent == 1.5:
         return stiffness * penetration * math.sqrt(penetration)
+    if exponent == 1.0:
+        return stiffness * penetration
     return float(stiffness * penetration**exponent)
 
 

@@ -24,7 +24,7 @@ from presswear.physics.touchdown import (
     time_to_event,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
+from presswear.tools.compile import Records, compiled, inlined
 
 # Step lengths of a fixed-order integrator
 STEPS = np.dtype(
@@ -41,6 +41,10 @@ LANDING = 0.02  # a step towards a touchdown ends this part of a contact step be
 # in which a pin that skims a worn surface crosses one bin of its map
 FLIGHT_STEPS_PER_BIN = 4.0
 STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
+# Fewest steps of an error-controlled method in a free impact of a corner, whose force is
+# proportional to the penetration, over those of a pin. At a tolerance of 1e-7, 10 give
+# the peaks and the motion as exactly as 15.
+CORNER_STEPS = 2.0 / 3.0
 # of an error-controlled method, at least, in which a pin crosses one bin
 SKIM_STEPS = 2.0
 # a step that ends behind a separation goes on for this part of the clearance
@@ -69,6 +73,10 @@ def contact_step(
         return math.inf
     stiffness = joint.normal.estimated_stiffness
     exponent = joint.normal.estimated_exponent
+    if exponent == 1.0:
+        # The same at any speed.
+        is_moving = depth > 0.0 or rate != 0.0
+        return math.pi * math.sqrt(mass / stiffness) / parts if is_moving else math.inf
     energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (
         exponent + 1.0
     )
@@ -195,6 +203,12 @@ def shorter_step(
     return shortest if shortest < math.inf else -1.0
 
 
+@inlined
+def is_linear_corner(joint: Records) -> bool:
+    """Return whether a joint is a corner with a force proportional to the penetration."""
+    return bool(joint.is_flat and joint.normal.estimated_exponent == 1.0)
+
+
 @compiled
 def longest_step(records: Any, longest: float, parts: float) -> float:
     """Limit the step, s, of an error-controlled method by contacts just begun and worn surfaces.
@@ -208,8 +222,9 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
         last = records.memory[k]
         if joint.oiled:
             continue
-        if records.onset[k] > 0.0 and last.steps < 2.0 * parts:
-            part = contact_step(joint, 0.0, records.onset[k], parts)
+        needed = CORNER_STEPS * parts if is_linear_corner(joint) else parts
+        if records.onset[k] > 0.0 and last.steps < 2.0 * needed:
+            part = contact_step(joint, 0.0, records.onset[k], needed)
             longest = min(longest, part, last.longest_step)
         if (
             joint.surface_bins > 0

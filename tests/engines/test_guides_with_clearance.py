@@ -127,6 +127,25 @@ def test_energy_is_conserved_without_friction_and_damping() -> None:
     assert after + stored == pytest.approx(before, rel=1e-8)
 
 
+def test_a_corner_is_located_by_few_trials() -> None:
+    """Two further trials of a step find its event: Newton's method stops at round-off."""
+    guide = pw.Guide("guide", "slide", 0.3, 0.0, 0.5 * math.pi, length=L, width=W)
+    slide = pw.Body("slide", 300.0)
+    linkage = pw.assemble([slide], [guide], output="slide", gravity=0.0, cycle=0.1)
+    bearing = pw.Bearing(
+        clearance=C, restitution=1.0, friction=0.0, contact_stiffness=1e9
+    )
+    linkage = pw.Scene(linkage, bearings={"guide": bearing}).linkage()
+    start = Start(np.array([0.3, 0.0, 0.0]), np.array([0.005, 0.0, 0.015]))
+    engine = InHouse("dopri5", integration_tolerance=1e-7).for_cycle(0.1)
+    counts: dict[str, Any] = engine.simulate(linkage, start, Plan(8.0, 1)).diagnostics
+    # A trial has six evaluations, and there is one behind each event.
+    trials = (counts["evaluations"] - counts["events"]) / 6
+    further = trials - counts["steps"] - counts["steps_sent_back"]
+    assert counts["events"] > 200
+    assert further < 2.0 * counts["events"]
+
+
 @pytest.mark.slow
 def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
     scene = slider_crank()

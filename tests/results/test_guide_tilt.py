@@ -81,8 +81,10 @@ def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None
     for name, instant in (("touch", "contact"), ("fracture", "fracture")):
         # the only complete stroke is from half a turn on
         when = getattr(strokes, instant)[0, 0]
-        value = abs(angle[film.time <= when][-1])  # of the frame before
-        assert getattr(tilt, name).mean == pytest.approx(value, rel=0.02, abs=5e-6)
+        after = int(np.searchsorted(film.time, when))
+        low, high = np.sort(np.abs(angle[after - 1 : after + 1]))
+        # The slide rattles from wall to wall between two frames.
+        assert low - 5e-6 < getattr(tilt, name).mean < high + 5e-6
     assert tilt.greatest is not None
     whole = (film.time > 0.5) & (film.time < 1.5)
     assert tilt.greatest.mean >= np.abs(angle[whole]).max() - 1e-7

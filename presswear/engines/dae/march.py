@@ -69,6 +69,9 @@ GREATEST_FACTOR = 5.0
 NEWTON_STEPS = 60
 SHORTEST_MOVE = 1e-15  # change of a step, s, below which Newton's method stands still
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
+# that of a corner, as a part of the resolution of the coordinates: their round-off, below
+# which Newton's method meets nothing but noise
+CORNER_EVENT = 0.125
 # penetration up to which a place that round-off keeps from it is one, m
 DEPTH_TOL = 1e-12
 # s; a later event differs from the one on which the last step ended
@@ -311,10 +314,12 @@ def search_event(
             aim = BEHIND
             near = 0.5 * BEHIND
             accepted = MAX_BEHIND
-        elif is_abrupt_touchdown(
-            run.system.packed.joints, run.records.onset, state.event
-        ):
-            aim = 2.0 * EVENT_DEPTH
+        else:
+            joint_records = run.system.packed.joints
+            if joint_records[state.event].is_flat:
+                near = CORNER_EVENT * state.resolution
+            if is_abrupt_touchdown(joint_records, run.records.onset, state.event):
+                aim = 2.0 * near
         value, rate = event_value(address, classical, state.event, t, state.length)
         value -= aim
         following = state.length

@@ -303,6 +303,8 @@ class ContactText:
             force = f"round_foundation({depth}, {stiffness}, {clearance})[0]"
         elif law.exponent == 1.5:
             force = f"{stiffness} * {depth} * math.sqrt({depth})"
+        elif law.exponent == 1.0:
+            force = f"{stiffness} * {depth}"
         else:
             force = (
                 f"{stiffness} * {depth} ** {self.parameter('exponent', law.exponent)}"
