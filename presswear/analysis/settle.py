@@ -87,10 +87,8 @@ def run_start(
     )
     run = ENGINE.simulate(linkage, starts.start(index, linkage, ideal), plan)
     row = _row(len(linkage.clearances), len(ideal.position))
-    row["eccentricity"], row["velocity"] = (
-        starts.eccentricity[index],
-        starts.velocity[index],
-    )
+    row["eccentricity"] = starts.eccentricity[index]
+    row["velocity"] = starts.velocity[index]
     row["index"], row["cycles"] = index, len(run.recorder.cycles)
     if run.status == "failed":
         row["settled"] = FAILED
@@ -102,10 +100,8 @@ def run_start(
     force = np.array([run.recorder.each_cycle("force_max", k) for k in each])
     contacts = np.array([run.recorder.each_cycle("contacts", k) for k in each])
     first = STARTUP_CYCLES if rest is None else rest.start + STARTUP_CYCLES
-    row["peak_force"], row["contacts"] = (
-        force[:, first:].mean(axis=1),
-        contacts[:, first:].mean(axis=1),
-    )
+    row["peak_force"] = force[:, first:].mean(axis=1)
+    row["contacts"] = contacts[:, first:].mean(axis=1)
     if rest is not None:
         row["settled"], row["period"] = rest.start, rest.period
         row["signature"], row["last"] = rest.signature, signatures[-PERIODS[-1] :]

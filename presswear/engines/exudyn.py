@@ -259,10 +259,8 @@ def settings_of(longest: float, shortest: float) -> Any:
 @contextmanager
 def quiet() -> Iterator[None]:
     """Keep Exudyn's banners and log files off; errors and interrupts arrive as exceptions."""
-    console, log = (
-        exu.config.printToConsole,
-        exu.special.exceptions.writeErrorsToLogFile,
-    )
+    console = exu.config.printToConsole
+    log = exu.special.exceptions.writeErrorsToLogFile
     exu.config.printToConsole = False
     exu.special.exceptions.writeErrorsToLogFile = False
     try:

@@ -106,10 +106,8 @@ class _Engine(Named):
         InputError
             If the engine cannot run this linkage or begin at this start.
         """
-        driver, engine = (
-            import_module("presswear.engines.driver"),
-            import_module(self.module),
-        )
+        driver = import_module("presswear.engines.driver")
+        engine = import_module(self.module)
         run: Run = driver.simulate(
             engine.prepare, self.resolved(), (linkage, start, plan)
         )
@@ -130,8 +128,12 @@ class ExudynTree(_Engine):
     worn_step_time: ClassVar[float] = 5e-5
 
     tree_tolerance: float | None = quantity(
-        *(None, "", FINEST, 1e-3, "chosen"),
-        "of exudyn-tree: error of a step, rad or m and rad/s or m/s; default: by the purpose",
+        None,
+        unit="",
+        low=FINEST,
+        high=1e-3,
+        origin="chosen",
+        text="of exudyn-tree: error of a step, rad or m and rad/s or m/s; default: by the purpose",
     )
     free_step: float | None = None
     impact_steps: int | None = None  # fewest in a free impact; None: by the purpose
@@ -155,8 +157,11 @@ class ExudynJoints(_Engine):
         200, 20, 10_000, "chosen", "of exudyn-joints: steps in one impact"
     )
     steps_sustained: int = count(
-        *(10, 5, 10_000, "chosen"),
-        "of exudyn-joints: fewest steps in half a period of a pin at rest on its bearing",
+        10,
+        low=5,
+        high=10_000,
+        origin="chosen",
+        text="of exudyn-joints: fewest steps in half a period of a pin at rest on its bearing",
     )
     free_steps: int = count(
         10_000, 1000, 10_000_000, "chosen", "of exudyn-joints: fewest steps in a cycle"
@@ -189,8 +194,12 @@ class InHouse(_Engine):
         "1e-4 s; auto: 8 for a trajectory, else 5",
     )
     integration_tolerance: float | None = quantity(
-        *(None, "", 1e-14, 1e-3, "chosen"),
-        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
+        None,
+        unit="",
+        low=1e-14,
+        high=1e-3,
+        origin="chosen",
+        text="of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; "
         "default: by the purpose",
     )
     equal_step: float = quantity(

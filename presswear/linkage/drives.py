@@ -82,11 +82,9 @@ def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Arr
         acceleration = acceleration - w * w * (a * cosine + b * sine)
     if motion.pieces.start.size:
         value, slope, curvature = motion.pieces.at(base * time)
-        place, speed, acceleration = (
-            place + value,
-            speed + base * slope,
-            acceleration + base**2 * curvature,
-        )
+        place = place + value
+        speed = speed + base * slope
+        acceleration = acceleration + base**2 * curvature
     return place, speed, acceleration
 
 

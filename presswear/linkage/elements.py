@@ -175,8 +175,12 @@ class Pin(Checked):
     first: End
     second: End
     stiffness: float | None = quantity(
-        *(None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
-        "stiffness of pin and rods in any direction; default: rigid",
+        None,
+        unit="N/m",
+        low=MIN_STIFFNESS,
+        high=MAX_STIFFNESS,
+        origin="chosen",
+        text="stiffness of pin and rods in any direction; default: rigid",
     )
     damping_ratio: float = quantity(
         DAMPING,
@@ -245,8 +249,12 @@ class Guide(Checked):
     direction: float = angle("angle of the line")
     angle: float = angle("fixed angle of the body")
     stiffness: float | None = quantity(
-        *(None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen"),
-        "stiffness of a spring along the line, as of a frame; default: none",
+        None,
+        unit="N/m",
+        low=MIN_STIFFNESS,
+        high=MAX_STIFFNESS,
+        origin="chosen",
+        text="stiffness of a spring along the line, as of a frame; default: none",
     )
     damping: float = quantity(
         DAMPING,

@@ -287,8 +287,12 @@ class Materials(Checked):
     )
     poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
     wear_coefficient: float = quantity(
-        *(1.2e-15, "1/Pa", 0.0, 1e-9, "assumed"),
-        "K_d of pin and bearing together; measured ones differ by powers of ten",
+        1.2e-15,
+        unit="1/Pa",
+        low=0.0,
+        high=1e-9,
+        origin="assumed",
+        text="K_d of pin and bearing together; measured ones differ by powers of ten",
     )
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "fraction of the wear depth at the bearing"
@@ -297,20 +301,36 @@ class Materials(Checked):
         0.5, "", 0.0, 2.0, "literature", "coefficient of variation of K_d (Podra 1999)"
     )
     running_in: float = quantity(
-        *(1.0, "", 0.01, 1e4, "assumed"),
-        "K_d of new surfaces over that of surfaces that have run in; 1: constant",
+        1.0,
+        unit="",
+        low=0.01,
+        high=1e4,
+        origin="assumed",
+        text="K_d of new surfaces over that of surfaces that have run in; 1: constant",
     )
     running_in_depth: float | None = quantity(
-        *(None, "m", 1e-9, 1e-3, "assumed"),
-        "worn depth over which running-in fades to 1/e; default: the roughness",
+        None,
+        unit="m",
+        low=1e-9,
+        high=1e-3,
+        origin="assumed",
+        text="worn depth over which running-in fades to 1/e; default: the roughness",
     )
     pressure_exponent: float = quantity(
-        *(1.0, "", 0.3, 3.0, "assumed"),
-        "m: wear grows as the pressure to this power; 1: Archard's law",
+        1.0,
+        unit="",
+        low=0.3,
+        high=3.0,
+        origin="assumed",
+        text="m: wear grows as the pressure to this power; 1: Archard's law",
     )
     pressure_reference: float = quantity(
-        *(10e6, "Pa", 1e3, 1e10, "assumed"),
-        "pressure at which K_d holds, with a pressure_exponent other than 1",
+        10e6,
+        unit="Pa",
+        low=1e3,
+        high=1e10,
+        origin="assumed",
+        text="pressure at which K_d holds, with a pressure_exponent other than 1",
     )
 
     @property

@@ -38,10 +38,10 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity, count, quantity, written
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
-MIN_CYCLE, MAX_CYCLE = (
-    1e-5,
-    1e3,
-)  # s: a pin at rest in its bearing takes some 1e4 steps a second
+# Shortest and longest cycle, s. A pin at rest in its bearing takes some 1e4 steps in a
+# second of the motion, so that a longer cycle takes too long to compute.
+MIN_CYCLE = 1e-5
+MAX_CYCLE = 1e3
 # distance of the points of a joint in the drawing, relative to its size
 DRAWING_TOL = 1e-6
 MAX_TURNS = 1000  # of a drive in a cycle
@@ -526,10 +526,8 @@ class _Placing:
     def spring(self, spring: Spring) -> Spring:
         """Return a spring between points of two bodies."""
         where = f"spring {spring.name}"
-        first, second = (
-            self.point(spring.first, where),
-            self.point(spring.second, where),
-        )
+        first = self.point(spring.first, where)
+        second = self.point(spring.second, where)
         if first.body == second.body:
             raise InputError(
                 f"{where}: both ends are on {first.body}, allowed are two bodies"

@@ -62,8 +62,12 @@ class SliderCrank(Mechanism):
     rod_mass: float = literature_mass(0.21, "mass of the rod")
     slider_mass: float = literature_mass(0.14, "mass of the slider")
     slide_angle: float = quantity(
-        *(-0.5 * math.pi, "rad", -2.0 * math.pi, 2.0 * math.pi, "chosen"),
-        "direction from O to the slider, from x; -90 deg: below O",
+        -0.5 * math.pi,
+        unit="rad",
+        low=-2.0 * math.pi,
+        high=2.0 * math.pi,
+        origin="chosen",
+        text="direction from O to the slider, from x; -90 deg: below O",
     )
     crank_inertia: float | None = chosen_inertia(
         None, f"inertia of the crank (torque only){DEFAULT_OF_ROD}"

@@ -17,7 +17,7 @@ MAX_MOTOR_SPEED = 1e6  # rad/s
 
 
 class _TorqueLaw:
-    """Reader of a user law of a torque."""
+    """Converter of a setting to a user law of a torque."""
 
     def convert(self, name: str, value: Any) -> UserFunction:
         return UserFunction.read(name, value, LOAD_PARAMETERS)
@@ -25,53 +25,91 @@ class _TorqueLaw:
 
 @dataclass(frozen=True)
 class Motor(Checked):
-    """Motor of a drive: a rated torque, a servo, or a user law; torque 0: a free crank.
+    """Motor of a drive: a motor with slip, a servo, or a user law of the torque.
 
-    The motor turns ``ratio`` times as fast as the body. With the slip
-    s = 1 - ratio omega / W_0 the torque on the body is that of Kloss's equation,
-    ratio M_n k 2 s s_k / (s^2 + s_k^2), or without ``breakdown`` that of a line, ratio
-    M_n s / s_n. A servo turns the body to the angle that its drive prescribes at the
-    phase of the leader, see ``Linkage.leader``, and saturates at the ``torque_limit``
-    of its drive.
+    The motor turns ``ratio`` times as fast as the body. Its slip is
+    s = 1 - ratio omega / W_0. By Kloss's equation the torque on the body is
+    ratio M_n k 2 s s_k / (s^2 + s_k^2), where k is the ``breakdown`` ratio. Without
+    ``breakdown`` the torque is linear in the slip, ratio M_n s / s_n. A rated torque of
+    0 is a free crank.
+
+    A servo turns the body to the angle that its drive prescribes at the phase of the
+    leader (``Linkage.leader``). It saturates at the ``torque_limit`` of its drive.
 
     Attributes
     ----------
     law : callable, str or None
-        User law of the torque on the body, N m, counterclockwise: a function of time, s,
-        position, the angle of the body, rad, and speed, rad/s, also as ``FILE.py:NAME``.
+        User law of the torque on the body, N m, positive counterclockwise. It is a
+        function of time, s, angle of the body, rad, and angular velocity, rad/s, or its
+        place as ``FILE.py:NAME``.
     """
 
-    # fields that the motor of a crank of a mechanism does not have as settings
+    # fields that are not settings of the motor of a named mechanism
     unset: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     torque: float | None = quantity(
-        *(None, "N m", 0.0, 1e7, "chosen"),
-        "rated torque M_n of the motor, from its rating plate; 0: a free crank",
+        None,
+        unit="N m",
+        low=0.0,
+        high=1e7,
+        origin="chosen",
+        text="rated torque M_n of the motor, from its rating plate; 0: a free crank",
     )
     slip: float = quantity(
-        *(0.08, "", 1e-3, 0.5, "chosen"),
-        "slip s_n at the rated torque; NEMA design D: 0.05 to 0.13, design B: 0.005 to 0.05",
+        0.08,
+        unit="",
+        low=1e-3,
+        high=0.5,
+        origin="chosen",
+        text="slip s_n at the rated torque; NEMA design D: 0.05 to 0.13, design B: 0.005 to 0.05",
     )
     breakdown: float | None = quantity(
-        *(2.75, "", 1.01, 10.0, "chosen"),
-        "breakdown torque over rated torque; NEMA design D: 2.75; none: a line",
+        2.75,
+        unit="",
+        low=1.01,
+        high=10.0,
+        origin="chosen",
+        text="breakdown torque over rated torque; NEMA design D: 2.75; none: a line",
     )
     ratio: float = quantity(
-        *(1.0, "", 1e-3, 1e4, "chosen"), "speed of the motor over that of the body"
+        1.0,
+        unit="",
+        low=1e-3,
+        high=1e4,
+        origin="chosen",
+        text="speed of the motor over that of the body",
     )
     inertia: float = quantity(
-        *(0.0, "kg m^2", 0.0, 1e6, "chosen"),
-        "inertia of rotor and flywheel on the shaft of the motor",
+        0.0,
+        unit="kg m^2",
+        low=0.0,
+        high=1e6,
+        origin="chosen",
+        text="inertia of rotor and flywheel on the shaft of the motor",
     )
     no_load_speed: float | None = quantity(
-        *(None, "rad/s", 1e-6, MAX_MOTOR_SPEED, "chosen"),
-        "speed W_0 of the motor without load; default: ratio times the speed of the drive",
+        None,
+        unit="rad/s",
+        low=1e-6,
+        high=MAX_MOTOR_SPEED,
+        origin="chosen",
+        text="speed W_0 of the motor without load; default: ratio times the speed of the drive",
     )
     stiffness: float | None = quantity(
-        *(None, "N m/rad", 0.0, MAX_STIFFNESS, "assumed"), "stiffness of a servo"
+        None,
+        unit="N m/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text="stiffness of a servo",
     )
     damping: float = quantity(
-        *(0.0, "N m s/rad", 0.0, MAX_STIFFNESS, "assumed"), "damping of a servo"
+        0.0,
+        unit="N m s/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text="damping of a servo",
     )
     law: Annotated[UserFunction | Callable[..., float] | str | None, _TorqueLaw()] = (
         None
@@ -79,11 +117,8 @@ class Motor(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        laws = [
-            name
-            for name in ("torque", "stiffness", "law")
-            if getattr(self, name) is not None
-        ]
+        names = ("torque", "stiffness", "law")
+        laws = [name for name in names if getattr(self, name) is not None]
         if len(laws) != 1:
             fault = f"{' and '.join(laws)} are given" if laws else "no law is given"
             raise InputError(
@@ -107,12 +142,12 @@ class Motor(Checked):
 
     @property
     def is_free(self) -> bool:
-        """True for a free crank."""
+        """True for a free crank: the torque is zero."""
         return self.torque == 0.0
 
     @property
     def has_slip(self) -> bool:
-        """True for a motor whose torque depends on its slip."""
+        """True if the torque depends on the slip."""
         return bool(self.torque)
 
     @property

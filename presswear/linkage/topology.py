@@ -32,40 +32,46 @@ def bodies_of(joint: Joint) -> set[str]:
 def prescribed_of(linkage: Linkage) -> frozenset[str]:
     """Return the bodies whose motion ideal joints, guides and drives prescribe fully.
 
-    The largest set with as many rows of constraints inside it as coordinates. Each row
-    is assigned to one of its bodies, which has room for three. A body with room left
-    can move, and so can one that could pass a row on to it; all others are prescribed.
-    The rows of a linkage that closes away from its dead points are independent, so that
-    counting them is enough.
+    They are the largest set of bodies with as many constraint equations between them as
+    coordinates. Each equation, given by the set of its bodies, is assigned to one of
+    these bodies; a body can take three. A body with fewer than three can move. So can a
+    body that could give one of its equations to a body that can move. All others are
+    prescribed. It is sufficient to count equations, because away from dead points the
+    equations of a linkage are independent.
     """
     rows = [bodies_of(joint) for joint in linkage.joints for _ in range(joint.rows)]
     rows += [{drive.body} for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
-
-    def assign(row: set[str], visited: set[str]) -> bool:
-        """Find room for a row, passing others on where need be."""
-        for name in sorted(row - visited):
-            visited.add(name)
-            if len(assigned[name]) < 3:
-                assigned[name].append(row)
-                return True
-            for earlier in assigned[name]:
-                if assign(earlier, visited):
-                    # By position: equal rows are interchangeable.
-                    assigned[name][assigned[name].index(earlier)] = row
-                    return True
-        return False
-
     for row in rows:
-        assign(row, set())
+        _assign(row, assigned, set())
     free = {name for name, rows in assigned.items() if len(rows) < 3}
     while True:
-        more = {
-            name for name, rows in assigned.items() if any(row & free for row in rows)
-        } - free
+        more = set[str]()
+        for name, rows in assigned.items():
+            if name not in free and any(row & free for row in rows):
+                more.add(name)
         if not more:
             return frozenset(assigned.keys() - free)
         free |= more
+
+
+def _assign(
+    row: set[str], assigned: dict[str, list[set[str]]], visited: set[str]
+) -> bool:
+    """Assign an equation to one of its bodies; return whether a body could take it.
+
+    A body that has three equations gives one of them to another body if it can.
+    """
+    for name in sorted(row - visited):
+        visited.add(name)
+        if len(assigned[name]) < 3:
+            assigned[name].append(row)
+            return True
+        for i, earlier in enumerate(assigned[name]):
+            if _assign(earlier, assigned, visited):
+                assigned[name][i] = row
+                return True
+    return False
 
 
 def _tree_of(
@@ -73,18 +79,18 @@ def _tree_of(
 ) -> tuple[list[Branch], list[Joint], list[Joint]]:
     """Return a tree that grows from roots joint by joint, parents before children.
 
-    Bodies that no joint reaches hang from nothing. The joints between two bodies of the
-    tree, and those that do not touch it, are returned behind it.
+    If no joint of the tree is left, the first of ``bodies`` that is not in it is added
+    without a joint. Behind the tree are the joints that close a loop of it, and the
+    joints that have no body of the tree.
     """
-    branches, closing, waiting = list[Branch](), list[Joint](), list(joints)
+    branches = list[Branch]()
+    closing = list[Joint]()
+    remaining = list(joints)
     positions = dict.fromkeys(roots, -1)  # in ``branches``
     while True:
-        touching = (
-            one for one in waiting if any(at.body in positions for at in ends_of(one))
-        )
-        joint = next(touching, None)
+        joint = _first_of_tree(remaining, positions)
         if joint is not None:
-            waiting.remove(joint)
+            remaining.remove(joint)
             before, end = ends_of(joint)
             if before.body not in positions:
                 before, end = end, before
@@ -92,22 +98,29 @@ def _tree_of(
                 closing.append(joint)
                 continue
         else:
-            name = next(
-                (body.name for body in bodies if body.name not in positions), None
-            )
-            if name is None:
-                return branches, closing, waiting
-            before, end = Attachment(GROUND, 0.0, 0.0), Attachment(name, 0.0, 0.0)
+            outside = [body.name for body in bodies if body.name not in positions]
+            if not outside:
+                return branches, closing, remaining
+            before = Attachment(GROUND, 0.0, 0.0)
+            end = Attachment(outside[0], 0.0, 0.0)
         positions[end.body] = len(branches)
         branches.append(Branch(joint, before, end, positions[before.body]))
 
 
-def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
-    """Return the free bodies as an open tree, parents before children, or why there is none.
+def _first_of_tree(joints: Sequence[Joint], positions: dict[str, int]) -> Joint | None:
+    """Return the first joint that has a body of the tree, or None."""
+    for joint in joints:
+        if any(end.body in positions for end in ends_of(joint)):
+            return joint
+    return None
 
-    Where clearance joints cut every loop that has a freedom, the rest hangs from the
-    frame, from bodies with prescribed motion, or from nothing. An open tree has no
-    forces of its joints, which the friction of rigid joints needs.
+
+def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
+    """Return the free bodies as an open tree, parents before children.
+
+    A text that says why there is no tree is returned if ideal joints close a loop that
+    can move, and if a rigid joint has friction: the equations of an open tree do not
+    contain the joint forces, on which this friction depends.
     """
     prescribed = prescribed_of(linkage)
     for drive in linkage.prescribed_drives:
@@ -132,14 +145,20 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
 def chain_of(
     linkage: Linkage, bodies: frozenset[str]
 ) -> tuple[list[Branch], list[Revolute]]:
-    """Return prescribed bodies as a tree, and the pins that close it; ValueError for no chain."""
-    # Guides first: what slides does so by its coordinate, and pins close the loops.
+    """Return prescribed bodies as a tree, and the pins that close its loops.
+
+    Raises
+    ------
+    ValueError
+        If the bodies are no chain, or have a freedom.
+    """
+    # Guides come first, so that they are in the tree and only pins close its loops.
     joints: tuple[Joint, ...] = (*linkage.guides, *linkage.revolutes)
     inner = [joint for joint in joints if bodies_of(joint) <= bodies]
-    branches, closing, waiting = _tree_of(inner, (GROUND,))
+    branches, closing, remaining = _tree_of(inner, (GROUND,))
     pins = [joint for joint in closing if isinstance(joint, Revolute)]
     drives = [drive for drive in linkage.prescribed_drives if drive.body in bodies]
     rows = 2 * len(branches) + 2 * len(pins) + len(drives)
-    if waiting or len(pins) < len(closing) or rows != 3 * len(bodies):
+    if remaining or len(pins) < len(closing) or rows != 3 * len(bodies):
         raise ValueError(f"{', '.join(sorted(bodies))} are no chain without freedom")
     return branches, pins

@@ -319,18 +319,14 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
 def friction_record(law: FrictionLaw) -> Records:
     """Return a friction law as a record of FRICTION."""
     record = np.zeros(1, FRICTION)[0]
-    record["coefficient"], record["lower"], record["upper"] = (
-        law.coefficient,
-        law.lower,
-        law.upper,
-    )
+    record["coefficient"] = law.coefficient
+    record["lower"] = law.lower
+    record["upper"] = law.upper
     force: Any = FRICTION_FORCES.get(law.name)
     if law.name == LUGRE and law.coefficient > 0.0:
         record["static"] = max(law.static, law.coefficient)
-        record["stribeck"], record["bristle_damping"] = (
-            law.stribeck,
-            law.bristle_damping,
-        )
+        record["stribeck"] = law.stribeck
+        record["bristle_damping"] = law.bristle_damping
         record["bristle_stiffness"] = law.bristle_stiffness
     if law.user_law is not None:
         force = compile_function(law.user_law, FRICTION_PARAMETERS)

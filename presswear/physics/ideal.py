@@ -77,10 +77,8 @@ class Motion:
         )
         cosine, sine = np.cos(q[:, 2] - direction), np.sin(q[:, 2] - direction)
         # The point relative to the mass centre, along the direction and across.
-        along, across = (
-            point.x * cosine - point.y * sine,
-            point.x * sine + point.y * cosine,
-        )
+        along = point.x * cosine - point.y * sine
+        across = point.x * sine + point.y * cosine
         unit = np.array([math.cos(direction), math.sin(direction)])
         acceleration = a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along
         place = q[:, :2] @ unit + along

@@ -485,10 +485,8 @@ def pack_loads(linkage: Linkage) -> Loads | None:
         if isinstance(load, Force):
             point = load.attachment
             record["x"], record["y"] = point.x, point.y
-            record["cosine"], record["sine"] = (
-                math.cos(load.direction),
-                math.sin(load.direction),
-            )
+            record["cosine"] = math.cos(load.direction)
+            record["sine"] = math.sin(load.direction)
     return _pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
 
 

@@ -103,15 +103,11 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["inertia"] = body.effective_inertia
         if isinstance(joint, Guide):
             part["is_guided"] = True
-            part["cosine"], part["sine"] = (
-                math.cos(joint.direction),
-                math.sin(joint.direction),
-            )
+            part["cosine"] = math.cos(joint.direction)
+            part["sine"] = math.sin(joint.direction)
             part["angle"] = joint.angle
-            part["axis_x"], part["axis_y"] = (
-                math.cos(joint.angle),
-                math.sin(joint.angle),
-            )
+            part["axis_x"] = math.cos(joint.angle)
+            part["axis_y"] = math.sin(joint.angle)
         elif before.body == GROUND:
             part["inertia"] += body.mass * (end.x**2 + end.y**2)
             part["mass"] = 0.0
@@ -150,11 +146,9 @@ def place_parts(
             q[b + 1] = part.before_y + x * part.sine
             q[b + 2] = part.angle
             v[b], v[b + 1], v[b + 2] = rate * part.cosine, rate * part.sine, 0.0
-            a[b], a[b + 1], a[b + 2] = (
-                acceleration * part.cosine,
-                acceleration * part.sine,
-                0.0,
-            )
+            a[b] = acceleration * part.cosine
+            a[b + 1] = acceleration * part.sine
+            a[b + 2] = 0.0
             axes[b], axes[b + 1] = part.axis_x, part.axis_y
             continue
         _place_hinge(part, q, v, a, axes)

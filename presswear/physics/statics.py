@@ -378,10 +378,8 @@ class _Rest:
         self._onset[:] = 0.0 if with_contacts else HELD_OPEN
         force = self.packed.weight + self._forces(self._time, q, self._still)
         x, y = lever(i, output.x, output.y, q)
-        fx, fy = (
-            self._pull * math.cos(output.direction),
-            self._pull * math.sin(output.direction),
-        )
+        fx = self._pull * math.cos(output.direction)
+        fy = self._pull * math.sin(output.direction)
         force[i : i + 3] += fx, fy, x * fy - y * fx
         jacobian = self._rows.evaluate(self._time, q, self._still)[3]
         reactions = -np.linalg.solve(jacobian.T, force)
