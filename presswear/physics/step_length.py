@@ -281,7 +281,9 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             if acceleration != 0.0:
                 flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
                 wanted = min(wanted, flight / STEPS_PER_FLIGHT)
-            arrival, closing, doubt = time_to_event(depth, rate, acceleration, 0.0)
+            arrival, closing, uncertainty = time_to_event(
+                depth, rate, acceleration, 0.0
+            )
             if not joint.is_flat:
                 across, speed_across = time_across(records.contacts[k], joint.clearance)
                 if across < arrival:
@@ -290,7 +292,7 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             if arrival < min(chosen, max(wanted, steps[0].least)):
                 behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
                 landing = step_to_event(
-                    arrival, doubt, True, behind, joint.normal.abrupt
+                    arrival, uncertainty, True, behind, joint.normal.abrupt
                 )
                 wanted = min(wanted, landing)
         chosen = min(chosen, max(wanted, steps[0].least))

@@ -1,12 +1,12 @@
 """Touchdown and separation of pins: the state of contact between steps.
 
-The force law needs the closing speed at touchdown. Taken from the first penetrated
-state it is wrong by parts in a thousand. One rule holds in all engines: an event is
-predicted from value and derivatives in the last state (``time_to_event``), a step ends
-just behind it, and its moment is the root of the cubic through values and rates at both
-ends of the step (``joint_crossing``, ``load_crossing``). An engine that can repeat a
-step does so where the prediction was missed; the in-house solver repeats until the step
-ends on the event. In this module ``records`` is the ``RecorderState`` of a run.
+The force law needs the closing speed at touchdown. The rate in the first penetrated
+state differs from it by some 0.1 %. All engines follow one rule. They predict an event
+from its value and derivatives in the last state (``time_to_event``) and end a step just
+after it. The instant of the event is the root of the cubic through values and rates at
+both ends of the step (``joint_crossing``, ``load_crossing``). An engine that can repeat
+a step does so if the prediction was wrong. The in-house solver repeats the step until
+it ends on the event. In this module ``records`` is the ``RecorderState`` of a run.
 """
 
 import math
@@ -26,24 +26,24 @@ from presswear.tools.compile import Records, compiled, floats, inlined
 MEMORY = np.dtype(
     [
         ("time", np.float64),  # of the last accepted state, s
-        ("step", np.float64),  # that led to it, s
-        ("penetration", np.float64),
-        ("earlier_penetration", np.float64),  # of the state before the last, m
-        ("rate", np.float64),
+        ("step", np.float64),  # length of the last accepted step, s
+        ("penetration", np.float64),  # m
+        ("earlier_penetration", np.float64),  # in the state before the last, m
+        ("rate", np.float64),  # of the penetration, m/s
         ("acceleration", np.float64),  # of the penetration, m/s^2
-        ("closing", np.float64),  # rate that damps the elastic force, m/s
-        ("elastic", np.float64),  # force, N
-        ("energy", np.float64),  # elastic, J
-        # normal force at a maximum within the last step, N; else 0
+        ("closing", np.float64),  # rate that enters the damping, m/s
+        ("elastic", np.float64),  # elastic force, N
+        ("energy", np.float64),  # elastic energy, J
+        # maximum of the normal force inside the last step, N; 0: no maximum inside
         ("step_peak", np.float64),
-        # speed at which the contact runs over the wear maps, rad/s
+        # speed of the contact over the wear maps, rad/s
         ("sweep", np.float64),
         *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
         ("touchdown_time", np.float64),  # of the present contact, s
-        ("separation_time", np.float64),  # of the contact before, s
+        ("separation_time", np.float64),  # of the previous contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
         ("steps", np.int64),  # accepted in the present contact
-        ("longest_step", np.float64),  # allowed by the expected duration of the contact
+        ("longest_step", np.float64),  # for the expected duration of the contact, s
         ("peak_force", np.float64),  # of the present contact, N
     ]
 )
@@ -52,13 +52,13 @@ MEMORY = np.dtype(
 COUNTERS = np.dtype(
     [
         ("contacts", np.int64),  # that have ended
-        ("contacts_before", np.int64),  # ... before the present cycle
-        ("rows", np.int64),  # of them kept
-        ("full", np.bool_),  # no further ones are kept
-        ("unresolved", np.int64),  # of too few steps
-        ("fewest_steps", np.int64),
+        ("contacts_before", np.int64),  # that had ended before the present cycle
+        ("rows", np.int64),  # stored contacts
+        ("full", np.bool_),  # no more contacts are stored
+        ("unresolved", np.int64),  # contacts with too few steps
+        ("fewest_steps", np.int64),  # of any contact
         ("peak_force", np.float64),  # of the run so far, N
-        ("deepest", np.float64),  # penetration of the run so far, m
+        ("deepest", np.float64),  # largest penetration of the run so far, m
     ]
 )
 
@@ -68,23 +68,26 @@ STORED_CONTACT = np.dtype(
         ("touchdown", np.float64),  # s
         ("separation", np.float64),  # s
         ("closing_speed", np.float64),  # rate of penetration at touchdown, m/s
-        ("release_speed", np.float64),  # and at separation, below zero
+        ("release_speed", np.float64),  # rate at separation, below zero, m/s
         ("peak_force", np.float64),  # N
         ("steps", np.float64),
     ]
 )
-# where they are stored as columns
+# the same quantities as columns of a result
 CONTACT_COLUMNS: tuple[str, ...] = STORED_CONTACT.names or ()
 
-# Closing speed of a joint that bears no force until its touchdown is located
+# Onset speed that marks a joint as open, without force, until its touchdown is located
 HELD_OPEN = -1.0
-POSITION_NOISE = 1e-14  # round-off of a penetration, some times over, m
-FORCE_SLOPE = 1e-3  # part of a step over which the slope of the force is taken
-# that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force
+POSITION_NOISE = 1e-14  # several times the round-off of a penetration, m
+FORCE_SLOPE = 1e-3  # difference for the slope of the force, as a fraction of a step
+# Bisections for a maximum of the force. They locate it to 2e-4 of a step, and the force
+# to 1e-8 of its value.
 PEAK_HALVINGS = 12
-# of a peak and the larger force at the ends of its step; 1.02 was found
+# Largest ratio of a peak to the larger force at the ends of its step; the largest that
+# was measured is 1.02.
 MAX_PEAK_RATIO = 1.05
-# steps that every contact gets, unless it is shorter than so many shortest steps
+# Least number of steps in a contact. A contact that is shorter than this number of
+# shortest steps has fewer.
 LEAST_STEPS = 20
 
 
@@ -92,15 +95,19 @@ LEAST_STEPS = 20
 def hermite(
     p0: float, r0: float, p1: float, r1: float, h: float, s: float
 ) -> tuple[float, float]:
-    """Return the value and time derivative at s in 0 .. 1 of the cubic through two states."""
+    """Return value and time derivative of the cubic through two states.
+
+    The states have values ``p0`` and ``p1`` and rates ``r0`` and ``r1``, at the ends of
+    a step of length ``h``, s. ``s`` is the fraction of the step, from 0 to 1.
+    """
     a = r0 * h
     b = r1 * h
     rise = p1 - p0
     curve = 3.0 * rise - 2.0 * a - b
     twist = a + b - 2.0 * rise
     value = p0 + s * (a + s * (curve + s * twist))
-    # By how much the mean rate differs from that of a parabola; over a very short step
-    # nothing but the round-off of the positions.
+    # Six times the difference between the rise and that of a parabola with these rates.
+    # Over a very short step it is only the round-off of the positions.
     curvature = 6.0 * rise - 3.0 * (a + b)
     if abs(curvature) < POSITION_NOISE:
         curvature = 0.0
@@ -109,20 +116,21 @@ def hermite(
 
 @compiled
 def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
-    """Return the part of a step at which the penetration becomes positive; 2 if it does not.
+    """Return the fraction of a step after which the penetration becomes positive; 2 if never.
 
-    A contact that has ended again within the step is found where the cubic shows it.
+    The arguments are those of ``hermite``. A contact that begins and ends within the
+    step is found if the cubic becomes positive.
     """
     a = r0 * h
     b = r1 * h
     rise = p1 - p0
-    # Above both ends a cubic is by 4/27 of its slopes there at most.
+    # A cubic exceeds the values at its ends by at most 4/27 of its slopes at the ends.
     if max(p0, p1) + 4.0 / 27.0 * (abs(a) + abs(b)) < 0.0:
         return 2.0
     quadratic = 3.0 * (a + b - 2.0 * rise)
     linear = 2.0 * (3.0 * rise - 2.0 * a - b)
     # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is
-    # monotone: the first piece that rises from open to closed holds the touchdown.
+    # monotone. The touchdown lies in the first of these pieces that ends above zero.
     first = second = 1.0
     discriminant = linear * linear - 4.0 * quadratic * a
     if discriminant >= 0.0:
@@ -150,10 +158,11 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
 @compiled
 def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float, float]:
-    """Return when a quantity below zero reaches it, by its value and three derivatives, s.
+    """Return the time, s, after which a negative quantity reaches zero; infinite if never.
 
-    Infinite if never.  Also the rate then, and what the third derivative changes of the
-    time.
+    Also return the rate at that time, and the change of the time by the third
+    derivative, s, which serves as its uncertainty. ``p`` is the present value; ``r``,
+    ``a`` and ``j`` are its first three derivatives.
     """
     root = r * r - 2.0 * a * p
     denominator = r + math.sqrt(root) if root >= 0.0 else 0.0
@@ -161,25 +170,27 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float,
         return math.inf, 0.0, 0.0
     first = -2.0 * p / denominator
     arrival = first
-    doubt = 0.0
+    uncertainty = 0.0
     for _ in range(2):
         slope = r + arrival * (a + 0.5 * j * arrival)
         if slope <= 0.0:
-            arrival = doubt = first
+            arrival = first
+            uncertainty = first
             break
         change = -(p + arrival * (r + arrival * (0.5 * a + j * arrival / 6.0))) / slope
         arrival = min(max(arrival + change, 0.5 * first), 2.0 * first)
-        doubt = abs(arrival - first)
-    return arrival, r + arrival * (a + 0.5 * j * arrival), doubt
+        uncertainty = abs(arrival - first)
+    rate = r + arrival * (a + 0.5 * j * arrival)
+    return arrival, rate, uncertainty
 
 
 @compiled
 def time_across(contact: Records, clearance: float) -> tuple[float, float]:
-    """Return when a pin that flies inwards meets the opposite wall, s, and its speed there, m/s.
+    """Return the time to the opposite wall, s, and the closing speed at that wall, m/s.
 
-    The flight is straight and the bore round. The distance from the wall has a kink in
-    the centre, beyond which its derivatives say nothing. Infinite where the pin rests
-    or flies outwards. A corner touches one wall only.
+    The flight of the pin is taken as straight and the bore as round. Derivatives of the
+    penetration cannot predict this event, because the penetration has a kink at the
+    centre. The time is infinite if the pin rests or moves outwards.
     """
     ex, ey = contact.eccentricity_x, contact.eccentricity_y
     vx, vy = contact.velocity_x, contact.velocity_y
@@ -193,37 +204,40 @@ def time_across(contact: Records, clearance: float) -> tuple[float, float]:
 
 @compiled
 def step_to_event(
-    arrival: float, doubt: float, is_near: bool, behind: float, is_abrupt: bool
+    arrival: float, uncertainty: float, is_near: bool, behind: float, is_abrupt: bool
 ) -> float:
-    """Return the step, s, that ends just ``behind`` a predicted event, or as near as it is trusted.
+    """Return the step, s, that ends the time ``behind`` after a predicted event.
 
-    Where the law begins with a jump the touchdown gets a short step of its own.
+    If the event is not near, the step ends earlier by twice the uncertainty of the
+    prediction. If the force jumps at touchdown, the step ends before the event, so that
+    a short step of its own passes the touchdown.
     """
     if not is_near:
-        return max(arrival - 2.0 * doubt, 0.5 * arrival)
-    return (
-        arrival - behind if is_abrupt and arrival > 2.0 * behind else arrival + behind
-    )
+        return max(arrival - 2.0 * uncertainty, 0.5 * arrival)
+    if is_abrupt and arrival > 2.0 * behind:
+        return arrival - behind
+    return arrival + behind
 
 
 @compiled
 def is_reversed(last: Records, contact: Records) -> bool:
     """Return whether a pin has passed the centre of its bore since its last accepted state.
 
-    A corner touches one wall only.
+    It has if the two eccentricities point to opposite sides. The corner of a guide
+    cannot, because it has one wall.
     """
     if contact.is_flat > 0.0:
         return False
-    along = last.eccentricity_x * contact.eccentricity_x
-    return along + last.eccentricity_y * contact.eccentricity_y < 0.0
+    dot = last.eccentricity_x * contact.eccentricity_x
+    return dot + last.eccentricity_y * contact.eccentricity_y < 0.0
 
 
 @compiled
 def seen_from_opposite(penetration: float, eccentricity: float) -> float:
-    """Return the penetration of a pin into the wall beyond the centre of its bore, m.
+    """Return the penetration of a pin into the wall opposite to its eccentricity, m.
 
-    The pin is farther from that wall than the centre, by its eccentricity. The rate
-    changes sign.
+    Along the line through the centre, the distances to the two walls differ by twice
+    the eccentricity. The rate is that of the other wall with the opposite sign.
     """
     return penetration - 2.0 * eccentricity
 
@@ -232,46 +246,52 @@ def seen_from_opposite(penetration: float, eccentricity: float) -> float:
 def joint_crossing(
     last: Records, contact: Records, is_closed: bool, h: float
 ) -> tuple[float, float, float, float]:
-    """Return the part of a step at which a joint touches down or separates; 2 if it does not.
+    """Return the fraction of a step after which a joint touches down or separates; 2 if never.
 
-    Also the penetration at the end of the step, m, its rate at the start and at the
-    event, m/s, all with the sign in which they grow towards the event. All are those of
-    the wall that the pin leaves, or on which it lands: a pin that runs through the
-    centre of its bore is closed on both sides of it, and open between them.
+    Also return the penetration at the end of the step, m, and its rates at the start
+    and at the event, m/s. For a separation all three have the opposite sign, so that
+    they grow towards the event. They refer to one wall: the wall that the pin leaves at
+    a separation, or meets at a touchdown. A pin that crosses the bore can be in contact
+    at both ends of the step, with opposite walls, and open in between.
     """
-    start, end = last.penetration, contact.penetration
-    first = last.rate
-    final = contact.rate
+    start = last.penetration
+    end = contact.penetration
+    start_rate = last.rate
+    end_rate = contact.rate
     if is_reversed(last, contact):
         if is_closed:
             end = seen_from_opposite(end, contact.eccentricity)
-            final = -final
+            end_rate = -end_rate
         else:
-            start = seen_from_opposite(
-                start, math.hypot(last.eccentricity_x, last.eccentricity_y)
-            )
-            first = -first
+            eccentricity = math.hypot(last.eccentricity_x, last.eccentricity_y)
+            start = seen_from_opposite(start, eccentricity)
+            start_rate = -start_rate
     if is_closed:
         start = -start
         end = -end
-        first = -first
-        final = -final
-    s = crossing(min(start, 0.0), first, end, final, h)
-    return s, end, first, hermite(start, first, end, final, h, s)[1]
+        start_rate = -start_rate
+        end_rate = -end_rate
+    s = crossing(min(start, 0.0), start_rate, end, end_rate, h)
+    event_rate = hermite(start, start_rate, end, end_rate, h, s)[1]
+    return s, end, start_rate, event_rate
 
 
 @compiled
 def load_crossing(
     loads: Loads | None, k: int, q: Array, v: Array, a: Array, h: float, behind: float
 ) -> tuple[float, float, float]:
-    """Return what ``joint_crossing`` does, of a load that goes so far behind transition ``k``."""
+    """Return the fraction of a step after which a load is past its transition ``k``; 2 if never.
+
+    Also return the value of the transition at the end of the step, and its rate at the
+    start. A load is past the transition if the value exceeds ``behind``.
+    """
     value, rate = transition_value(loads, k, q, v, a)
-    start, first_rate, _, _ = transition_at_start(loads, k, 0.0)
+    start, start_rate, _, _ = transition_at_start(loads, k, 0.0)
     if value == -math.inf:
-        return 2.0, value, first_rate
+        return 2.0, value, start_rate
     value -= behind
-    s = crossing(min(start, 0.0) - behind, first_rate, value, rate, h)
-    return s, value, first_rate
+    s = crossing(min(start, 0.0) - behind, start_rate, value, rate, h)
+    return s, value, start_rate
 
 
 @compiled
@@ -290,9 +310,10 @@ def touch_down(
 
 @compiled
 def separate(records: Any, k: int, t: float, rate: float, needed: int) -> None:
-    """End a contact and file it; one of fewer than ``needed`` steps counts as unresolved.
+    """End a contact and store it.
 
-    A contact in which the run began is not whole and is not counted.
+    A contact with fewer than ``needed`` steps counts as unresolved. A contact in which
+    the run began is not complete: it is neither counted nor stored.
     """
     last = records.memory[k]
     counters = records.counters[k]
@@ -324,49 +345,121 @@ def force_within(
     quartic: float,
     s: float,
 ) -> float:
-    """Return the normal force, N, at the part ``s`` of a step between two closed states.
+    """Return the normal force, N, at the fraction ``s`` of a step between two closed states.
 
-    The law is evaluated on the cubic through both penetrations and rates, plus
-    ``quartic`` times s^2 (1 - s)^2. On a foundation the elastic force follows the power
-    of the penetration that force and energy of each state give.
+    The penetration is the cubic through both penetrations and rates, plus ``quartic``
+    times s^2 (1 - s)^2. On a foundation the elastic force is extrapolated from each
+    state as a power of the penetration: if F = c delta^n, the energy is F delta / (n + 1).
     """
-    start, end = last.penetration, contact.penetration
+    start = last.penetration
+    end = contact.penetration
     depth, rate = hermite(start, last.rate, end, contact.rate, h, s)
     product = s * (1.0 - s)
     depth += quartic * product * product
     rate += 2.0 * quartic * product * (1.0 - 2.0 * s) / h
     if depth <= 0.0:
         return 0.0
-    rate += (1.0 - s) * (last.closing - last.rate) + s * (
-        contact.closing - contact.rate
-    )
+    start_difference = last.closing - last.rate
+    end_difference = contact.closing - contact.rate
+    rate += (1.0 - s) * start_difference + s * end_difference
     if joint.foundation > 0.0 and joint.surface_bins > 0:
-        first = last.elastic * (depth / start) ** (
-            last.elastic * start / last.energy - 1.0
-        )
-        second = contact.elastic * (depth / end) ** (
-            contact.elastic * end / contact.energy - 1.0
-        )
-        elastic = (1.0 - s) * first + s * second
+        start_exponent = last.elastic * start / last.energy - 1.0
+        from_start = last.elastic * (depth / start) ** start_exponent
+        end_exponent = contact.elastic * end / contact.energy - 1.0
+        from_end = contact.elastic * (depth / end) ** end_exponent
+        elastic = (1.0 - s) * from_start + s * from_end
     else:
         elastic = elastic_at(joint.normal, depth)
     return normal_force(joint.normal, elastic, depth, rate, onset)
 
 
 @compiled
+def end_force(
+    joint: Records, onset: float, last: Records, contact: Records, h: float
+) -> float:
+    """Return the larger normal force at the ends of a step, N; -1 without a maximum inside.
+
+    There is a maximum inside if the force rises at the beginning of the step and falls
+    at its end.
+    """
+    largest = 0.0
+    for i in range(2):
+        # While the pin goes deeper the force mostly rises until the end of the step.
+        # The end is then tested first, because this test decides.
+        if (i == 0) == (last.rate > 0.0):
+            s = 1.0 - FORCE_SLOPE
+            force = normal_force(
+                joint.normal,
+                contact.elastic,
+                contact.penetration,
+                contact.closing,
+                onset,
+            )
+        else:
+            s = FORCE_SLOPE
+            force = normal_force(
+                joint.normal, last.elastic, last.penetration, last.closing, onset
+            )
+        if force_within(joint, onset, last, contact, h, 0.0, s) <= force:
+            return -1.0
+        largest = max(largest, force)
+    return largest
+
+
+@compiled
+def quartic_of(last: Records, contact: Records, h: float) -> float:
+    """Return the factor of s^2 (1 - s)^2 with which the penetration passes the earlier state.
+
+    Zero if that state was open. Also zero after a short step, because the round-off of
+    the penetrations would be magnified.
+    """
+    if not (last.earlier_penetration > 0.0 and last.step > 0.5 * h):
+        return 0.0
+    s = -last.step / h
+    cubic = hermite(
+        last.penetration, last.rate, contact.penetration, contact.rate, h, s
+    )[0]
+    return (last.earlier_penetration - cubic) / (s * (1.0 - s)) ** 2
+
+
+@compiled
+def maximum_force(
+    joint: Records,
+    onset: float,
+    last: Records,
+    contact: Records,
+    h: float,
+    quartic: float,
+) -> float:
+    """Return the maximum of the normal force inside a step by bisection of its slope, N."""
+    low = 0.0
+    high = 1.0 - FORCE_SLOPE
+    force = 0.0
+    for _ in range(PEAK_HALVINGS):
+        s = 0.5 * (low + high)
+        force = force_within(joint, onset, last, contact, h, quartic, s)
+        later = force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE)
+        if later > force:
+            low = s
+        else:
+            high = s
+    return force
+
+
+@compiled
 def peak_within(
     joint: Records, onset_speed: float, last: Records, contact: Records, h: float
 ) -> float:
-    """Return the maximum of the normal force, N, within a step of a contact; 0 if there is none.
+    """Return the maximum of the normal force inside a step of a contact, N; 0 without one.
 
-    There is one if the force rises at the beginning of the step and falls at its end.
-    The quartic also passes through the state before, if that was closed. On a
-    foundation, a maximum far above both ends is an error of the extrapolated powers.
+    On a foundation, a maximum far above the forces at both ends is an error of the
+    extrapolated powers.
     """
     if joint.oiled:
         return 0.0
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
-    start, end = last.penetration, contact.penetration
+    start = last.penetration
+    end = contact.penetration
     if not (onset_speed > 0.0 and h > 0.0 and start > 0.0 and end > 0.0):
         return 0.0
     # In a very short step round-off of the penetrations bends the cubic more than the
@@ -374,43 +467,15 @@ def peak_within(
     deviation = end - start - 0.5 * h * (last.rate + contact.rate)
     if abs(deviation) > h * abs(contact.rate - last.rate):
         return 0.0
-    # A power that holds near a state says little about a penetration far from it.
+    # A power that holds near a state does not hold at a penetration far from it.
     if is_foundation and max(start, end) > 2.0 * min(start, end):
         return 0.0
     onset = max(onset_speed, joint.onset_floor)
-    low, high = 0.0, 1.0 - FORCE_SLOPE
-    largest = 0.0
-    for i in range(2):
-        # While the pin goes deeper the force mostly rises up to the end, which is
-        # tested first.
-        if (i == 0) == (last.rate > 0.0):
-            force = normal_force(
-                joint.normal, contact.elastic, end, contact.closing, onset
-            )
-            s = high
-        else:
-            force = normal_force(joint.normal, last.elastic, start, last.closing, onset)
-            s = FORCE_SLOPE
-        if force_within(joint, onset, last, contact, h, 0.0, s) <= force:
-            return 0.0
-        largest = max(largest, force)
-    quartic = 0.0
-    # Behind a short step the round-off of the penetrations would be magnified.
-    if last.earlier_penetration > 0.0 and last.step > 0.5 * h:
-        s = -last.step / h
-        cubic = hermite(start, last.rate, end, contact.rate, h, s)[0]
-        quartic = (last.earlier_penetration - cubic) / (s * (1.0 - s)) ** 2
-    force = 0.0
-    for _ in range(PEAK_HALVINGS):
-        s = 0.5 * (low + high)
-        force = force_within(joint, onset, last, contact, h, quartic, s)
-        if (
-            force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE)
-            > force
-        ):
-            low = s
-        else:
-            high = s
+    largest = end_force(joint, onset, last, contact, h)
+    if largest < 0.0:
+        return 0.0
+    quartic = quartic_of(last, contact, h)
+    force = maximum_force(joint, onset, last, contact, h, quartic)
     return 0.0 if is_foundation and force > MAX_PEAK_RATIO * largest else force
 
 
@@ -418,9 +483,9 @@ def peak_within(
 def remember(
     last: Records, joint: Records, onset_speed: float, contact: Records, t: float
 ) -> None:
-    """Store what the next step needs of an accepted state; count the step, and find its peak.
+    """Store an accepted state for the next step; count the step and find its peak force.
 
-    A state that is stored again at the same time changes neither count nor peak.
+    A state at the time of the last one replaces it and changes neither count nor peak.
     """
     h = t - last.time
     if h > 0.0:
@@ -444,12 +509,11 @@ def remember(
 
 @compiled
 def settle(records: Any, t: float, needed: int) -> int:
-    """Bring the state of contact up to an accepted state.
+    """Update the state of contact of all joints after an accepted step.
 
-    Latches closing speeds and files contacts that ended, those of fewer than ``needed``
-    steps as unresolved. Returns the number of joints that have touched down or
-    separated; forces of an open joint that is closed now, or of a closed one that is
-    open, have to be filled again.
+    Stores the closing speed of each touchdown, and each contact that has ended. A
+    contact with fewer than ``needed`` steps counts as unresolved. Returns the number of
+    joints that have touched down or separated; their forces must be computed again.
     """
     joints = records.packed.joints
     onset = records.onset
@@ -473,9 +537,10 @@ def settle(records: Any, t: float, needed: int) -> int:
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
             h = t - last.time
             s = min(joint_crossing(last, contact, True, h)[0], 1.0)
-            # Behind the separation no contact force changes the rate any more.
-            leaving = -contact.rate if is_reversed(last, contact) else contact.rate
-            separate(records, k, last.time + s * h, leaving, needed)
+            # After the separation no contact force changes the rate, so that the rate
+            # at the end of the step is that at the separation.
+            rate = -contact.rate if is_reversed(last, contact) else contact.rate
+            separate(records, k, last.time + s * h, rate, needed)
             onset[k] = 0.0
             events += 1
         remember(last, joints[k], onset[k], contact, t)

@@ -63,7 +63,8 @@ RESOLVED = 1.0 / 3.0
 # of a load's law, m, rad, m/s or rad/s
 LANDING_DEPTH = 1e-11
 LANDING_PART = 1e-3  # ... but no further than this part of the contact's duration
-# Part of a predicted time that is in doubt while the change of acceleration is unknown
+# Uncertainty of a predicted time, as a fraction of it, while the change of acceleration
+# is unknown
 PREDICTION_TOL = 0.05
 
 # State of the choice of steps
@@ -165,16 +166,16 @@ def step_behind(
 ) -> float:
     """Return the step, s, no longer than ``h``, that ends where a quantity below 0 reaches it.
 
-    It ends just behind, because what does not come so far is round-off, and before
-    while the prediction is in doubt.
+    It ends just after that instant, because a smaller change is round-off. While the
+    prediction is uncertain it ends earlier.
     """
     r, a, j = derivatives
-    arrival, speed, doubt = time_to_event(value - LANDING_DEPTH, r, a, j)
+    arrival, speed, uncertainty = time_to_event(value - LANDING_DEPTH, r, a, j)
     if arrival <= h and speed > 0.0:
         if not smooth:
-            doubt = max(doubt, PREDICTION_TOL * arrival)
-        is_near = doubt * speed <= 0.5 * LANDING_DEPTH
-        h = min(h, step_to_event(arrival, doubt, is_near, 0.0, False))
+            uncertainty = max(uncertainty, PREDICTION_TOL * arrival)
+        is_near = uncertainty * speed <= 0.5 * LANDING_DEPTH
+        h = min(h, step_to_event(arrival, uncertainty, is_near, 0.0, False))
     return h
 
 
@@ -219,25 +220,27 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         jerk = sign * jerk if pace.smooth else 0.0
         if sign * last.penetration >= 0.0:
             continue
-        arrival, speed, doubt = time_to_event(
+        arrival, speed, uncertainty = time_to_event(
             sign * last.penetration, sign * last.rate, sign * acceleration, jerk
         )
         if not (closed or joint.is_flat):
             across, closing = time_across(records.contacts[k], joint.clearance)
             if across < arrival:
-                arrival, speed, doubt = across, closing, PREDICTION_TOL * across
+                arrival = across
+                speed = closing
+                uncertainty = PREDICTION_TOL * across
         if not arrival < 2.0 * h:
             continue
         if not closed:
             system.expected[k] = max(speed, 0.0)
         if arrival <= h and speed > 0.0:
             if not pace.smooth:
-                doubt = max(doubt, PREDICTION_TOL * arrival)
-            is_near = doubt * speed <= LANDING_DEPTH
+                uncertainty = max(uncertainty, PREDICTION_TOL * arrival)
+            is_near = uncertainty * speed <= LANDING_DEPTH
             duration = contact_step(joint, 0.0, speed, 1.0)
             behind = min(LANDING_DEPTH / speed, LANDING_PART * duration)
             is_abrupt = joint.normal.abrupt and not closed
-            h = min(h, step_to_event(arrival, doubt, is_near, behind, is_abrupt))
+            h = min(h, step_to_event(arrival, uncertainty, is_near, behind, is_abrupt))
     return max(h, pace.shortest)
 
 
