@@ -1,4 +1,4 @@
-"""One driver for all engines: cycle by cycle, from a state that can be written down."""
+"""Driver of all engines: runs cycle by cycle, and can store and resume its state."""
 
 import time as clock
 from collections.abc import Callable, Mapping
@@ -20,34 +20,34 @@ from presswear.tools.arrays import Array, State, named, part
 
 @dataclass(frozen=True)
 class Simulation:
-    """A linkage in an engine, ready to run."""
+    """Model of a linkage in an engine, ready to run."""
 
-    # integrates up to a time, s; up to the nominal time of ``Recorder.aim`` if it is set
+    # integrate up to a time, s, or up to the nominal time of ``Recorder.aim`` if set
     advance: Callable[[float], Finding | None]
-    # time, s, and q and v of all bodies, copied
+    # return the time, s, and copies of q and v of all bodies
     state: Callable[[], tuple[float, Array, Array]]
-    ledger: Callable[[], Ledger]  # energies since the run began
-    # fills the contacts of the present state on changed surfaces
-    worn: Callable[[], None]
-    # Live arrays that, with ``sums`` and the recorder, hold the state between two
-    # cycles
+    ledger: Callable[[], Ledger]  # return the energies since the run began
+    # update the contacts of the present state after the surfaces have changed
+    update_contacts: Callable[[], None]
+    # Arrays that the engine changes. With ``sums`` and the recorder they determine how
+    # the run continues after a cycle.
     arrays: Mapping[str, NDArray[Any]]
-    sums: dict[str, float]  # counts and times summed over the cycles
-    # of this engine for ``Run``
+    sums: dict[str, float]  # counts and times, summed over the cycles
+    # return the diagnostics of this engine for ``Run``
     diagnostics: Callable[[], dict[str, float | int | str]]
-    remedy: str  # what makes the steps of this engine finer
-    constraints: Constraints | None = None  # what may drift
-    close: Callable[[], None] = lambda: None  # frees what the engine holds
+    remedy: str  # setting that makes the steps of this engine finer
+    constraints: Constraints | None = None  # to be checked for drift
+    close: Callable[[], None] = lambda: None  # free the resources of the engine
 
 
-# Builds the model of a linkage in a start, with an engine's settings
+# Build the model of a linkage in its initial state, with the settings of an engine
 Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 Case = tuple[Linkage, Start, Plan]
 
-# among the sums: elastic energy of what was worn off under load, J
+# Name of a sum: elastic energy of the material that was worn off under load, J
 _WORN_OFF = "worn_off"
-# Energies of the ledger by the column of the cycle that adds to them; the sums hold
-# their values at the end of the last cycle, J
+# Columns of a cycle, and the energy of the ledger whose change in the cycle each stores.
+# The sums hold the energies at the end of the last cycle, J.
 _ENERGIES = {
     CONTACT_MADE: "made",
     DRIVE_WORK: "drive_work",
@@ -56,9 +56,13 @@ _ENERGIES = {
 
 
 def _balance(running: Simulation) -> Ledger:
-    """Return the energies so far; what went with worn surfaces is lost in contacts."""
+    """Return the energies so far.
+
+    The elastic energy of material that was worn off counts as contact loss.
+    """
     ledger = running.ledger()
-    return replace(ledger, contact_loss=ledger.contact_loss + running.sums[_WORN_OFF])
+    contact_loss = ledger.contact_loss + running.sums[_WORN_OFF]
+    return replace(ledger, contact_loss=contact_loss)
 
 
 def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
@@ -67,7 +71,7 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
     linkage = linkage.released
     recorder = recorder_of(linkage, start, plan)
     running = prepare(linkage, start, settings, plan, recorder)
-    began = clock.process_time()
+    started = clock.process_time()
     running.sums.update(dict.fromkeys((_WORN_OFF, *_ENERGIES.values()), 0.0))
     if plan.resume is not None:
         for name, array in running.arrays.items():
@@ -86,29 +90,27 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
         end=Start(position, velocity),
         time=time,
         diagnostics={**running.diagnostics(), **_balance(running).as_dict()},
-        cpu=clock.process_time() - began,
+        cpu=clock.process_time() - started,
     )
     running.close()
     return run
 
 
 class _Cycles:
-    """The cycles of a run.
+    """Cycles of a run.
 
-    Every cycle begins in the same way from the state that the last one left, whether
-    this process computed that or read it: a run that was killed and goes on gives the
-    same numbers.
+    Every cycle begins from the state at the end of the previous cycle, whether this
+    process has computed that state or read it from a checkpoint. A resumed run
+    therefore gives the same numbers.
     """
 
     def __init__(
         self, linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
     ) -> None:
-        self.linkage, self.recorder, self.plan, self.running = (
-            linkage,
-            recorder,
-            plan,
-            running,
-        )
+        self.linkage = linkage
+        self.recorder = recorder
+        self.plan = plan
+        self.running = running
 
     def run(self) -> tuple[Status, Finding | None]:
         """Run to the end; return how the run ended and what went wrong, if anything."""
@@ -120,7 +122,7 @@ class _Cycles:
         return "failed", finding
 
     def _run_up(self) -> Finding | None:
-        """Run up from rest, where the first cycle follows that."""
+        """Run up from rest before the first cycle; return what went wrong, if anything."""
         if self.plan.run_up == 0.0 or len(self.recorder.cycles):
             return None
         finding = self._advance(self.plan.run_up)
@@ -129,19 +131,20 @@ class _Cycles:
         return finding
 
     def _ended(self) -> Status | None:
-        """Return how the run ended with the last cycle, if it did.
+        """Return how the run ended with the last cycle, or None if it continues.
 
-        Every observer is notified of the cycle, whichever ends the run.
+        All observers are notified of the cycle, also if the first of them ends the run.
         """
         done = len(self.recorder.cycles)
         if done == 0:
             return None
-        answers = [
-            one.on_cycle(self.recorder, self._state) for one in self.plan.observers
+        requests = [
+            observer.on_cycle(self.recorder, self._state)
+            for observer in self.plan.observers
         ]
         if done >= self.plan.cycles:
             return "completed"
-        return "enough" if any(answers) else None
+        return "enough" if any(requests) else None
 
     def _cycle(self) -> Finding | None:
         """Run one cycle; return what went wrong, if anything."""
@@ -184,23 +187,25 @@ class _Cycles:
             energy = getattr(ledger, name)
             recorder.records.cycle[column] = energy - running.sums[name]
             running.sums[name] = energy
-        now = Condition(
+        condition = Condition(
             time, ledger, position, velocity, running.remedy, running.constraints
         )
-        return examine(self.linkage, recorder, now)
+        return examine(self.linkage, recorder, condition)
 
     def _wear(self, depth: Array) -> None:
-        """Wear the surfaces; the elastic energy of what is worn off under load goes with it."""
+        """Wear the surfaces by a depth, m.
+
+        The elastic energy of material that is worn off under load is lost. It is the
+        change of the residual of the ledger.
+        """
         running = self.running
         before = running.ledger().residual
-        self.recorder.wear(depth, running.worn)
+        self.recorder.wear(depth, running.update_contacts)
         running.sums[_WORN_OFF] += running.ledger().residual - before
 
     def _state(self) -> State:
         """Return the state between two cycles."""
         running = self.running
-        return {
-            **{name: array.copy() for name, array in running.arrays.items()},
-            "sums": np.array([running.sums[name] for name in sorted(running.sums)]),
-            **named("recorder", self.recorder.save()),
-        }
+        state = {name: array.copy() for name, array in running.arrays.items()}
+        state["sums"] = np.array([running.sums[name] for name in sorted(running.sums)])
+        return {**state, **named("recorder", self.recorder.save())}

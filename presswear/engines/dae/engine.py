@@ -107,10 +107,8 @@ def _problem(
         constraints.evaluate(time, q, v)[3], constraints.names, 1e-2
     )
     if singular:
-        what, remedy = (
-            "the step vanished near a singular position",
-            "other lengths of the links",
-        )
+        what = "the step vanished near a singular position"
+        remedy = "other lengths of the links"
         return Finding("state", what, time, singular, remedy)
     remedy = "a larger integration_tolerance may help"
     return Finding("state", "the step vanished", time, "", remedy)
@@ -134,14 +132,14 @@ def prepare(
     """Write the equations of a linkage in a start; see ``Simulation``."""
     solver = _Solver(linkage, start, settings, plan, recorder)
     return Simulation(
-        solver.advance,
-        solver.motion,
-        solver.ledger,
-        solver.place_on_new_surfaces,
-        solver.arrays(),
-        solver.sums,
-        solver.diagnostics,
-        REMEDY,
+        advance=solver.advance,
+        state=solver.motion,
+        ledger=solver.ledger,
+        update_contacts=solver.place_on_new_surfaces,
+        arrays=solver.arrays(),
+        sums=solver.sums,
+        diagnostics=solver.diagnostics,
+        remedy=REMEDY,
         constraints=None if solver.is_tree else solver.constraints,
     )
 
@@ -159,12 +157,10 @@ class _Solver:
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
-        self.linkage, self.settings, self.plan, self.recorder = (
-            linkage,
-            settings,
-            plan,
-            recorder,
-        )
+        self.linkage = linkage
+        self.settings = settings
+        self.plan = plan
+        self.recorder = recorder
         self.records, packed = recorder.records, recorder.records.packed
         self.constraints = constraints_of(linkage)
         check_start(self.constraints, start)

@@ -338,8 +338,8 @@ def search_event(
                 else:
                     # Round-off keeps it from ending just behind: the nearest that is
                     # behind.
-                    following = min(state.length + state.further, state.high)
-                    state.further *= 4.0
+                    following = min(state.length + state.extension, state.high)
+                    state.extension *= 4.0
                     state.is_last = following == state.high
         if not is_found and state.moves < NEWTON_STEPS:
             state.length = following
@@ -363,7 +363,7 @@ def search_event(
     state.moves = 1
     state.low = 0.0
     state.high = state.length
-    state.further = SHORTEST_MOVE
+    state.extension = SHORTEST_MOVE
     state.is_last = False
     state.length *= part
     return True

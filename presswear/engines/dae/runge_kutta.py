@@ -1,4 +1,4 @@
-"""Trial steps of the equations of motion: embedded Runge-Kutta methods, and the classical one."""
+"""Trial steps of the equations of motion by embedded and classical Runge-Kutta methods."""
 
 import math
 from typing import Any, NamedTuple
@@ -14,12 +14,12 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 from presswear.tools.packing import PackedArguments, unpack
 
-# The tolerance times this is the error allowed in a position, m or rad, per step.
+# Largest error of a position in a step, m or rad, divided by the tolerance
 POSITION_SCALE = 1e-3
-# part of the kinetic energy to which the error of a loss is compared at least
-UNEXCHANGED = 1e-3
-# Indices of the slopes at the start of a step, and of spare ones; compiled as any other
-# index
+# Least energy to which the error of a loss is compared, divided by the kinetic energy
+LEAST_ENERGY = 1e-3
+# Rows of ``Motion.slopes`` for dy/dt at the start of a step, and for working space. They
+# have the type of computed indices, so that kernels are compiled for one type.
 START: Any = np.int64(0)
 SPARE: Any = np.int64(DOP853.b.size + 1)
 
@@ -27,36 +27,34 @@ SPARE: Any = np.int64(DOP853.b.size + 1)
 CONTROL = np.dtype(
     [
         ("time", np.float64),
-        ("most", np.int64),  # steps of a march
-        ("step", np.float64),  # next, s
-        ("whole", np.float64),  # step on trial before events cut it, s
-        ("length", np.float64),  # of the step on trial, s
-        ("reaches_end", np.bool_),  # of a march
-        # Search for the event that ends the step: events looked for, Newton steps
-        # towards the present one, its number or -1, and whether it was located
-        ("searches", np.int64),
-        ("moves", np.int64),
-        ("event", np.int64),
-        ("is_located", np.bool_),
-        *floats(
-            "low", "high", "further"
-        ),  # lengths between which it lies, and beyond the last, s
-        ("is_last", np.bool_),  # the last length that is tried
-        # time at which an equal step that was cut is to end, s; or 0
+        ("most", np.int64),  # largest number of steps of a march
+        ("step", np.float64),  # next step, s
+        ("whole", np.float64),  # trial step before events shorten it, s
+        ("length", np.float64),  # trial step, s
+        ("reaches_end", np.bool_),  # the trial step ends at the end of the march
+        # Search for the event that ends the step
+        ("searches", np.int64),  # events that were searched for in this step
+        ("moves", np.int64),  # Newton steps towards the present event
+        ("event", np.int64),  # number of the present event, or -1
+        ("is_located", np.bool_),  # the trial step ends on the event
+        *floats("low", "high"),  # step lengths between which the event lies, s
+        ("extension", np.float64),  # by which the next trial step is longer, s
+        ("is_last", np.bool_),  # no other length is tried
+        # time at which a step of fixed length ends that an event has shortened, s; or 0
         ("due", np.float64),
-        ("longest", np.float64),  # s
-        ("shortest", np.float64),  # s
-        ("resolution", np.float64),  # of the coordinates, m: below it lies round-off
-        ("parts", np.float64),  # steps in a free impact, at least
+        ("longest", np.float64),  # step, s
+        ("shortest", np.float64),  # step, s
+        ("resolution", np.float64),  # round-off of the coordinates, m
+        ("parts", np.float64),  # least number of steps in a free impact
         ("tolerance", np.float64),
-        ("projected", np.bool_),
+        ("projected", np.bool_),  # steps are projected on the constraints
         ("has_started", np.bool_),  # the initial state is recorded
-        ("has_slope", np.bool_),  # the slopes of the state are evaluated
-        # the next step does not end where friction has a corner
+        ("has_slope", np.bool_),  # dy/dt of the state is evaluated
+        # the next step may pass a corner of the friction law
         ("ignores_corners", np.bool_),
-        ("steps", np.int64),
-        ("rejected", np.int64),
-        ("events", np.int64),
+        ("steps", np.int64),  # accepted steps
+        ("rejected", np.int64),  # rejected trial steps
+        ("events", np.int64),  # located events
         ("evaluations", np.int64),  # of the accelerations
         ("position_error", np.float64),  # greatest |Phi|
         ("velocity_error", np.float64),  # greatest |dPhi/dt|
@@ -65,11 +63,11 @@ CONTROL = np.dtype(
 
 
 class Motion(NamedTuple):
-    """State and the step from it."""
+    """State vector and a trial step from it."""
 
-    y: Array  # (m,)
-    trial: Array  # the state's successor on trial, (m,)
-    # of the stages, (14, m); the first holds dy/dt at the start, the last is spare
+    y: Array  # state vector, (m,)
+    trial: Array  # state vector at the end of the trial step, (m,)
+    # dy/dt of the stages, (14, m): the first row at the start, the last is working space
     slopes: Array
 
 
@@ -78,13 +76,13 @@ class Integration(NamedTuple):
 
     system: System
     tableau: Tableau | None  # of an embedded method
-    # Stages of the classical method, for equal steps; the compiler leaves out the None
-    # of both
+    # Number of stages of the classical method, for steps of fixed length. One of both is
+    # None, and the kernels are compiled without it.
     classical: int | None
     records: RecorderState
     control: Records  # one of CONTROL
     motion: Motion
-    last: int  # index of the slopes at the end of a step
+    last: int  # row of the slopes at the end of a step
 
 
 @compiled
@@ -103,10 +101,10 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
     y, new, slopes = motion.y, motion.trial, motion.slopes
     control[0].evaluations += classical
     for stage in range(1, 4):
-        part = h if stage == 3 else 0.5 * h
+        elapsed = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
-            new[i] = y[i] + part * slopes[stage - 1, i]
-        rates(address, t + part, new, stage)
+            new[i] = y[i] + elapsed * slopes[stage - 1, i]
+        rates(address, t + elapsed, new, stage)
     for i in range(y.shape[0]):
         new[i] = y[i] + h / 6.0 * (
             slopes[0, i] + 2.0 * (slopes[1, i] + slopes[2, i]) + slopes[3, i]
@@ -117,7 +115,10 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
 def weighted_sum(
     target: Array, slopes: Array, weights: Array, count: int, size: int
 ) -> None:
-    """Fill the sum of the first rows of slopes, each times its weight, in the first columns."""
+    """Fill the weighted sum of the first ``count`` rows of slopes, in the first columns.
+
+    Two rows are added at a time, which is faster.
+    """
     odd = count & 1
     for i in range(size):
         target[i] = weights[0] * slopes[0, i]
@@ -125,22 +126,23 @@ def weighted_sum(
         for i in range(size):
             target[i] += weights[1] * slopes[1, i]
     for j in range(2 - odd, count, 2):
-        one = weights[j]
-        two = weights[j + 1]
-        if one != 0.0 or two != 0.0:
+        first = weights[j]
+        second = weights[j + 1]
+        if first != 0.0 or second != 0.0:
             for i in range(size):
-                target[i] += one * slopes[j, i] + two * slopes[j + 1, i]
+                target[i] += first * slopes[j, i] + second * slopes[j + 1, i]
 
 
 @inlined
 def mean_error(run: Integration, weights: Array) -> float:
-    """Return an estimate of the error of a trial step over the allowed one, squared, per step^2.
+    """Return the mean square of the error of a trial step over the allowed error, per step^2.
 
-    It is the mean over coordinates, rates and states of interactions. Where the force
-    of a joint ends before its contact does, the loss of contacts counts, too: no rate
-    feels the energy lost until then.
+    The mean is over coordinates, rates and states of interactions. If the force of a
+    joint can end before its contact, the loss in contacts is included: the energy that
+    is lost after the end of the force has no effect on the rates.
     """
-    system, tolerance = run.system, run.control[0].tolerance
+    system = run.system
+    tolerance = run.control[0].tolerance
     layout = system.layout
     motion = run.motion
     y, new, slopes = motion.y, motion.trial, motion.slopes
@@ -159,7 +161,7 @@ def mean_error(run: Integration, weights: Array) -> float:
     loss = layout.first_energy + CONTACT_LOSS
     if system.has_abrupt and slopes[0, loss] != 0.0:
         exchange = new[layout.first_energy + DRIVE_EXCHANGE]
-        energy = max(new[loss], exchange, UNEXCHANGED * kinetic_energy(system))
+        energy = max(new[loss], exchange, LEAST_ENERGY * kinetic_energy(system))
         total += (errors[loss] / (tolerance * energy)) ** 2
         count += 1.0
     return total / count
@@ -167,7 +169,7 @@ def mean_error(run: Integration, weights: Array) -> float:
 
 @inlined
 def kinetic_energy(system: System) -> float:
-    """Return the kinetic energy of the motion placed last, J."""
+    """Return the kinetic energy of the motion that was evaluated last, J."""
     energy = 0.0
     for i in range(system.packed.mass.shape[0]):
         energy += 0.5 * system.packed.mass[i] * system.state[1, i] * system.state[1, i]
@@ -178,10 +180,11 @@ def kinetic_energy(system: System) -> float:
 def embedded_step(
     address: PackedArguments, tableau: Tableau, t: float, h: float
 ) -> float:
-    """Make a trial step; returns its error over the allowed one.
+    """Make a trial step; return its error over the allowed error.
 
-    The slopes of the last stage hold dy/dt at the end afterwards.  The error of the
-    integrals follows that of positions, rates and states.
+    Afterwards the slopes of the last stage are dy/dt at the end of the step. Integrals
+    are not checked, because their error is small if positions, rates and states are
+    accurate.
     """
     (run,) = unpack(address)
     system = run.system
@@ -189,12 +192,12 @@ def embedded_step(
     y, new, slopes = motion.y, motion.trial, motion.slopes
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
-        # Slopes do not depend on the integrals.
+        # Slopes do not depend on the integrals, which are behind ``count``.
         count = system.layout.first_energy
         weighted_sum(new, slopes, tableau.a[stage], stage, count)
         for i in range(count):
             new[i] = y[i] + h * new[i]
-        # Powers are summed with the weights of the step.
+        # A stage with weight zero does not contribute to the integrals: no powers needed.
         level = RATES if tableau.b[stage] != 0.0 else ACCELERATIONS
         evaluate(
             system,

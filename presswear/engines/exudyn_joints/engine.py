@@ -195,8 +195,8 @@ def add_joints(
             nodeNumber=nodes[drive.body],
             coordinate=2,
         )
-        # At velocity level; the trapezoidal rule integrates a constant speed exactly,
-        # and what it makes of another is put right behind each step (``kernels.hold``).
+        # The constraint is on the velocity. The trapezoidal rule integrates a constant
+        # speed exactly; ``project_state`` corrects the angle of an uneven one.
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
             turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
@@ -264,7 +264,7 @@ def frame_of(
         solved_q=solved_q,
         solved_v=solved_v,
         solved_a=solved_a,
-        places=np.array(places, np.int64),
+        solved_indices=np.array(places, np.int64),
         prescribed=prescribed,
         q=q,
         v=v,
@@ -341,15 +341,15 @@ def prepare(
     """Build the bodies and joints in a start; see ``Simulation``."""
     model = _Joints(linkage, start, settings, plan, recorder)
     return Simulation(
-        model.advance,
-        model.motion,
-        model.ledger,
-        model.place,
-        model.arrays(),
-        model.solver.sums,
-        model.diagnostics,
-        REMEDY,
-        constraints_of(linkage),
+        advance=model.advance,
+        state=model.motion,
+        ledger=model.ledger,
+        update_contacts=model.place,
+        arrays=model.arrays(),
+        sums=model.solver.sums,
+        diagnostics=model.diagnostics,
+        remedy=REMEDY,
+        constraints=constraints_of(linkage),
         close=model.container.Reset,
     )
 
@@ -370,11 +370,9 @@ class _Joints:
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
-        self.linkage, self.records, self.omitted = (
-            linkage,
-            recorder.records,
-            left_out(linkage),
-        )
+        self.linkage = linkage
+        self.records = recorder.records
+        self.omitted = left_out(linkage)
         self.joined = _joined_bodies(linkage, self.records.packed, self.omitted)
         # Exudyn reads numbers one by one: they come faster out of an array of Python's
         # own.

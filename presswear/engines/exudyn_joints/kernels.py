@@ -1,4 +1,4 @@
-"""Compiled part of the model with bodies and joints: connector forces, accepted steps."""
+"""Kernels of the model with bodies and joints: connector forces and accepted steps."""
 
 import math
 from typing import NamedTuple
@@ -62,68 +62,70 @@ from presswear.tools.packing import PackedArguments, unpack
 
 Indices = NDArray[np.int64]
 
-# Change of a load on passing from one piece of its law to the next that is a jump, part
-# of it.
+# Smallest relative change of a load at a transition of its law that counts as a jump
 JUMP = 1e-3
-# Rows of ``Frame.states``: from STEP_START and from STEP_END a value, its rate, and the
-# slope of the rate over the value
+# Rows of ``Frame.states`` at the start and at the end of a step. Each begins three rows:
+# value, rate, and derivative of the rate by the value.
 STEP_START, STEP_END = 0, 3
 RATE, SLOPE = 1, 2
-# A section that ends at an angle ends within this of its end, s
+# Largest time between the end of a step and the angle at which a section ends, s
 SECTION_NEAR = 1e-9
-SECTION_PART = 1e-3  # change of a step, part of it, that puts its end on that section
+# Largest relative difference between a step and the step that was chosen to end there
+SECTION_TOL = 1e-3
 FORCES, START, ACCEPTED, SHORTER = range(4)
 """Tasks of ``run_task``."""
 
 
 class Friction(NamedTuple):
-    """Friction in rigid joints, and where Exudyn has its joint forces and takes its moments."""
+    """Friction in rigid joints: joint forces from Exudyn, friction moments to Exudyn."""
 
     joints: Records  # of RUBBING
     rows: Indices  # index of the first of the two multipliers of each joint
-    slots: Indices  # of bearing and pin, as in ``connector_forces``
-    multipliers: Array  # Exudyn's live ones
+    # indices of bearing and pin in the connector forces, (joints, 2); -1 for the frame
+    slots: Indices
+    multipliers: Array  # live multipliers of Exudyn
 
 
 class Frame(NamedTuple):
-    """Coordinates of all bodies from those that Exudyn solves for.
+    """Coordinates of all bodies, and the coordinates for which Exudyn solves.
 
-    If Exudyn solves for all, ``q``, ``v`` and ``a`` are its live arrays, and ``places``
-    is empty.
+    If Exudyn solves for all coordinates, ``q``, ``v`` and ``a`` are its live arrays,
+    and ``solved_indices`` is empty.
     """
 
     solved_q: Array  # Exudyn's live coordinates, rates and accelerations
     solved_v: Array
     solved_a: Array
-    places: Indices  # where each of them belongs in q
-    prescribed: Prescribed  # bodies that are left out
+    solved_indices: Indices  # index in q of each coordinate that Exudyn solves for
+    prescribed: Prescribed  # bodies that are not in Exudyn's model
     q: Array  # (3 bodies,)
     v: Array
     a: Array
     axes: Array
-    forces: Written  # of contacts, springs and loads on all bodies
-    # the arrays that they read and fill, with the contacts of states on trial
-    model: Model
-    y: Array  # state for them, and rates of its integrals
-    rates: Array
-    layout: Layout  # places of their parts
-    scales: Array  # changes of the states of interactions that matter, (states,)
-    state_joints: Indices  # whose contact changes their rates; -1 for none
-    # Values, rates and slopes of the rates where a step starts and ends, (6, states)
+    # function for the forces of contacts, springs and loads on all bodies
+    forces: Written
+    model: Model  # arguments of this function, with the contacts of trial states
+    y: Array  # its state vector
+    rates: Array  # rates of this state vector
+    layout: Layout
+    scales: Array  # smallest changes that matter of states of interactions, (states,)
+    # clearance joint whose touchdown changes the rate of each state; -1: none
+    state_joints: Indices
+    # states of interactions, see STEP_START, (6, states)
     states: Array
     friction: Friction | None  # None without friction in rigid joints
 
 
 @compiled
 def refresh(frame: Frame, t: float) -> None:
-    """Bring the coordinates of all bodies up to Exudyn's present state."""
-    if frame.places.shape[0] == 0:
+    """Fill the coordinates of all bodies from Exudyn's present state."""
+    if frame.solved_indices.shape[0] == 0:
         return
-    for i in range(frame.places.shape[0]):
-        place = frame.places[i]
-        frame.q[place] = frame.solved_q[i]
-        frame.v[place] = frame.solved_v[i]
-        frame.a[place] = frame.solved_a[i]
+    for i in range(frame.solved_indices.shape[0]):
+        index = frame.solved_indices[i]
+        frame.q[index] = frame.solved_q[i]
+        frame.v[index] = frame.solved_v[i]
+        frame.a[index] = frame.solved_a[i]
     place_prescribed(frame.prescribed, t, frame.q, frame.v, frame.a, frame.axes)
 
 
@@ -138,7 +140,7 @@ def fill_forces(frame: Frame, t: float, level: int) -> None:
 
 @compiled
 def exponential_step(value: float, rate: float, slope: float, h: float) -> float:
-    """Return the value after a time ``h``, s, of z' = rate + slope (z - value)."""
+    """Return the solution z(h) of z' = rate + slope (z - value) with z(0) = value."""
     return value + rate * (math.expm1(slope * h) / slope if slope != 0.0 else h)
 
 
@@ -146,32 +148,37 @@ def exponential_step(value: float, rate: float, slope: float, h: float) -> float
 def next_state(frame: Frame, records: RecorderState, i: int, t: float) -> float:
     """Return state ``i`` at the end of a step, from the rates at both ends of the step.
 
-    The trapezoidal rule would swing where a state is stiff. A step in which the pin
-    touches down or separates is divided there.
+    The rate is linear in the state. The exponential step does not oscillate for a stiff
+    state, as the trapezoidal rule would. A step in which the pin touches down or
+    separates is divided at this event.
     """
-    joint, contacts = frame.state_joints[i], frame.model.contact_records
-    start, rate, slope, end, end_rate, end_slope = frame.states[:, i]
+    joint = frame.state_joints[i]
+    contacts = frame.model.contact_records
+    start, start_rate, start_slope, end, end_rate, end_slope = frame.states[:, i]
     h = t - records.output[0].now
-    part = 2.0
+    fraction = 2.0
     if joint >= 0:
         last = records.memory[joint]
         is_closed = last.penetration > 0.0
-        part = joint_crossing(last, contacts[joint], is_closed, h)[0]
-    if part < 1.0:
-        value = exponential_step(start, rate, slope, part * h)
-        behind = end_rate + end_slope * (value - end)
-        return exponential_step(value, behind, end_slope, (1.0 - part) * h)
-    mean = 0.5 * (rate + end_rate + end_slope * (start - end))
-    return exponential_step(start, mean, 0.5 * (slope + end_slope), h)
+        fraction = joint_crossing(last, contacts[joint], is_closed, h)[0]
+    if fraction < 1.0:
+        value = exponential_step(start, start_rate, start_slope, fraction * h)
+        rate = end_rate + end_slope * (value - end)
+        return exponential_step(value, rate, end_slope, (1.0 - fraction) * h)
+    mean_rate = 0.5 * (start_rate + end_rate + end_slope * (start - end))
+    mean_slope = 0.5 * (start_slope + end_slope)
+    return exponential_step(start, mean_rate, mean_slope, h)
 
 
 @compiled
 def linearise_states(frame: Frame, t: float, row: int) -> None:
-    """Fill the states, their rates and the slopes of these into three rows.
+    """Fill states, rates and derivatives of the rates into three rows, from ``row`` on.
 
-    The rates are those of the forces that were filled last; the forces change.
+    The forces must be filled before the call. They are those of changed states
+    afterwards, because the derivatives are finite differences.
     """
-    first, states = frame.layout.first_state, frame.states
+    first = frame.layout.first_state
+    states = frame.states
     for i in range(frame.scales.shape[0]):
         states[row, i] = frame.y[first + i]
         states[row + RATE, i] = frame.rates[first + i]
@@ -184,8 +191,8 @@ def linearise_states(frame: Frame, t: float, row: int) -> None:
 
 
 @compiled
-def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> None:
-    """Fill forces at the end of a step of the trapezoidal rule, with states of interactions."""
+def fill_end_forces(frame: Frame, records: RecorderState, t: float, level: int) -> None:
+    """Fill the forces at the end of a step, with the states of interactions at that time."""
     count = frame.scales.shape[0]
     if count > 0:
         fill_forces(frame, t, END)
@@ -197,7 +204,7 @@ def place_forces(frame: Frame, records: RecorderState, t: float, level: int) -> 
 
 @compiled
 def start_states(frame: Frame, t: float) -> None:
-    """Begin a step with the states whose forces were filled last, at level END."""
+    """Store the states of interactions at the start of a step; forces were filled at level END."""
     if frame.scales.shape[0] > 0:
         linearise_states(frame, t, STEP_START)
         fill_forces(frame, t, END)
@@ -207,7 +214,7 @@ def start_states(frame: Frame, t: float) -> None:
 def note_friction(friction: Friction | None, v: Array) -> float:
     """Fill the friction moments of rigid joints under the present joint forces.
 
-    Returns the power that they turn into heat, W. In Newton's method the joint forces
+    Returns the friction power, W. During Newton's iteration of Exudyn the joint forces
     are those of the present iterate, so that moments and joint forces converge
     together.
     """
@@ -215,7 +222,8 @@ def note_friction(friction: Friction | None, v: Array) -> float:
         return 0.0
     for k in range(friction.joints.shape[0]):
         row = friction.rows[k]
-        x, y = friction.multipliers[row], friction.multipliers[row + 1]
+        x = friction.multipliers[row]
+        y = friction.multipliers[row + 1]
         joint = friction.joints[k]
         joint.moment = friction_moment(joint, v, math.sqrt(x * x + y * y))
     return friction_power(friction.joints, v)
@@ -240,14 +248,14 @@ def add_moments(friction: Friction | None, out: Array) -> None:
 def connector_forces(address: PackedArguments, t: float) -> None:
     """Fill the generalized forces of joints, springs and loads.
 
-    The last two parts of ``address`` are where each of the connector's coordinates
-    belongs in q, and the forces.
+    The last two arrays in ``address`` are the index in q of each coordinate of the
+    connector, and the forces, which are filled.
     """
-    frame, _, records, _, places, out = unpack(address)
+    frame, _, records, _, indices, out = unpack(address)
     refresh(frame, t)
-    place_forces(frame, records, t, ACCELERATIONS)
+    fill_end_forces(frame, records, t, ACCELERATIONS)
     for i in range(out.shape[0]):
-        out[i] = frame.model.bodies[FORCE, places[i]]
+        out[i] = frame.model.bodies[FORCE, indices[i]]
     note_friction(frame.friction, frame.v)
     add_moments(frame.friction, out)
 
@@ -255,30 +263,33 @@ def connector_forces(address: PackedArguments, t: float) -> None:
 class Drives(NamedTuple):
     """Sources of the torques of the drives."""
 
-    has_motor: NDArray[np.bool_]  # whose torque is among the forces on all bodies
-    # index of each drive's multiplier; -1 for that of a body that is left out
+    # drives with a motor, whose torque is among the forces on all bodies
+    has_motor: NDArray[np.bool_]
+    # index of each drive's multiplier; -1 for a drive that is not in Exudyn's model
     multiplier: Indices
-    multipliers: Array  # Exudyn's live ones; the torque of a drive is minus its own
+    # live multipliers of Exudyn; the torque of a drive is minus its multiplier
+    multipliers: Array
     force: Array  # working space, (3 bodies,)
-    # Constraints, where a drive of Exudyn's turns unevenly or a load bends over
-    # position: see ``hold``
+    # Constraints, if a drive turns at an uneven speed or the law of a load has a corner
+    # over position; see ``project_state``
     constraints: ConstraintSystem | None
 
 
 @compiled
 def all_forces(frame: Frame, packed: Packed, force: Array) -> None:
-    """Fill the forces on all bodies with weights and constant loads."""
+    """Fill the sum of all forces on the bodies: weights, constant loads and written forces."""
     for i in range(force.shape[0]):
         force[i] = packed.weight[i] + frame.model.bodies[FORCE, i]
 
 
 @compiled
-def place_start(address: PackedArguments, t: float) -> None:
-    """Fill contacts and forces in the present state."""
+def begin_step(address: PackedArguments, t: float) -> None:
+    """Fill contacts and forces of the present state, from which a step starts."""
     frame, _, records, _, _, _ = unpack(address)
     refresh(frame, t)
-    first, energies = frame.layout.first_state, frame.layout.first_energy
-    copy_to(frame.y[first:energies], frame.states[STEP_START])
+    first_state = frame.layout.first_state
+    first_energy = frame.layout.first_energy
+    copy_to(frame.y[first_state:first_energy], frame.states[STEP_START])
     fill_forces(frame, t, END)
     start_states(frame, t)
     copy_contacts(records.contacts, frame.model.contact_records)
@@ -292,7 +303,7 @@ def begin_friction(
     drives: Drives,
     friction: Friction,
 ) -> None:
-    """Fill the joint forces in the initial state, from which Exudyn finds its accelerations."""
+    """Fill the joint forces of the initial state: Exudyn needs them for its accelerations."""
     force = drives.force
     all_forces(frame, packed, force)
     evaluate_constraints(constraints, 0.0, frame.q, frame.v)
@@ -301,20 +312,21 @@ def begin_friction(
     add_friction(constraints, friction.joints, 0.0, 0.0, frame.v, force)
     for k in range(friction.joints.shape[0]):
         row = friction.joints[k].row
-        for c in range(2):
-            place = friction.rows[k] + c
-            friction.multipliers[place] = constraints.multipliers[row + c]
+        for axis in range(2):
+            index = friction.rows[k] + axis
+            friction.multipliers[index] = constraints.multipliers[row + axis]
 
 
 @compiled
-def hold(
+def project_state(
     frame: Frame, drives: Drives, constraints: ConstraintSystem | None, t: float
 ) -> None:
-    """Move an accepted state onto joints and drives: to round-off in all levels.
+    """Project an accepted state on the constraints of position, velocity and acceleration.
 
-    The trapezoidal rule holds them in velocities alone.  Of an uneven speed it makes an
-    angle with an error of third order in each step, and an acceleration that swings
-    about the right one for ever, as it does behind a very short step.
+    The trapezoidal rule satisfies joints and drives in velocities only. With an uneven
+    speed of a drive, the angle has an error of third order in each step, and the
+    acceleration oscillates about the exact one without end. It also oscillates after a
+    very short step.
     """
     if constraints is None:
         return
@@ -324,11 +336,11 @@ def hold(
         drive = constraints.records[row].drive
         if drive >= 0 and drives.multiplier[drive] >= 0:
             drives.multipliers[drives.multiplier[drive]] += constraints.multipliers[row]
-    for i in range(frame.places.shape[0]):
-        place = frame.places[i]
-        frame.solved_q[i] = frame.q[place]
-        frame.solved_v[i] = frame.v[place]
-        frame.solved_a[i] = frame.a[place]
+    for i in range(frame.solved_indices.shape[0]):
+        index = frame.solved_indices[i]
+        frame.solved_q[i] = frame.q[index]
+        frame.solved_v[i] = frame.v[index]
+        frame.solved_a[i] = frame.a[index]
 
 
 @compiled
@@ -344,8 +356,8 @@ def drive_power(
     power = 0.0
     for i in range(records.motions.shape[0]):
         if drives.has_motor[i]:
-            place = frame.layout.first_torque + TORQUE_INTEGRALS * i
-            records.torque[i] = frame.rates[place + TORQUE]
+            first = frame.layout.first_torque + TORQUE_INTEGRALS * i
+            records.torque[i] = frame.rates[first + TORQUE]
             power += records.torque[i] * frame.v[records.packed.driven[i]]
             continue
         if drives.multiplier[i] >= 0:
@@ -358,14 +370,15 @@ def drive_power(
 def sum_step(
     frame: Frame, records: RecorderState, power: float, t: float, h: float
 ) -> None:
-    """Fill the wear integrals of a step, and add to the ledger of energy, by the trapezoidal rule.
+    """Integrate wear and energies over a step by the trapezoidal rule.
 
-    ``power`` is that of the drives. A step that began open has force only since its
-    touchdown. The wear of a step that ends open, which has no place any more, is left
-    out.
+    ``power`` is that of all drives, W. If the joint was open at the start of the step,
+    wear is integrated from its touchdown. If it is open at the end, the wear of the
+    step is neglected, because the place of the contact is not defined.
     """
     layout = frame.layout
-    energies, powers = records.energies, records.powers
+    energies = records.energies
+    powers = records.powers
     for i in range(energies.shape[0]):
         energies[i] += 0.5 * h * powers[i]
     copy_to(powers, frame.rates[layout.first_energy : layout.first_dose])
@@ -387,14 +400,14 @@ def sum_step(
 
 @compiled
 def accept_joint_step(address: PackedArguments, t: float) -> float:
-    """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
+    """Record an accepted step and return the next step, s; NaN if the state is not finite."""
     frame, drives, records, steps, _, _ = unpack(address)
     h = t - records.output[0].now
     refresh(frame, t)
-    hold(frame, drives, drives.constraints, t)
+    project_state(frame, drives, drives.constraints, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
-    place_forces(frame, records, t, END)
+    fill_end_forces(frame, records, t, END)
     copy_contacts(records.contacts, frame.model.contact_records)
     start_states(frame, t)
     if settle(records, t, LEAST_STEPS) > 0:
@@ -413,7 +426,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
         fill_forces(frame, t, RATES)
         records.powers[LOAD_WORK] = frame.rates[frame.layout.first_energy + LOAD_WORK]
         if greatest_jump(packed.loads) > JUMP:
-            # The rule begins from accelerations that no longer hold.
+            # The accelerations at the start of the next step are those before the jump.
             following = steps[0].least
     left = next_break(packed.loads) - t
     following = step_to_break(records.motions, t, min(following, left))
@@ -423,30 +436,32 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
 
 @compiled
 def step_to_section(records: RecorderState, h: float) -> float:
-    """Return the step, s, no longer than ``h``, to the end of a section that ends at an angle."""
+    """Return the step, s, of at most ``h``, that does not pass the angle where a section ends."""
     p, r, a, _ = section_at_start(records.nominal, False)
     if p >= 0.0 or math.isinf(p):
         return h
     arrival, speed, _ = time_to_event(p, r, a, 0.0)
     if speed <= 0.0:
         return h
-    # One that would end shortly before it is halved, so that no tiny one follows.
     if arrival <= h:
         return arrival
+    # A step that would end shortly before the angle is shortened, so that the next step
+    # is not very short.
     return 0.5 * arrival if arrival < 2.0 * h else h
 
 
 @compiled
 def step_back_to_section(frame: Frame, records: RecorderState, h: float) -> float:
-    """Return the step, s, with which a trial step that misses the end of a section is repeated.
+    """Return the step, s, that replaces a trial step which misses the end of a section.
 
-    -1 if it does not, or is not the one that was to end there.
+    -1 if the trial step need not be repeated: it does not pass that angle, or it was
+    not chosen to end at that angle.
     """
     p, r, a, _ = section_at_start(records.nominal, False)
     if p >= 0.0 or math.isinf(p):
         return -1.0
     value, rate = section_value(records.nominal, frame.q, frame.v)
-    is_aimed = abs(h - time_to_event(p, r, a, 0.0)[0]) < SECTION_PART * h
+    is_aimed = abs(h - time_to_event(p, r, a, 0.0)[0]) < SECTION_TOL * h
     if rate <= 0.0 or not (value > SECTION_NEAR or (is_aimed and value < 0.0)):
         return -1.0
     return h + (0.5 * SECTION_NEAR - value) / rate
@@ -454,29 +469,31 @@ def step_back_to_section(frame: Frame, records: RecorderState, h: float) -> floa
 
 @compiled
 def shorter_joint_step(address: PackedArguments, t: float) -> float:
-    """Return the step with which a trial step has to be repeated; see ``shorter_step``."""
+    """Return the step, s, that replaces a trial step, or -1; see ``shorter_step``."""
     frame, _, records, steps, _, _ = unpack(address)
     refresh(frame, t)
     fill_forces(frame, t, END)
     h = t - records.output[0].now
     contacts = frame.model.contact_records
-    wanted = shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)
-    back = step_back_to_section(frame, records, h)
-    return back if wanted < 0.0 or 0.0 < back < wanted else wanted
+    to_contact = shorter_step(records, steps, contacts, h, frame.q, frame.v, frame.a)
+    to_section = step_back_to_section(frame, records, h)
+    if to_contact < 0.0 or 0.0 < to_section < to_contact:
+        return to_section
+    return to_contact
 
 
 @compiled
 def run_task(address: PackedArguments, task: int, t: float) -> float:
-    """Call one of the kernels above; returns a step, s, for those that choose one.
+    """Call the kernel of a task; return the step, s, that ACCEPTED or SHORTER chooses, else 0.
 
-    They are compiled together, because they share what places the bodies. ``address``
-    packs Frame, Drives, RecorderState, one record of STEPS, and two arrays for
-    ``connector_forces``.
+    The kernels are compiled together, because all of them contain the written
+    equations. ``address`` packs Frame, Drives, RecorderState, one record of STEPS, and
+    two arrays for ``connector_forces``.
     """
     if task == FORCES:
         connector_forces(address, t)
     elif task == START:
-        place_start(address, t)
+        begin_step(address, t)
     elif task == ACCEPTED:
         return accept_joint_step(address, t)
     elif task == SHORTER:

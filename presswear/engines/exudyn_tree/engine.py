@@ -71,14 +71,14 @@ def prepare(
         )
     tree = _Tree(linkage, start, settings, plan, recorder)
     return Simulation(
-        tree.advance,
-        tree.motion,
-        tree.ledger,
-        tree.place,
-        tree.arrays(),
-        tree.solver.sums,
-        tree.diagnostics,
-        tree.solver.remedy,
+        advance=tree.advance,
+        state=tree.motion,
+        ledger=tree.ledger,
+        update_contacts=tree.place,
+        arrays=tree.arrays(),
+        sums=tree.solver.sums,
+        diagnostics=tree.diagnostics,
+        remedy=tree.solver.remedy,
         close=tree.container.Reset,
     )
 
