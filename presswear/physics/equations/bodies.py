@@ -1,4 +1,4 @@
-"""Positions and velocities of the bodies, and accelerations of those that drives prescribe."""
+"""Positions and velocities of all bodies, and accelerations of bodies with prescribed motion."""
 
 import math
 
@@ -11,7 +11,7 @@ from presswear.physics.equations.text import Text, Vector, product, square, tota
 
 
 def place_bodies(text: Text, chain: Chain) -> None:
-    """Write the positions and velocities of all bodies, and all motion of prescribed ones."""
+    """Write positions and velocities of all bodies, and accelerations of prescribed ones."""
     if chain.has_loops:
         _read_loops(text, chain)
     for link in chain.links:
@@ -24,24 +24,24 @@ def place_bodies(text: Text, chain: Chain) -> None:
 
 
 def _title(link: Link) -> str:
-    """Return a comment on what holds a body."""
+    """Return a comment on the joint that holds a body."""
     name = link.body.name
     joint = link.branch.joint
     if joint is None or link.parent is None:
         return f"{name}: held by no ideal joint"
     if link.is_guided:
         return f"{name}: slides along {joint.name}"
-    words = f"{name}: turns about {joint.name} on {link.parent.body.name}"
-    return f"{words}, driven" if link.drive is not None else words
+    title = f"{name}: turns about {joint.name} on {link.parent.body.name}"
+    return f"{title}, driven" if link.drive is not None else title
 
 
 def _read_loops(text: Text, chain: Chain) -> None:
-    """Write the motion of prescribed bodies in closed loops, which Newton's method finds."""
+    """Write the motion of prescribed bodies in closed loops, from Newton's method."""
     text.comment("bodies that drives move in closed loops")
     text.write("q, v, a, force, axes = data.bodies")
     text.write("place_prescribed(data.prescribed, t, q, v, a, axes)")
     for link in chain.prescribed:
-        x, y, turn = link.place, link.place + 1, link.place + 2
+        x, y, turn = link.index, link.index + 1, link.index + 2
         prefix = link.prefix
         link.position = text.let_vector(prefix, Vector(f"q[{x}]", f"q[{y}]"))
         link.velocity = text.let_vector(f"{prefix}_v", Vector(f"v[{x}]", f"v[{y}]"))
@@ -55,7 +55,7 @@ def _read_loops(text: Text, chain: Chain) -> None:
 
 
 def _turn(text: Text, chain: Chain, link: Link) -> None:
-    """Write angle and angular velocity of a body; with a drive the angular acceleration, too."""
+    """Write angle and angular velocity of a body, and the angular acceleration if prescribed."""
     prefix = link.prefix
     if isinstance(link.branch.joint, Guide):
         fixed = link.branch.joint.angle
@@ -68,14 +68,14 @@ def _turn(text: Text, chain: Chain, link: Link) -> None:
     if link.drive is not None:
         _drive(text, chain.linkage, link, chain.linkage.drives[link.drive])
     else:
-        place = link.coordinate + (2 if link.is_loose else 0)
-        angle, omega = f"y[{place}]", f"y[{chain.size + place}]"
-        # Coordinates of a body on a free body are relative to it.
+        # A loose body has the coordinates x, y and angle.
+        coordinate = link.coordinate + (2 if link.is_loose else 0)
+        angle = f"y[{coordinate}]"
+        omega = f"y[{chain.size + coordinate}]"
+        # The coordinate of a body on a free body is the relative angle.
         if link.parent is not None and not link.parent.is_prescribed:
-            angle, omega = (
-                total(link.parent.angle, angle),
-                total(link.parent.omega, omega),
-            )
+            angle = total(link.parent.angle, angle)
+            omega = total(link.parent.omega, omega)
         link.angle = text.let(f"{prefix}_angle", angle)
         link.omega = text.let(f"{prefix}_omega", omega)
     link.axis = Vector(f"{prefix}_cos", f"{prefix}_sin")
@@ -90,9 +90,9 @@ def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
         link.omega = text.parameter(f"{prefix}_omega", drive.mean_speed)
         rotation = product(link.omega, "t")
     else:
-        rotation, link.omega, link.alpha = (
-            f"{prefix}_{name}" for name in ("rotation", "omega", "alpha")
-        )
+        rotation = f"{prefix}_rotation"
+        link.omega = f"{prefix}_omega"
+        link.alpha = f"{prefix}_alpha"
         motion = f"uneven_motion(data.motions[{link.drive}], t)"
         text.write(f"{rotation}, {link.omega}, {link.alpha} = {motion}")
     link.angle = text.let(f"{prefix}_angle", total(start, rotation))
@@ -100,10 +100,12 @@ def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
 
 def _place(text: Text, chain: Chain, link: Link) -> None:
     """Write the position and velocity of the mass centre of a body."""
-    prefix, joint = link.prefix, link.branch.joint
-    place, rate = link.coordinate, chain.size + link.coordinate
+    prefix = link.prefix
+    joint = link.branch.joint
+    coordinate = link.coordinate
+    rate = chain.size + coordinate
     if link.parent is None:
-        position = Vector(f"y[{place}]", f"y[{place + 1}]")
+        position = Vector(f"y[{coordinate}]", f"y[{coordinate + 1}]")
         velocity = Vector(f"y[{rate}]", f"y[{rate + 1}]")
     elif isinstance(joint, Guide):
         link.guide = Vector(
@@ -111,7 +113,7 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
             text.direction(f"{prefix}_guide_y", math.sin(joint.direction)),
         )
         start = link.parent.arm(text, link.branch.before, link.joint)
-        distance = text.let(f"{prefix}_distance", f"y[{place}]")
+        distance = text.let(f"{prefix}_distance", f"y[{coordinate}]")
         position = start.plus(link.guide.times(distance))
         velocity = link.guide.times(text.let(f"{prefix}_speed", f"y[{rate}]"))
     else:
@@ -124,7 +126,7 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
 
 
 def hinge_acceleration(text: Text, link: Link) -> Vector:
-    """Write the acceleration of the point of the parent on which a body turns."""
+    """Write the acceleration of the hinge of a body, as a point of the parent."""
     parent = link.parent
     assert parent is not None
     hinge = parent.arm(text, link.branch.before, link.joint)
@@ -135,12 +137,12 @@ def hinge_acceleration(text: Text, link: Link) -> Vector:
 
 
 def centripetal(link: Link, arm: Vector) -> Vector:
-    """Return the acceleration of a mass centre on a circle about its hinge."""
+    """Return the centripetal acceleration of a mass centre that turns about its hinge."""
     return arm.times(square(link.omega))
 
 
 def _accelerate(text: Text, link: Link) -> None:
-    """Write the acceleration of a body from those of its parent and of its own angle."""
+    """Write the acceleration of a mass centre from that of the hinge and the rotation."""
     arm = link.arm(text, link.branch.end, link.joint)
     turning = centripetal(link, arm).minus(arm.swept(link.alpha))
     acceleration = hinge_acceleration(text, link).plus(turning)

@@ -1,4 +1,4 @@
-"""Bodies of an open tree in the order in which their motion follows from that before."""
+"""Bodies of an open tree, each after the body from whose motion its motion follows."""
 
 import math
 from collections.abc import Sequence
@@ -26,14 +26,14 @@ class Link:
     """Body of an open tree, or the frame, with the names of its variables in a text."""
 
     body: Body
-    prefix: str
-    joint: str  # prefix of the joint that it hangs from
-    place: int  # index of its x in q; below zero for the frame
+    prefix: str  # of its variables
+    joint: str  # prefix of the joint to the parent
+    index: int  # of its x in q; below zero for the frame
     branch: Branch
-    parent: "Link | None"  # body that it hangs from; None for a body that nothing holds
-    drive: int | None = None
+    parent: "Link | None"  # None for a body that no ideal joint holds
+    drive: int | None = None  # number of the drive that prescribes its angle
     is_prescribed: bool = True  # drives prescribe its whole motion
-    coordinate: int = 0  # place of its first coordinate among those of the tree
+    coordinate: int = 0  # index of its first coordinate among those of the tree
     position: Vector = Vector()
     velocity: Vector = Vector()
     acceleration: Vector = Vector()
@@ -59,27 +59,26 @@ class Link:
     @property
     def size(self) -> int:
         """Number of coordinates."""
-        return (
-            0
-            if self.is_prescribed
-            else (3 if self.is_loose else 1) - (self.drive is not None)
-        )
+        if self.is_prescribed:
+            return 0
+        size = 3 if self.is_loose else 1
+        return size if self.drive is None else size - 1
 
     def arm(self, text: Text, point: Attachment, name: str) -> Vector:
         """Return the vector from the mass centre to a point of the body, in global directions.
 
         For the frame it starts at the origin.
         """
-        place = point.x, point.y
-        if place not in self.arms:
+        key = point.x, point.y
+        if key not in self.arms:
             label = f"{self.prefix}_{name}"
-            axes = ("xi", "eta") if self.place >= 0 else ("x", "y")
-            xi = text.parameter(f"{label}_{axes[0]}", point.x)
-            eta = text.parameter(f"{label}_{axes[1]}", point.y)
-            along = difference(product(self.axis.x, xi), product(self.axis.y, eta))
-            across = total(product(self.axis.y, xi), product(self.axis.x, eta))
-            self.arms[place] = text.let_vector(f"{label}_arm", Vector(along, across))
-        return self.arms[place]
+            names = ("xi", "eta") if self.index >= 0 else ("x", "y")
+            xi = text.parameter(f"{label}_{names[0]}", point.x)
+            eta = text.parameter(f"{label}_{names[1]}", point.y)
+            x = difference(product(self.axis.x, xi), product(self.axis.y, eta))
+            y = total(product(self.axis.y, xi), product(self.axis.x, eta))
+            self.arms[key] = text.let_vector(f"{label}_arm", Vector(x, y))
+        return self.arms[key]
 
     def velocity_at(self, arm: Vector) -> Vector:
         """Return the velocity of the end of an arm."""
@@ -98,7 +97,7 @@ class Chain:
     linkage: Linkage
     frame: Link
     links: tuple[Link, ...]
-    has_loops: bool  # drives prescribe bodies in closed loops
+    has_loops: bool  # the prescribed bodies form closed loops
 
     @property
     def prescribed(self) -> tuple[Link, ...]:
@@ -117,41 +116,43 @@ class Chain:
 
     def coordinates(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return coordinates and rates of the tree in a state of all bodies, each (size,)."""
-        x, u = np.zeros((2, self.size))
+        coordinates, rates = np.zeros((2, self.size))
         for link in self.free:
-            place, first = link.place, link.coordinate
+            i = link.coordinate
+            xy = slice(link.index, link.index + 2)
+            angle = link.index + 2
             if isinstance(link.branch.joint, Guide):
                 direction = link.branch.joint.direction
-                along = np.array([math.cos(direction), math.sin(direction)])
-                x[first] = along @ (
-                    q[place : place + 2] - [link.branch.before.x, link.branch.before.y]
-                )
-                u[first] = along @ v[place : place + 2]
+                unit_vector = np.array([math.cos(direction), math.sin(direction)])
+                start = [link.branch.before.x, link.branch.before.y]
+                coordinates[i] = unit_vector @ (q[xy] - start)
+                rates[i] = unit_vector @ v[xy]
                 continue
             if link.is_loose:
-                x[first : first + 2], u[first : first + 2] = (
-                    q[place : place + 2],
-                    v[place : place + 2],
-                )
-                first += 2
+                coordinates[i : i + 2] = q[xy]
+                rates[i : i + 2] = v[xy]
+                i += 2
             if link.drive is None:
-                x[first], u[first] = q[place + 2], v[place + 2]
+                coordinates[i] = q[angle]
+                rates[i] = v[angle]
                 if link.parent is not None and not link.parent.is_prescribed:
-                    x[first] -= q[link.parent.place + 2]
-                    u[first] -= v[link.parent.place + 2]
-        return x, u
+                    coordinates[i] -= q[link.parent.index + 2]
+                    rates[i] -= v[link.parent.index + 2]
+        return coordinates, rates
 
-    def way(
+    def relative_motion(
         self, text: Text, ends: tuple[Attachment, Attachment], prefix: str
     ) -> tuple[Vector, Vector]:
-        """Write the way from one point of a body to another, m, and its rate, m/s."""
+        """Write position, m, and velocity, m/s, of the second end relative to the first."""
         first, second = (self.of(end.body) for end in ends)
         first_arm = first.arm(text, ends[0], prefix)
         second_arm = second.arm(text, ends[1], prefix)
-        way = second.position.plus(second_arm).minus(first.position.plus(first_arm))
-        rate = second.velocity_at(second_arm).minus(first.velocity_at(first_arm))
-        way = text.let_vector(f"{prefix}_way", way)
-        return way, text.let_vector(f"{prefix}_way_rate", rate)
+        start = first.position.plus(first_arm)
+        position = second.position.plus(second_arm).minus(start)
+        velocity = second.velocity_at(second_arm).minus(first.velocity_at(first_arm))
+        position = text.let_vector(f"{prefix}_relative_position", position)
+        velocity = text.let_vector(f"{prefix}_relative_velocity", velocity)
+        return position, velocity
 
     def of(self, body: str) -> Link:
         """Return a body, or the frame, by its name."""
@@ -159,37 +160,36 @@ class Chain:
 
 
 def open_chain(linkage: Linkage, text: Text) -> Chain | str:
-    """Return the open tree of a linkage with names for a text, or why it has none."""
+    """Return the open tree of a linkage, or a text that says why there is none.
+
+    The bodies get the names of their variables in ``text``.
+    """
     branches = free_branches(linkage)
     if isinstance(branches, str):
         return branches
     prescribed, pins = chain_of(linkage, prescribed_of(linkage))
-    centre = Attachment(GROUND, 0.0, 0.0)
-    frame = Link(
-        Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None
-    )
+    frame = _frame()
     links = [*_links(linkage, prescribed, text, frame)]
     links += _links(linkage, branches, text, frame, links)
-    place = 0
+    coordinate = 0
     for link in links[len(prescribed) :]:
-        link.is_prescribed, link.coordinate = False, place
-        place += link.size
+        link.is_prescribed = False
+        link.coordinate = coordinate
+        coordinate += link.size
     return Chain(linkage, frame, tuple(links), bool(pins))
 
 
 def loose_chain(linkage: Linkage, text: Text) -> Chain:
-    """Return all bodies in their order, as if no ideal joint and no drive held them."""
-    centre = Attachment(GROUND, 0.0, 0.0)
-    frame = Link(
-        Body(GROUND, 1.0), "frame", "", -1, Branch(None, centre, centre, -1), None
-    )
+    """Return all bodies in their order without ideal joints and drives: three coordinates each."""
+    frame = _frame()
+    origin = Attachment(GROUND, 0.0, 0.0)
     links = [
         Link(
             body,
             text.prefix(body.name),
             joint="",
-            place=3 * k,
-            branch=Branch(None, centre, Attachment(body.name, 0.0, 0.0), -1),
+            index=3 * k,
+            branch=Branch(None, origin, Attachment(body.name, 0.0, 0.0), -1),
             parent=None,
             is_prescribed=False,
             coordinate=3 * k,
@@ -199,6 +199,19 @@ def loose_chain(linkage: Linkage, text: Text) -> Chain:
     return Chain(linkage, frame, tuple(links), has_loops=False)
 
 
+def _frame() -> Link:
+    """Return the frame as a link, at the origin."""
+    origin = Attachment(GROUND, 0.0, 0.0)
+    return Link(
+        Body(GROUND, 1.0),
+        prefix="frame",
+        joint="",
+        index=-1,
+        branch=Branch(None, origin, origin, -1),
+        parent=None,
+    )
+
+
 def _links(
     linkage: Linkage,
     branches: Sequence[Branch],
@@ -206,7 +219,7 @@ def _links(
     frame: Link,
     before: Sequence[Link] = (),
 ) -> list[Link]:
-    """Return the bodies of a tree that hangs from the frame and from other bodies."""
+    """Return the bodies of a tree whose roots are the frame and the links ``before``."""
     drives = {
         drive.body: number
         for number, drive in enumerate(linkage.drives)
@@ -217,12 +230,14 @@ def _links(
     for branch in branches:
         name = branch.end.body
         number = linkage.index(name)
-        parent = links[branch.before.body] if branch.joint else None
-        names = (
+        links[name] = Link(
+            linkage.bodies[number],
             text.prefix(name),
-            text.prefix(branch.joint.name) if branch.joint else "",
+            joint=text.prefix(branch.joint.name) if branch.joint else "",
+            index=3 * number,
+            branch=branch,
+            parent=links[branch.before.body] if branch.joint else None,
+            drive=drives.get(name),
         )
-        drive, body = drives.get(name), linkage.bodies[number]
-        links[name] = Link(body, *names, 3 * number, branch, parent, drive)
         new_links.append(links[name])
     return new_links

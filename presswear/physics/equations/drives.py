@@ -58,7 +58,7 @@ def _torque(text: Text, link: Link) -> str:
     arm = link.arm(text, link.branch.end, link.joint)
     force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
     moment = difference(total(*link.moments), arm.cross(force))
-    if link.parent is None or link.parent.place < 0:
+    if link.parent is None or link.parent.index < 0:
         radius = link.branch.end.x**2 + link.branch.end.y**2
         about_hinge = body.effective_inertia + body.mass * radius
         inertia = text.parameter(f"{prefix}_inertia_about_{link.joint}", about_hinge)
@@ -78,7 +78,7 @@ def _torques_of_loops(text: Text, chain: Chain) -> list[str]:
     for link in chain.prescribed:
         forces = *Vector().plus(*link.forces), total(*link.moments)
         for i, expression in enumerate(forces):
-            text.write(f"force[{link.place + i}] = {expression}")
+            text.write(f"force[{link.index + i}] = {expression}")
     text.write("subtract_inertia(data.prescribed.parts, a, force)")
     text.write("drive_torques(data.prescribed, q, axes, force, data.torque)")
     return [f"data.torque[{k}]" for k in range(len(chain.linkage.drives))]

@@ -39,7 +39,7 @@ def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
 def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> Vector:
     """Write the acceleration of the hinge from which the branch of a body hangs."""
     parent = link.parent
-    if parent is None or parent.place < 0 or link.is_guided:
+    if parent is None or parent.index < 0 or link.is_guided:
         return Vector()
     if not parent.is_prescribed:
         return carried[parent.prefix]

@@ -1,8 +1,8 @@
-"""Places in the state of the equations of motion.
+"""Order of the numbers in the state vector of the equations of motion.
 
-Behind coordinates and rates follow the states of interactions, such as the deflection
-of bristles, then integrals: the energies of the ledger, two doses of wear of each
-clearance joint, and four integrals of each drive.
+First come the coordinates, then their rates, then the states of interactions, such as
+the deflection of bristles. Integrals over time are last: the energies of the ledger,
+two doses of wear of each clearance joint, and four integrals of each drive.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,18 +12,17 @@ import numpy as np
 
 from presswear.tools.arrays import Array
 
-# Energies of the ledger, J: work of all drives, its absolute value, of loads less that
-# which dampers take; lost in contacts and in friction, and made by the normal law
+# Energies of the ledger, J
 ENERGIES = (
-    "drive_work",
-    "drive_exchange",
-    "load_work",
+    "drive_work",  # of all drives
+    "drive_exchange",  # integral of the absolute power of all drives
+    "load_work",  # of loads with a law, less the losses in dampers
     "contact_loss",
     "friction_loss",
-    "made",
+    "made",  # created by normal forces that have no potential
 )
 DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, MADE = range(6)
-# Doses of wear of a joint: F_n ds, N m, and p ds, N/m
+# Doses of wear of a joint: integrals of F_n ds, N m, and of p ds, N/m
 DOSES = ("work", "pressure")
 WORK, PRESSURE = range(2)
 DOSE_COUNT = len(DOSES)
@@ -32,36 +31,38 @@ TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)
 
 
 class State(NamedTuple):
-    """State of an interaction with a rate, a length."""
+    """Continuous state of an interaction: a length whose rate the engines integrate."""
 
-    name: str  # in the text
-    scale: float  # change that matters, m
-    joint: int = -1  # number of the clearance joint whose contact changes its rate
-    # its initial value from the positions of all bodies, m; None: zero
+    name: str  # of its variable in the equations
+    scale: float  # smallest change that matters, m
+    # number of the clearance joint whose touchdown changes the rate; -1: none
+    joint: int = -1
+    # returns the initial value, m, from the positions of all bodies; None: zero
     at_start: Callable[[Array], float] | None = None
 
 
 def initial_states(states: Sequence[State], position: Array) -> Array:
     """Return the initial values of states, m, from the positions of all bodies, (3 bodies,)."""
-    values = [
-        0.0 if state.at_start is None else state.at_start(position) for state in states
-    ]
-    return np.array(values, float)
+    values = np.zeros(len(states))
+    for i, state in enumerate(states):
+        if state.at_start is not None:
+            values[i] = state.at_start(position)
+    return values
 
 
 class Layout(NamedTuple):
-    """Places of the parts of a state; kernels read it, too."""
+    """Indices at which groups of numbers begin in the state vector; kernels read it, too."""
 
-    coordinates: int  # number of coordinates, and of their rates
+    coordinates: int  # number of coordinates, and also of their rates
     first_state: int  # of interactions
     first_energy: int
     first_dose: int
-    first_torque: int
-    size: int
+    first_torque: int  # of the integrals of drives
+    size: int  # length of the state vector
 
 
 def layout_of(coordinates: int, states: int, joints: int, drives: int) -> Layout:
-    """Return the layout for so many coordinates, states of interactions, joints and drives."""
+    """Return the layout from the numbers of coordinates, states, joints and drives."""
     first_state = 2 * coordinates
     first_energy = first_state + states
     first_dose = first_energy + len(ENERGIES)

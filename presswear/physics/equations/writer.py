@@ -111,7 +111,7 @@ def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
     text.write("q, v, a, force, axes = data.bodies")
     for link in chain.links:
         for i, part in enumerate((*Vector().plus(*link.forces), total(*link.moments))):
-            text.write(f"force[{link.place + i}] = {part}")
+            text.write(f"force[{link.index + i}] = {part}")
     if page.has_rates:
         text.write("")
         with text.block("if level >= RATES:"):
@@ -130,7 +130,7 @@ def _written_interactions(text: Text, chain: Chain, packed: Packed) -> Page:
 def write_weights(text: Text, chain: Chain, packed: Packed) -> None:
     """Add weights and constant loads to the forces on the bodies."""
     for link in chain.links:
-        fx, fy, moment = packed.weight[link.place : link.place + 3]
+        fx, fy, moment = packed.weight[link.index : link.index + 3]
         force = Vector(
             text.parameter(f"{link.prefix}_weight_x", fx),
             text.parameter(f"{link.prefix}_weight_y", fy),
@@ -150,7 +150,7 @@ def _record(text: Text, chain: Chain, link: Link) -> None:
     }
     for row, values in motion.items():
         for i, value in enumerate(values):
-            text.write(f"{row}[{link.place + i}] = {value}")
+            text.write(f"{row}[{link.index + i}] = {value}")
 
 
 def _equations(linkage: Linkage, page: Page) -> Equations:

@@ -29,31 +29,38 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
 FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
-# What surfaces that are not round fill in; see ``contact.note_radial`` and
-# ``note_foundation``.
+# Fields that ``contact.note_radial`` and ``note_foundation`` compute on worn surfaces
 _FILLED = (
-    *("penetration", "rate", "normal_x", "normal_y", "pin_arm", "bearing_arm"),
-    *("approach", "closing", "elastic", "energy", "place", "couple"),
+    "penetration",
+    "rate",
+    "normal_x",
+    "normal_y",
+    "pin_arm",
+    "bearing_arm",
+    "approach",
+    "closing",
+    "elastic",
+    "energy",
+    "place",
+    "couple",
 )
 
 
 @dataclass(frozen=True)
 class ClearanceContact:
-    """The contact in a clearance joint, as text."""
+    """Dry contact in a clearance joint that writes itself into the equations."""
 
     joint: ClearanceJoint
     record: Records  # of JOINT
     number: int  # among the clearance joints
 
     kernels: ClassVar[Kernels] = (
-        *(
-            arc_width,
-            contact_area,
-            elastic_of,
-            note_foundation,
-            note_radial,
-            round_foundation,
-        ),
+        arc_width,
+        contact_area,
+        elastic_of,
+        note_foundation,
+        note_radial,
+        round_foundation,
         *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
         *FRICTION_KERNELS,
     )
@@ -75,7 +82,7 @@ class ClearanceContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return nothing: the memory of each joint holds its elastic energy."""
+        """Return 0: the elastic energies of contacts are in the memory of the joints."""
         return 0.0
 
     def write(self, page: Page) -> None:
@@ -84,16 +91,24 @@ class ClearanceContact:
 
 
 class ContactText:
-    """Text of a contact of round or worn surfaces, with expressions of the fields of CONTACT."""
+    """Writer of the equations of a contact of round or worn surfaces.
+
+    ``fields`` has the expression, or the name of the variable, of each field of CONTACT
+    that has been written.
+    """
 
     def __init__(
         self, page: Page, joint: ClearanceJoint, record: Records, number: int
     ) -> None:
-        text, chain = page.text, page.chain
-        self.page, self.text, self.joint = page, text, joint
-        self.number, self.record = number, record
+        text = page.text
+        self.page = page
+        self.text = text
+        self.joint = joint
+        self.number = number
+        self.record = record
         self.prefix = text.prefix(joint.name)
-        self.bearing, self.pin = chain.of(joint.bearing.body), chain.of(joint.pin.body)
+        self.bearing = page.chain.of(joint.bearing.body)
+        self.pin = page.chain.of(joint.pin.body)
         self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
         self.is_worn = bool(record["surface_bins"] > 0)
@@ -104,32 +119,33 @@ class ContactText:
 
     @property
     def makes_energy(self) -> bool:
-        """True if the normal force may do more work than its elastic energy and damping allow.
+        """True if the normal force can create energy.
 
-        A user law may push harder where it opens, and a worn profile may drive the pin.
+        A user law may have a larger force while the pin leaves than while it approaches.
+        The radial force on a worn profile is not the gradient of an energy.
         """
         return self.is_worn or self.joint.round_normal.user_law is not None
 
     @property
     def onset_floor(self) -> str:
-        """Least speed at touchdown that the damping is divided by."""
+        """Name of the lower limit of the closing speed in the damping law."""
         return "ONSET_SPEED_FLOOR"
 
     @property
-    def words(self) -> str:
-        """Name and bodies in a comment."""
+    def title(self) -> str:
+        """Comment with the name of the joint and its bodies."""
         joint = self.joint
         bodies = f"pin of {joint.pin.body} in a bearing of {joint.bearing.body}"
         return f"{joint.name}: {bodies}, with clearance"
 
     @property
     def wears(self) -> bool:
-        """True if an account of wear is kept."""
+        """True if wear is computed."""
         return bool(self.record["wear_coefficient"] > 0.0)
 
     @property
     def wears_by_pressure(self) -> bool:
-        """True if the account is also of pressure times slip."""
+        """True if wear needs the integral of a power of the pressure times slip."""
         return self.wears and not (
             self.record["over_arc"] and self.record["pressure_exponent"] == 1.0
         )
@@ -147,17 +163,17 @@ class ContactText:
         return self.text.parameter(self.name(word), value)
 
     def value(self, word: str) -> str:
-        """Return a field of the contact, as it is called in CONTACT."""
+        """Return the expression of a field of CONTACT."""
         return self.fields.get(word, ZERO)
 
     def vector(self, word: str) -> Vector:
-        """Return two fields of the contact."""
+        """Return the expressions of two fields of CONTACT, x and y."""
         return Vector(self.value(f"{word}_x"), self.value(f"{word}_y"))
 
     def write(self) -> None:
         """Write the contact, and add its forces to those on both bodies."""
         text = self.text
-        text.comment(self.words)
+        text.comment(self.title)
         onset = self.let("onset_speed", f"data.onset[{self.number}]")
         for name in self._results():
             text.write(f"{name} = {ZERO}")
@@ -176,9 +192,9 @@ class ContactText:
             link.moments.append(self.name(f"{end}_moment"))
 
     def _results(self) -> list[str]:
-        """Return the names of what is zero while the joint is open; declare powers and doses."""
-        words = ["normal_force", "friction_force"]
-        words += ["force_x", "force_y", "pin_moment", "bearing_moment"]
+        """Return the variables that are zero in an open joint; declare powers and doses."""
+        forces = ["normal_force", "friction_force"]
+        forces += ["force_x", "force_y", "pin_moment", "bearing_moment"]
         powers = ["contact_loss"]
         if self.joint.friction.coefficient > 0.0:
             powers.append("friction_loss")
@@ -186,14 +202,17 @@ class ContactText:
             powers.append("made")
         for energy in powers:
             self.page.add_power(energy, self.name(energy))
-        doses = ["work"] * self.wears + ["pressure"] * self.wears_by_pressure
-        for dose in doses:
-            self.page.set_dose(self.number, dose, self.name(f"wear_{dose}"))
-        words += [*powers, *(f"wear_{dose}" for dose in doses)]
-        return [self.name(word) for word in words]
+        rates = []
+        if self.wears:
+            rates.append("wear_work")
+            self.page.set_dose(self.number, "work", self.name("wear_work"))
+        if self.wears_by_pressure:
+            rates.append("wear_pressure")
+            self.page.set_dose(self.number, "pressure", self.name("wear_pressure"))
+        return [self.name(word) for word in (*forces, *powers, *rates)]
 
     def _write_contact(self, onset: str) -> None:
-        """Write the motion of the pin, its forces, and at the end of a step the record."""
+        """Write the motion of the pin, the forces, and the record at the end of a step."""
         text = self.text
         self._write_motion()
         if self.is_worn:
@@ -218,41 +237,45 @@ class ContactText:
             self._write_record()
 
     def _write_motion(self) -> None:
-        """Write place and motion of the pin in the bearing."""
-        text, pin, bearing = self.text, self.pin, self.bearing
-        at_pin, at_bearing = self.pin_arm, self.bearing_arm
-        place = pin.position.plus(at_pin).minus(bearing.position.plus(at_bearing))
-        place = text.let_vector(self.name("eccentricity"), place)
-        velocity = pin.velocity_at(at_pin).minus(bearing.velocity_at(at_bearing))
+        """Write position and velocity of the pin relative to the bearing."""
+        text = self.text
+        pin = self.pin
+        bearing = self.bearing
+        centre = bearing.position.plus(self.bearing_arm)
+        eccentricity = pin.position.plus(self.pin_arm).minus(centre)
+        eccentricity = text.let_vector(self.name("eccentricity"), eccentricity)
+        bearing_velocity = bearing.velocity_at(self.bearing_arm)
+        velocity = pin.velocity_at(self.pin_arm).minus(bearing_velocity)
         velocity = text.let_vector(self.name("velocity"), velocity)
-        size = self.let("eccentricity", f"math.sqrt({place.dot(place)})")
-        self.fields |= {"eccentricity": size}
-        self._set_fields("eccentricity", place)
+        length = f"math.sqrt({eccentricity.dot(eccentricity)})"
+        self.fields["eccentricity"] = self.let("eccentricity", length)
+        self._set_fields("eccentricity", eccentricity)
         self._set_fields("velocity", velocity)
-        for end, link, lever in (
-            ("bearing", bearing, at_bearing),
-            ("pin", pin, at_pin),
+        for end, link, arm in (
+            ("bearing", bearing, self.bearing_arm),
+            ("pin", pin, self.pin_arm),
         ):
-            self.fields |= {f"{end}_angle": link.angle, f"{end}_spin": link.omega}
-            self._set_fields(f"{end}_lever", lever if link.place >= 0 else Vector())
+            self.fields[f"{end}_angle"] = link.angle
+            self.fields[f"{end}_spin"] = link.omega
+            self._set_fields(f"{end}_lever", arm if link.index >= 0 else Vector())
 
     def _set_fields(self, name: str, vector: Vector) -> None:
         self.fields |= {f"{name}_x": vector.x, f"{name}_y": vector.y}
 
     def _turning(self) -> str:
-        """Write the rate of the direction of the eccentricity."""
-        place = self.vector("eccentricity")
-        velocity = self.vector("velocity")
+        """Write the angular velocity of the eccentricity."""
+        cross = self.vector("eccentricity").cross(self.vector("velocity"))
         size = self.value("eccentricity")
-        turning = f"({place.cross(velocity)}) / ({size} * {size}) if {size} > {ZERO} else {ZERO}"
-        return self.let("turning", turning)
+        rate = f"({cross}) / ({size} * {size}) if {size} > {ZERO} else {ZERO}"
+        return self.let("turning", rate)
 
     def _write_round(self) -> None:
-        """Write the contact of round surfaces, which meet where the eccentricity points."""
-        joint, size = self.joint, self.value("eccentricity")
+        """Write the contact of round surfaces, in the direction of the eccentricity."""
+        joint = self.joint
+        size = self.value("eccentricity")
         clearance = self.parameter("clearance", joint.clearance)
         penetration = self.let("penetration", difference(size, clearance))
-        # A pin exactly in the centre touches nothing: any direction serves.
+        # A pin exactly in the centre is open, so that any direction is valid.
         for axis, centred in (("x", ONE), ("y", ZERO)):
             quotient = f"{self.value(f'eccentricity_{axis}')} / {size}"
             cosine = self.let(
@@ -275,28 +298,26 @@ class ContactText:
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
 
     def _write_worn(self) -> None:
-        """Write the call of the kernel for surfaces that are not round."""
+        """Write the call of the kernel for worn surfaces."""
         self.fields["turning"] = self._turning()
-        place = self.let("contact", f"data.contacts[{self.number}]")
+        contact = self.let("contact", f"data.contacts[{self.number}]")
         for word, value in self.fields.items():
-            self.text.write(f"{place}[{FIELDS[word]}] = {value}")
-        kernel = (
-            "note_radial" if self.record["foundation"] == 0.0 else "note_foundation"
-        )
+            self.text.write(f"{contact}[{FIELDS[word]}] = {value}")
+        is_radial = self.record["foundation"] == 0.0
+        kernel = "note_radial" if is_radial else "note_foundation"
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
         self.text.write(f"{kernel}({arguments})")
         for word in _FILLED:
-            self.fields[word] = self.let(word, f"{place}[{FIELDS[word]}]")
+            self.fields[word] = self.let(word, f"{contact}[{FIELDS[word]}]")
 
     def _write_elastic(self) -> None:
         """Write the elastic force of the normal law."""
-        depth, law = self.value("penetration"), self.joint.round_normal
-        numbers = self.record["normal"]
-        stiffness = self.parameter("stiffness", numbers["stiffness"])
-        if law.user_law is not None or not isinstance(
-            ELASTICITIES[law.elasticity], int
-        ):
+        depth = self.value("penetration")
+        law = self.joint.round_normal
+        stiffness = self.parameter("stiffness", self.record["normal"]["stiffness"])
+        is_function = not isinstance(ELASTICITIES[law.elasticity], int)
+        if law.user_law is not None or is_function:
             force = self._call_normal(depth, ZERO, ONE)
         elif law.elasticity == "foundation":
             clearance = self.parameter("clearance", self.joint.clearance)
@@ -306,161 +327,168 @@ class ContactText:
         elif law.exponent == 1.0:
             force = f"{stiffness} * {depth}"
         else:
-            force = (
-                f"{stiffness} * {depth} ** {self.parameter('exponent', law.exponent)}"
-            )
+            exponent = self.parameter("exponent", law.exponent)
+            force = f"{stiffness} * {depth} ** {exponent}"
         self.text.write(f"{self.value('elastic')} = {force}")
 
     def _call_normal(self, depth: str, rate: str, onset: str) -> str:
         """Return the call of a normal law with all of NORMAL_PARAMETERS."""
-        numbers = self.record["normal"]
-        words = ("stiffness", "exponent", "damping", "clearance")
-        rest = (self.parameter(word, numbers[word]) for word in words)
-        arguments = ", ".join((depth, rate, onset, *rest))
+        record = self.record["normal"]
+        arguments = [depth, rate, onset]
+        for word in ("stiffness", "exponent", "damping", "clearance"):
+            arguments.append(self.parameter(word, record[word]))
+        listed = ", ".join(arguments)
         law = self.joint.round_normal
         if law.user_law is None:
-            return f"{ELASTICITIES[law.elasticity].__name__}({arguments})"
-        return f"call(int({self.parameter('normal_law', numbers['address'])}), ({arguments}))"
+            return f"{ELASTICITIES[law.elasticity].__name__}({listed})"
+        address = self.parameter("normal_law", record["address"])
+        return f"call(int({address}), ({listed}))"
 
     def _write_forces(self, onset: str, normal: Vector) -> None:
         """Write the forces and moments of a closed joint."""
         text = self.text
-        size, across = self.name("normal_force"), ZERO
-        text.write(f"{size} = {self._normal_force(onset)}")
-        along = normal.times(f"-{size}")
+        normal_force = self.name("normal_force")
+        friction_force = ZERO
+        text.write(f"{normal_force} = {self._normal_force(onset)}")
+        on_pin = normal.times(f"-{normal_force}")
         if self.joint.friction.coefficient > 0.0:
-            across = self.name("friction_force")
-            text.write(f"{across} = {self.friction.force(size)}")
-            along = along.plus(normal.swept(across))
+            friction_force = self.name("friction_force")
+            text.write(f"{friction_force} = {self.friction.force(normal_force)}")
+            on_pin = on_pin.plus(normal.swept(friction_force))
         force = Vector(self.name("force_x"), self.name("force_y"))
-        text.write(f"{force.x} = {along.x}")
-        text.write(f"{force.y} = {along.y}")
-        self._write_moments(size, normal, force)
+        text.write(f"{force.x} = {on_pin.x}")
+        text.write(f"{force.y} = {on_pin.y}")
+        self._write_moments(normal_force, normal, force)
         with text.block("if level >= RATES:"):
-            self._write_losses(size, across)
+            self._write_losses(normal_force, friction_force)
             if self.wears:
-                self._write_wear(size)
+                self._write_wear(normal_force)
 
     def _normal_force(self, onset: str) -> str:
-        """Return the normal force, and write the closing speed at touchdown that it needs."""
-        numbers, law = self.record["normal"], self.joint.round_normal
-        elastic, closing = self.value("elastic"), self.value("closing")
-        damping = self.parameter("damping", numbers["damping"])
+        """Return the normal force; write the closing speed at touchdown if it needs that."""
+        law = self.joint.round_normal
+        elastic = self.value("elastic")
+        closing = self.value("closing")
+        damping = self.parameter("damping", self.record["normal"]["damping"])
         if law.user_law is None and damping == ZERO:
             return elastic
         if law.user_law is None and law.viscosity > 0.0:
             return f"max({elastic} + {product(damping, closing)}, {ZERO})"
         speed = f"{onset} if {onset} > {ZERO} else {self.value('rate')}"
-        started = self.let("touchdown_speed", f"max({speed}, {self.onset_floor})")
+        limited = f"max({speed}, {self.onset_floor})"
+        touchdown_speed = self.let("touchdown_speed", limited)
         if law.user_law is None:
-            return (
-                f"max({elastic} * ({ONE} + {damping} * {closing} / {started}), {ZERO})"
-            )
-        return f"max({self._call_normal(self.value('penetration'), closing, started)}, {ZERO})"
+            factor = f"({ONE} + {damping} * {closing} / {touchdown_speed})"
+            return f"max({elastic} * {factor}, {ZERO})"
+        depth = self.value("penetration")
+        return f"max({self._call_normal(depth, closing, touchdown_speed)}, {ZERO})"
 
-    def _write_moments(self, size: str, normal: Vector, force: Vector) -> None:
+    def _write_moments(self, normal_force: str, normal: Vector, force: Vector) -> None:
         """Write the moments about both mass centres of a force at one common point."""
-        reach = normal.times(self.value("pin_arm"))
-        place = self.vector("eccentricity")
+        radius = normal.times(self.value("pin_arm"))
+        eccentricity = self.vector("eccentricity")
         couple = ZERO
         if self.is_worn and self.record["foundation"] > 0.0:
-            # A penetration of 1e-19 m is closed, and its force rounds to zero.
+            # The elastic force is zero at a penetration of some 1e-19 m, by underflow.
             elastic = self.value("elastic")
-            couple = f"{size} / {elastic} * {self.value('couple')}"
-            couple = self.let(
-                "couple_moment", f"{couple} if {elastic} > {ZERO} else {ZERO}"
-            )
-        if self.pin.place >= 0:
-            point = self.text.let_vector(
-                self.name("pin_point"), self.pin_arm.plus(reach)
-            )
-            self.text.write(
-                f"{self.name('pin_moment')} = {total(point.cross(force), couple)}"
-            )
-        if self.bearing.place >= 0:
-            point = self.bearing_arm.plus(place, reach)
+            couple = f"{normal_force} / {elastic} * {self.value('couple')}"
+            couple = f"{couple} if {elastic} > {ZERO} else {ZERO}"
+            couple = self.let("couple_moment", couple)
+        if self.pin.index >= 0:
+            point = self.pin_arm.plus(radius)
+            point = self.text.let_vector(self.name("pin_point"), point)
+            moment = total(point.cross(force), couple)
+            self.text.write(f"{self.name('pin_moment')} = {moment}")
+        if self.bearing.index >= 0:
+            point = self.bearing_arm.plus(eccentricity, radius)
             point = self.text.let_vector(self.name("bearing_point"), point)
             moment = negative(total(point.cross(force), couple))
             self.text.write(f"{self.name('bearing_moment')} = {moment}")
 
-    def _write_losses(self, normal: str, across: str) -> None:
-        """Write the powers lost in contact and in friction, and made by the normal law."""
+    def _write_losses(self, normal_force: str, friction_force: str) -> None:
+        """Write the powers lost in contact and in friction, and created by the normal law."""
         write = self.text.write
         closing = self.value("closing")
         contact_loss = self.name("contact_loss")
-        loss = product(difference(normal, self.value("elastic")), closing)
+        loss = product(difference(normal_force, self.value("elastic")), closing)
         write(f"{contact_loss} = {loss}")
-        if across != ZERO:
-            friction_power = product(across, self.value("sliding"))
+        if friction_force != ZERO:
+            friction_power = product(friction_force, self.value("sliding"))
             write(f"{self.name('friction_loss')} = {negative(friction_power)}")
         if not self.makes_energy:
             return
         created = self.name("made")
         write(f"{created} = -min({loss}, {ZERO})")
         if self.is_worn:
-            work = product(normal, difference(self.value("approach"), closing))
-            write(f"{created} -= {work}")
-            write(f"{contact_loss} += {work}")
+            power = product(normal_force, difference(self.value("approach"), closing))
+            write(f"{created} -= {power}")
+            write(f"{contact_loss} += {power}")
 
-    def _write_wear(self, normal: str) -> None:
-        """Write the rates of wear: of the load distance, or also of pressure times slip."""
-        write, depth = self.text.write, self.value("penetration")
+    def _write_wear(self, normal_force: str) -> None:
+        """Write the rates of the load distance and, if needed, of pressure times slip."""
+        depth = self.value("penetration")
         slip = f"abs({self.value('sliding')})"
         if self.record["slip_by_angle"]:
             turning = self.value("turning") if self.is_worn else self._turning()
             radius = self.parameter("pin_radius", self.joint.pin_radius)
             slip = f"({radius} + {depth}) * abs({turning})"
         work = self.name("wear_work")
-        write(f"{work} = {normal} * {slip}")
+        self.text.write(f"{work} = {normal_force} * {slip}")
         if self.record["over_arc"] and self.wears_by_pressure:
             radius = self.parameter("bearing_radius", self.joint.bearing_radius)
-            across = self.parameter("width", self.joint.width)
+            width = self.parameter("width", self.joint.width)
             clearance = self.parameter("clearance", self.joint.clearance)
-            area = f"{across} * {radius} * arc_width({depth}, {clearance})"
-            self._write_pressure_dose(work, f"{normal} / ({area})", normal)
+            area = f"{width} * {radius} * arc_width({depth}, {clearance})"
+            pressure = f"{normal_force} / ({area})"
+            self._write_pressure_dose(work, pressure, normal_force)
         elif self.wears_by_pressure:
-            self._write_bin_wear(work, normal)
+            self._write_bin_wear(work, normal_force)
 
-    def _write_bin_wear(self, work: str, normal: str) -> None:
+    def _write_bin_wear(self, work: str, normal_force: str) -> None:
         """Write the rate of pressure times slip, with the mean pressure over the chord."""
         depth = self.value("penetration")
         half = f"0.5 * {depth}"
-        sizes = (
+        arguments = (
+            depth,
             self.value("eccentricity"),
             f"{self.value('bearing_arm')} - {half}",
             f"{self.value('pin_arm')} + {half}",
             self.parameter("width", self.joint.width),
         )
-        area = f"contact_area({depth}, {', '.join(sizes)})"
+        area = f"contact_area({', '.join(arguments)})"
         if self.record["pressure_exponent"] == 1.0:
             self.text.write(f"{self.name('wear_pressure')} = {work} / {area}")
         else:
             area = self.let("contact_area", area)
-            dose = f"{work} / {area}"
-            self._write_pressure_dose(dose, f"{normal} / {area}", normal)
+            dose_rate = f"{work} / {area}"
+            pressure = f"{normal_force} / {area}"
+            self._write_pressure_dose(dose_rate, pressure, normal_force)
 
-    def _write_pressure_dose(self, dose: str, pressure: str, normal: str) -> None:
+    def _write_pressure_dose(
+        self, dose_rate: str, pressure: str, normal_force: str
+    ) -> None:
         """Write the rate of a dose times (p / p_ref)^(m - 1)."""
         wear = self.joint.wear
         assert wear is not None
         reference = self.parameter("pressure_reference", wear.pressure_reference)
         power = self.parameter("pressure_power", wear.pressure_exponent - 1.0)
         pressure = self.let("pressure", pressure)
-        rate = f"{dose} * ({pressure} / {reference}) ** {power}"
-        rate = f"{rate} if {normal} > {ZERO} else {ZERO}"
+        rate = f"{dose_rate} * ({pressure} / {reference}) ** {power}"
+        rate = f"{rate} if {normal_force} > {ZERO} else {ZERO}"
         self.text.write(f"{self.name('wear_pressure')} = {rate}")
 
     def _write_record(self) -> None:
         """Write the contact for the recorder."""
         if not self.is_worn:
             self.fields["turning"] = self._turning()
-            energy = f"elastic_of(data.joints[{self.number}].normal, {self.value('penetration')})"
-            self.fields["energy"] = self.let("elastic_energy", f"{energy}[1]")
-        place = self.name("contact")
+            law = f"data.joints[{self.number}].normal"
+            energy = f"elastic_of({law}, {self.value('penetration')})[1]"
+            self.fields["energy"] = self.let("elastic_energy", energy)
+        contact = self.name("contact")
         if not self.is_worn:
-            self.text.write(f"{place} = data.contacts[{self.number}]")
-        forces = {"normal": "normal_force", "tangential": "friction_force"}
-        self.fields |= {field: self.name(word) for field, word in forces.items()}
+            self.text.write(f"{contact} = data.contacts[{self.number}]")
+        self.fields["normal"] = self.name("normal_force")
+        self.fields["tangential"] = self.name("friction_force")
         for word, value in self.fields.items():
             if not (self.is_worn and word in _FILLED):
-                self.text.write(f"{place}[{FIELDS[word]}] = {value}")
+                self.text.write(f"{contact}[{FIELDS[word]}] = {value}")

@@ -53,7 +53,7 @@ class CornerContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return nothing: the memory of each joint holds its elastic energy."""
+        """Return 0: the elastic energies of contacts are in the memory of the joints."""
         return 0.0
 
     def write(self, page: Page) -> None:
@@ -62,18 +62,18 @@ class CornerContact:
 
 
 class _CornerText(ContactText):
-    """Text of the contact of a corner."""
+    """Writer of the equations of a corner on a flat wall."""
 
     joint: GuideCorner
 
     @property
     def onset_floor(self) -> str:
-        """Least speed at touchdown that the damping is divided by."""
+        """Name of the lower limit of the closing speed in the damping law."""
         return self.parameter("speed_floor", onset_floor(self.joint))
 
     @property
-    def words(self) -> str:
-        """Name and body in a comment."""
+    def title(self) -> str:
+        """Comment with the name of the corner and its body."""
         return f"{self.joint.name}: corner of {self.joint.pin.body} on a wall"
 
     @property
@@ -94,20 +94,22 @@ class _CornerText(ContactText):
         )
 
     def _write_motion(self) -> None:
-        """Write place and motion of the corner across the wall."""
-        text, slide, at_corner = self.text, self.pin, self.pin_arm
+        """Write distance and velocity of the corner along the normal of the wall."""
+        slide = self.pin
+        arm = self.pin_arm
         normal = self._wall_normal()
         self._set_fields("normal", normal)
         across = self.let("across", normal.dot(self._from_wall()))
-        velocity = text.let_vector(self.name("velocity"), slide.velocity_at(at_corner))
+        velocity = slide.velocity_at(arm)
+        velocity = self.text.let_vector(self.name("velocity"), velocity)
         rate = self.let("rate", normal.dot(velocity))
         self.fields |= {"across": across, "rate": rate, "is_flat": ONE}
         self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
-        self._set_fields("pin_lever", at_corner)
+        self._set_fields("pin_lever", arm)
         self._set_fields("velocity", velocity)
 
     def _write_round(self) -> None:
-        """Write the contact with the flat wall, whose point lies half the penetration deep."""
+        """Write the contact with the flat wall, at half of the penetration."""
         clearance = self.parameter("clearance", self.joint.clearance)
         penetration = difference(self.value("across"), clearance)
         penetration = self.let("penetration", penetration)
@@ -119,7 +121,7 @@ class _CornerText(ContactText):
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
 
     def _turning(self) -> str:
-        """Return nothing: the direction into the wall stays."""
+        """Return zero: the normal of the wall does not turn."""
         return ZERO
 
     def _write_place(self) -> None:
@@ -130,7 +132,7 @@ class _CornerText(ContactText):
         self.fields["place"] = self.let("along", along)
 
     def _write_record(self) -> None:
-        """Write the contact for the recorder, with e and its rate along the wall left out."""
+        """Write the contact for the recorder, with the components of e and its rate along n."""
         if self.wears:
             self._write_place()
         across = self.fields.pop("across")

@@ -64,7 +64,7 @@ class ElasticPin:
         text.comment(
             f"{pin.name}: elastic pin of {pin.second.body} in {pin.first.body}"
         )
-        stretch, rate = page.chain.way(text, pin.ends, prefix)
+        stretch, rate = page.chain.relative_motion(text, pin.ends, prefix)
         stiffness = text.parameter(f"{prefix}_stiffness", pin.stiffness or 0.0)
         damping = text.parameter(f"{prefix}_damping", self.damping)
         force = stretch.times(f"-{stiffness}").plus(

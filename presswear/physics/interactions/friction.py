@@ -1,4 +1,4 @@
-"""Friction laws of a contact, as text."""
+"""Friction laws of a contact in the written equations."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
@@ -11,13 +11,13 @@ from presswear.tools.compile import Records
 
 
 class FrictionText(Protocol):
-    """A friction law in the text of a contact."""
+    """Friction law that writes its expressions into the equations of a contact."""
 
-    kernels: ClassVar[Kernels]  # that its text calls by name
-    has_state: ClassVar[bool]  # it changes in open joints, too
+    kernels: ClassVar[Kernels]  # compiled functions that the text calls
+    has_state: ClassVar[bool]  # the law has a state, which changes in open joints, too
 
     def write_state(self, sliding: str, is_closed: str) -> None:
-        """Write the rate of its state, from the sliding speed and whether the contact is closed."""
+        """Write the rate of the state; both arguments are expressions."""
         ...
 
     def force(self, normal: str) -> str:
@@ -27,7 +27,7 @@ class FrictionText(Protocol):
 
 @dataclass
 class FrictionWithoutState:
-    """A function of FRICTION_PARAMETERS: one of FRICTION_FORCES, or that of a user."""
+    """Friction law as a function of FRICTION_PARAMETERS: a named law or a user law."""
 
     page: Page
     prefix: str  # of the joint
@@ -39,18 +39,19 @@ class FrictionWithoutState:
     has_state: ClassVar[bool] = False
 
     def write_state(self, sliding: str, is_closed: str) -> None:
-        """Keep the sliding speed."""
+        """Store the sliding speed for ``force``."""
         self.sliding = sliding
 
     def force(self, normal: str) -> str:
         """Return the call of the law."""
-        text, law = self.page.text, self.law
-        numbers = (
+        text = self.page.text
+        law = self.law
+        parameters = (
             text.parameter(f"{self.prefix}_friction_coefficient", law.coefficient),
             text.parameter(f"{self.prefix}_lower_speed", law.lower),
             text.parameter(f"{self.prefix}_upper_speed", law.upper),
         )
-        arguments = ", ".join((self.sliding, normal, *numbers))
+        arguments = ", ".join((self.sliding, normal, *parameters))
         if law.user_law is None:
             return f"{FRICTION_FORCES[law.name].__name__}({arguments})"
         address = text.parameter(f"{self.prefix}_friction_law", self.record["force"])
@@ -60,7 +61,7 @@ class FrictionWithoutState:
 def friction_of(
     page: Page, prefix: str, joint: int, law: FrictionLaw, record: Records
 ) -> FrictionText:
-    """Return the friction law of a joint, whose names in the text begin with a prefix."""
+    """Return the friction law of a joint; its variables in the text begin with ``prefix``."""
     if record["bristle_stiffness"] > 0.0:
         return LuGre(page, prefix, joint, record)
     return FrictionWithoutState(page, prefix, law, record)

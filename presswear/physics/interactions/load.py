@@ -1,4 +1,4 @@
-"""Loads with a law, on a point of a body or on its angle; the laws are in ``physics.loads``."""
+"""Forces on a point of a body and moments on a body, with laws of ``physics.loads``."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -15,7 +15,7 @@ from presswear.tools.compile import Records
 
 @dataclass(frozen=True)
 class LoadWithLaw:
-    """A load with a law, as text."""
+    """Load with a law that writes itself into the equations."""
 
     load: Force | Moment
     record: Records  # of LOAD
@@ -38,37 +38,39 @@ class LoadWithLaw:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return nothing: what loads with a law do is load work."""
+        """Return 0: the work of these loads is in the load work of the ledger."""
         return 0.0
 
     def write(self, page: Page) -> None:
         """Write the force or moment on the body, and its power."""
         text, load, record = page.text, self.load, self.record
-        name = (
-            load.name if isinstance(load, Force) else ""
-        ) or f"load {self.number + 1}"
-        prefix, link = text.prefix(name), page.chain.of(load.body)
+        name = f"load {self.number + 1}"
+        if isinstance(load, Force) and load.name:
+            name = load.name
+        prefix = text.prefix(name)
+        link = page.chain.of(load.body)
         text.comment(f"{name}: on {load.body}")
         zero = text.parameter(f"{prefix}_zero", record["zero"])
-        along = Vector(
+        direction = Vector(
             text.direction(f"{prefix}_direction_x", record["cosine"]),
             text.direction(f"{prefix}_direction_y", record["sine"]),
         )
         if isinstance(load, Force):
             arm = link.arm(text, load.attachment, prefix)
-            place, speed = (
-                along.dot(link.position.plus(arm)),
-                along.dot(link.velocity_at(arm)),
-            )
+            position = direction.dot(link.position.plus(arm))
+            speed = direction.dot(link.velocity_at(arm))
         else:
-            place, speed = product(along.x, link.angle), product(along.x, link.omega)
-        place = text.let(f"{prefix}_place", difference(place, zero))
+            position = product(direction.x, link.angle)
+            speed = product(direction.x, link.omega)
+        position = text.let(f"{prefix}_position", difference(position, zero))
         speed = text.let(f"{prefix}_speed", speed)
         k = self.number
         law = f"data.loads.records[{k}], data.loads.nodes, data.loads.modes[{k}]"
-        size = text.let(f"{prefix}_size", f"load_size({law}, t, {place}, {speed})")
+        call = f"load_size({law}, t, {position}, {speed})"
+        size = text.let(f"{prefix}_size", call)
         page.add_power("load_work", text.let(f"{prefix}_power", product(size, speed)))
         if isinstance(load, Force):
-            link.add_force(arm, text.let_vector(f"{prefix}_force", along.times(size)))
+            force = text.let_vector(f"{prefix}_force", direction.times(size))
+            link.add_force(arm, force)
         else:
-            link.moments.append(product(along.x, size))
+            link.moments.append(product(direction.x, size))

@@ -180,7 +180,7 @@ class OiledContact:
         text, joint = page.text, self.joint
         prefix = text.prefix(joint.name)
         text.comment(f"{joint.name}: oiled pin of {joint.pin.body}")
-        place, _ = page.chain.way(text, (joint.bearing, joint.pin), prefix)
+        place, _ = page.chain.relative_motion(text, (joint.bearing, joint.pin), prefix)
         axes = self._declare_film(page, prefix)
         film = text.let_vector(f"{prefix}_film", Vector(*(f"y[{i}]" for i in axes)))
         force = self._write_elastic(page, prefix, place.minus(film))

@@ -83,7 +83,7 @@ class SpringAndDamper:
         text.comment(
             f"{spring.name}: spring between {first.body.name} and {second.body.name}"
         )
-        way, velocity = page.chain.way(text, spring.ends, prefix)
+        way, velocity = page.chain.relative_motion(text, spring.ends, prefix)
         numbers = [
             text.parameter(f"{prefix}_{word}", getattr(spring, word))
             for word in ("stiffness", "damping", "length")
