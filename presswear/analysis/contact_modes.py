@@ -61,16 +61,20 @@ class Timeline:
         return self.mode[np.searchsorted(self.edges[1:-1], times, side="right")]
 
     def over_phase(self, period: float, bins: int) -> Array:
-        """Return the share of the time in each mode over the phase, shape (modes, bins); exact."""
-        first = np.floor(self.edges[0] * bins / period)
-        last = np.ceil(self.edges[-1] * bins / period)
-        grid = period / bins * np.arange(first, last + 1)
-        inside = grid[(grid > self.edges[0]) & (grid < self.edges[-1])]
-        edges = np.union1d(self.edges, inside)
+        """Return the share of the time in each mode over the phase, shape (modes, bins).
+
+        A mode that lasts over several bins is divided exactly at their edges.
+        """
+        start, end = self.edges[0], self.edges[-1]
+        first = np.floor(start * bins / period)
+        last = np.ceil(end * bins / period)
+        bin_edges = period / bins * np.arange(first, last + 1)
+        is_within = (bin_edges > start) & (bin_edges < end)
+        edges = np.union1d(self.edges, bin_edges[is_within])
         middle = 0.5 * (edges[1:] + edges[:-1])
-        column = np.floor(middle / period * bins).astype(np.int64) % bins
+        bin_index = np.floor(middle / period * bins).astype(np.int64) % bins
         times = np.zeros((len(self.names), bins))
-        np.add.at(times, (self.at(middle), column), np.diff(edges))
+        np.add.at(times, (self.at(middle), bin_index), np.diff(edges))
         sums = times.sum(axis=0)
         return np.asarray(times / np.where(sums > 0.0, sums, 1.0))
 
@@ -85,18 +89,26 @@ def impact_limits(duration: Array, closing_speed: Array) -> Array:
     if not duration.size:
         return np.zeros(0)
     fastest = np.argsort(closing_speed)[-max(duration.size // 4, 1) :]
-    speed = float(np.median(closing_speed[fastest]))
-    ratio = np.maximum(speed, 1e-300) / np.clip(
-        closing_speed, 1e-12 * max(speed, 1e-288), None
+    typical_speed = float(np.median(closing_speed[fastest]))
+    typical_duration = np.median(duration[fastest])
+    # The lower limits keep the quotient finite where a speed is zero.
+    lowest_speed = 1e-12 * max(typical_speed, 1e-288)
+    speed_ratio = np.maximum(typical_speed, 1e-300) / np.maximum(
+        closing_speed, lowest_speed
     )
-    typical = np.median(duration[fastest])
-    return np.asarray(MAX_DURATION_RATIO * typical * np.maximum(ratio, 1.0) ** 0.2)
+    scale = np.maximum(speed_ratio, 1.0) ** 0.2
+    return np.asarray(MAX_DURATION_RATIO * typical_duration * scale)
 
 
 def resonance_frequency(duration: Array, closing_speed: Array) -> float | None:
-    """Return the contact resonance, Hz: one over twice the median impact duration, or None."""
+    """Return the contact resonance, Hz: one over twice the median duration of impacts.
+
+    None if no contact is an impact.
+    """
     is_impact = (duration > 0.0) & (duration <= impact_limits(duration, closing_speed))
-    return float(0.5 / np.median(duration[is_impact])) if is_impact.any() else None
+    if not is_impact.any():
+        return None
+    return float(0.5 / np.median(duration[is_impact]))
 
 
 def timeline(
@@ -120,25 +132,26 @@ def timeline(
     time, speed = sliding
     touchdown, separation = contacts.T
     excess = np.abs(speed) - sticking_speed
-    k = np.flatnonzero((excess[:-1] < 0.0) != (excess[1:] < 0.0))
-    changes = time[k] - excess[k] * np.diff(time)[k] / np.diff(excess)[k]
-    moments = np.unique(np.concatenate([span, touchdown, separation, changes]))
-    edges = moments[(moments >= span[0]) & (moments <= span[1])]
+    # Rows behind which the sliding speed passes the sticking speed.
+    row = np.flatnonzero((excess[:-1] < 0.0) != (excess[1:] < 0.0))
+    changes = time[row] - excess[row] * np.diff(time)[row] / np.diff(excess)[row]
+    instants = np.unique(np.concatenate([span, touchdown, separation, changes]))
+    edges = instants[(instants >= span[0]) & (instants <= span[1])]
     middle = 0.5 * (edges[1:] + edges[:-1])
-    sticks = np.abs(np.interp(middle, time, speed)) < sticking_speed
+    is_slow = np.abs(np.interp(middle, time, speed)) < sticking_speed
     mode = np.full(middle.size, FREE)
     if len(contacts):
         contact = np.searchsorted(touchdown, middle) - 1
         is_closed = (contact >= 0) & (middle < separation[contact])
         duration = separation - touchdown
         is_impact = (duration <= impact_limits(duration, closing_speed))[contact]
-        mode[is_closed] = np.where(sticks, STICKING, SUSTAINED)[is_closed]
+        mode[is_closed] = np.where(is_slow, STICKING, SUSTAINED)[is_closed]
         mode[is_closed & is_impact] = IMPACT
     return _merged(edges, mode, MODES)
 
 
 def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
-    """Return a timeline whose successive modes differ."""
+    """Return a timeline in which equal successive modes are one."""
     is_new = np.append(True, np.diff(mode) != 0)
     return Timeline(np.append(edges[:-1][is_new], edges[-1]), mode[is_new], names)
 
@@ -146,19 +159,21 @@ def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
     """Return the contact modes of a joint in the recorded sampled cycles, by the clock, s."""
     start, end = map(float, stage.clock_of(np.array(sampled_span(scene, stage))))
-    item = stage.joints[joint]
-    contacts = np.column_stack([item.contact("touchdown"), item.contact("separation")])
-    closing = item.contact("closing_speed")
-    last = float(contacts[-1, 1]) if len(contacts) else float(stage.clock[0])
-    # A contact that continues at the end is not recorded as one.
-    lasting = (stage.clock > last) & (item.penetration > 0.0)
-    if lasting.any():
-        more = [[stage.clock[lasting][0], end + scene.mechanism.period]]
-        contacts = np.append(contacts, more, axis=0)
-        closing = np.append(closing, 0.0)
-    sliding = (stage.clock, item.sliding)
+    pin = stage.joints[joint]
+    contacts = np.column_stack([pin.contact("touchdown"), pin.contact("separation")])
+    closing_speed = pin.contact("closing_speed")
+    last_separation = contacts[-1, 1] if len(contacts) else stage.clock[0]
+    # A contact is recorded at its separation. One that lasts beyond the recorded rows
+    # is added, with a separation after the end of the span.
+    is_closed = (stage.clock > last_separation) & (pin.penetration > 0.0)
+    if is_closed.any():
+        touchdown = stage.clock[is_closed][0]
+        separation = end + scene.mechanism.period
+        contacts = np.append(contacts, [[touchdown, separation]], axis=0)
+        closing_speed = np.append(closing_speed, 0.0)
+    sliding = (stage.clock, pin.sliding)
     lower_speed = scene.bearing(joint).lower_speed
-    return timeline((start, end), contacts, closing, sliding, lower_speed)
+    return timeline((start, end), contacts, closing_speed, sliding, lower_speed)
 
 
 def over_nominal_time(scene: Scene, stage: StageResult, line: Timeline) -> Timeline:
@@ -169,23 +184,22 @@ def over_nominal_time(scene: Scene, stage: StageResult, line: Timeline) -> Timel
 
 def resonance(stage: StageResult, joint: str) -> float | None:
     """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
-    item = stage.joints[joint]
-    duration = item.contact("separation") - item.contact("touchdown")
-    return resonance_frequency(duration, item.contact("closing_speed"))
+    pin = stage.joints[joint]
+    duration = pin.contact("separation") - pin.contact("touchdown")
+    return resonance_frequency(duration, pin.contact("closing_speed"))
 
 
 def combine(timelines: Sequence[Timeline]) -> Timeline:
     """Return the joint modes of several joints over one span, named ``first + second``.
 
-    Only modes that occur have a name, because ten joints have a million.
+    Only combinations that occur have a name: ten joints have a million combinations.
     """
-    edges = np.unique(np.concatenate([each.edges for each in timelines]))
-    modes = np.column_stack(
-        [each.at(0.5 * (edges[1:] + edges[:-1])) for each in timelines]
-    )
-    rows, codes = np.unique(modes, axis=0, return_inverse=True)
-    words = [
-        [each.names[mode] for each, mode in zip(timelines, row, strict=True)]
-        for row in rows
-    ]
-    return _merged(edges, codes.ravel(), tuple(map(" + ".join, words)))
+    edges = np.unique(np.concatenate([line.edges for line in timelines]))
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    modes = np.column_stack([line.at(middle) for line in timelines])
+    combinations, index = np.unique(modes, axis=0, return_inverse=True)
+    names = []
+    for combination in combinations:
+        pairs = zip(timelines, combination, strict=True)
+        names.append(" + ".join(line.names[mode] for line, mode in pairs))
+    return _merged(edges, index.ravel(), tuple(names))

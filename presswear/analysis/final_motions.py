@@ -8,7 +8,7 @@ motion are those of basin stability (Menck, Heitzig, Marwan and Kurths, Nature P
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,16 +27,17 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
-FAILED, IRREGULAR = -2, -1  # in place of the cycles before a run settled
+# Values of ``settled``, which is otherwise the number of cycles before a run settled
+FAILED, IRREGULAR = -2, -1
 Runs = np.recarray[Any, Any]  # rows of ``settle.run_start``, with attributes
 
 
 @dataclass(frozen=True)
 class Watch:
-    """Number of starts, and of cycles for which each is watched."""
+    """Number of starts, and largest number of cycles of the run from each start."""
 
     starts: int = 64
-    cycles: int = 300  # at most
+    cycles: int = 300
 
     def __post_init__(self) -> None:
         least = STARTUP_CYCLES + REPEATED
@@ -51,21 +52,28 @@ class Watch:
 
 @dataclass(frozen=True)
 class FinalMotion:
-    """Motion to which some of the starts led; forces and contacts are means of its last cycles."""
+    """Motion to which some of the starts led.
+
+    Forces and contacts are means over its last cycles.
+    """
 
     starts: int
     share: Estimate  # of the starts whose run did not fail
     period: int | None  # cycles; None: irregular until the last cycle
     peak_force: Mapping[str, float]  # of a cycle, by joint, N
     contacts: Mapping[str, float]  # that end in a cycle, by joint
-    runs: tuple[int, ...]  # indices of their rows
-    kicks: tuple[Kick, ...] | None = None  # least of each pin; None: not determined
+    runs: tuple[int, ...]  # indices of the runs from these starts
+    # smallest kick of each pin that leads to rattling; None: not determined
+    kicks: tuple[Kick, ...] | None = None
 
     @property
     def least_kick(self) -> Kick | None:
-        """Least kick after which it rattles, over all joints; None: it returns after all."""
-        limits = [kick for kick in self.kicks or () if kick.rattles is not None]
-        return min(limits, key=lambda kick: kick.rattles or 0.0, default=None)
+        """Smallest kick of any pin that leads to rattling.
+
+        None if the motion returns after every kick.
+        """
+        rattling = [kick for kick in self.kicks or () if kick.rattles is not None]
+        return min(rattling, key=lambda kick: kick.rattles or 0.0, default=None)
 
 
 @dataclass(frozen=True)
@@ -74,11 +82,13 @@ class FinalMotionsAt:
 
     value: float | None  # of the parameter, SI; None: there is no parameter
     joints: tuple[str, ...]  # with clearance
-    runs: Runs  # finished, in the order of the starts
-    motions: tuple[FinalMotion, ...]  # of most starts first, the irregular one last
-    # of the irregular motion, cycles; None: none or all settled at once
+    runs: Runs  # finished runs, in the order of the starts
+    # the motion of most starts is first, the irregular motion is last
+    motions: tuple[FinalMotion, ...]
+    # of the irregular motion, cycles; None: no run or every run settled at once
     half_life: Estimate | None
-    least_half_life: float | None  # if no start has settled: lower 95 % limit, cycles
+    # lower 95 % limit of the half-life if no start has settled, cycles
+    least_half_life: float | None
 
     @property
     def counted(self) -> int:
@@ -98,27 +108,31 @@ class FinalMotionsAt:
     @property
     def irregular_force(self) -> dict[str, float]:
         """Mean peak force of the cycles before the runs settled, by joint, N; NaN without any."""
-        weight = self.runs.irregular_cycles.astype(float)
-        total = float(weight.sum())
-        force = np.where(weight[:, np.newaxis] > 0.0, self.runs.irregular_force, 0.0)
-        mean = (
-            weight @ force / total
-            if total > 0.0
-            else np.full(len(self.joints), math.nan)
-        )
+        cycles = self.runs.irregular_cycles.astype(float)
+        total = float(cycles.sum())
+        if total > 0.0:
+            has_cycles = cycles[:, np.newaxis] > 0.0
+            force = np.where(has_cycles, self.runs.irregular_force, 0.0)
+            mean = cycles @ force / total
+        else:
+            mean = np.full(len(self.joints), math.nan)
         return dict(zip(self.joints, mean.tolist(), strict=True))
 
     def unsettled(self) -> tuple[Array, Array]:
-        """Return numbers of cycles, and the share of the starts that settle after more."""
-        after = np.where(self.runs.settled >= 0, self.runs.settled, math.inf)
-        after = after[self.runs.settled != FAILED]
+        """Return numbers of cycles, and the share of starts that have not settled after each."""
+        settled = np.where(self.runs.settled >= 0, self.runs.settled, math.inf)
+        settled = settled[self.runs.settled != FAILED]
         cycles = np.arange(int(self.runs.cycles.max(initial=0)) + 1)
-        return cycles.astype(float), (after > cycles[:, np.newaxis]).mean(axis=1)
+        share = (settled > cycles[:, np.newaxis]).mean(axis=1)
+        return cycles.astype(float), share
 
 
 @dataclass(frozen=True)
 class FinalMotions:
-    """Final motions of a scene, over a parameter if there is one; complete or in part."""
+    """Final motions of a scene at the values of a parameter that have been computed so far.
+
+    Without a parameter there is one entry.
+    """
 
     scene: Scene
     watch: Watch
@@ -127,7 +141,7 @@ class FinalMotions:
 
 
 def proportion(count: int, total: int) -> Estimate:
-    """Return a share with its interval by Clopper and Pearson, Biometrika 26 (1934) 404."""
+    """Return a share with its interval (Clopper and Pearson, Biometrika 26 (1934) 404)."""
     from scipy.special import betaincinv  # slow to import
 
     tail = 0.5 - 0.5 * LEVEL
@@ -144,30 +158,47 @@ def evaluate(
 ) -> FinalMotionsAt:
     """Return the final motions of finished runs; ``kicks`` are by the first start of a motion."""
     counted = int((runs.settled != FAILED).sum())
-    at_rest = np.flatnonzero(runs.settled >= 0)
+    settled = np.flatnonzero(runs.settled >= 0)
     rests = [
         Rest(int(runs.settled[k]), int(runs.period[k]), runs.signature[k])
-        for k in at_rest
+        for k in settled
     ]
-    groups = [tuple(int(at_rest[k]) for k in group) for group in same_motions(rests)]
-    irregular = tuple(int(k) for k in np.flatnonzero(runs.settled == IRREGULAR))
     motions = []
-    for rows in [*groups, *([irregular] if irregular else [])]:
-        chosen = list(rows)
-        force = runs.peak_force[chosen].mean(axis=0)
-        contacts = runs.contacts[chosen].mean(axis=0)
-        tried = kicks.get(int(runs.index[rows[0]])) if rows is not irregular else None
-        motion = FinalMotion(
-            len(rows),
-            proportion(len(rows), counted),
-            None if rows is irregular else int(np.median(runs.period[chosen])),
-            dict(zip(joints, force.tolist(), strict=True)),
-            dict(zip(joints, contacts.tolist(), strict=True)),
-            rows,
-            None if tried is None else tuple(tried),
+    for group in same_motions(rests):
+        rows = tuple(int(settled[k]) for k in group)
+        kicks_of_motion = kicks.get(int(runs.index[rows[0]]))
+        motion = _motion(
+            runs, joints, rows, counted, period=int(np.median(runs.period[list(rows)]))
         )
+        if kicks_of_motion is not None:
+            motion = replace(motion, kicks=tuple(kicks_of_motion))
         motions.append(motion)
-    lasting = runs.cycles[list(irregular)].tolist()
-    estimate = half_life([rest.start for rest in rests], lasting)
-    bound = least_half_life([], lasting) if irregular and not rests else None
-    return FinalMotionsAt(value, joints, runs, tuple(motions), estimate, bound)
+    irregular = tuple(int(k) for k in np.flatnonzero(runs.settled == IRREGULAR))
+    if irregular:
+        motions.append(_motion(runs, joints, irregular, counted, period=None))
+    cycles_of_irregular = runs.cycles[list(irregular)].tolist()
+    estimate = half_life([rest.start for rest in rests], cycles_of_irregular)
+    limit = None
+    if irregular and not rests:
+        limit = least_half_life([], cycles_of_irregular)
+    return FinalMotionsAt(value, joints, runs, tuple(motions), estimate, limit)
+
+
+def _motion(
+    runs: Runs,
+    joints: tuple[str, ...],
+    rows: tuple[int, ...],
+    counted: int,
+    period: int | None,
+) -> FinalMotion:
+    """Return the final motion of some rows of the runs; its share is that of ``counted`` runs."""
+    force = runs.peak_force[list(rows)].mean(axis=0)
+    contacts = runs.contacts[list(rows)].mean(axis=0)
+    return FinalMotion(
+        starts=len(rows),
+        share=proportion(len(rows), counted),
+        period=period,
+        peak_force=dict(zip(joints, force.tolist(), strict=True)),
+        contacts=dict(zip(joints, contacts.tolist(), strict=True)),
+        runs=rows,
+    )

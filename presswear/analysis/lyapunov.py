@@ -16,7 +16,7 @@ from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.engine import prepare
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.equations.writer import write_equations
+from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     elastic_of,
@@ -29,12 +29,17 @@ from presswear.tools.errors import InputError, RunFailed
 Context = TypeVar("Context")
 Arrays = Mapping[str, NDArray[Any]]
 
-DISCARDED = 0.1  # share of the intervals, while the pair turns to the fastest growth
-# growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
+# Share of the first intervals that is discarded. In these the distance of a pair turns
+# into the direction of fastest growth.
+DISCARDED = 0.1
+# With a tolerance of 1e-11 the exponent differs by 1e-3 from that with 1e-13; with 1e-10
+# it differs by 0.1.
 ENGINE = InHouse("dop853", 1e-11)
 DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
-SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
-INTERVALS = 20  # rescalings in a cycle, so many that a pair does not saturate
+# Rate at which contacts change a motion, over the angular velocity of the crank. It
+# converts the distance of positions to a distance of velocities.
+SPEED_RATIO = 30.0
+INTERVALS = 20  # rescalings in a cycle: a pair stays close enough for linear growth
 
 
 def growth_logarithms(
@@ -94,10 +99,11 @@ def growth_logarithms(
 def exponent_from_growth(
     logarithms: Array, duration: float, per_cycle: int = 1
 ) -> Estimate:
-    """Return the exponent from ``growth_logarithms``; its samples are the averaged intervals.
+    """Return the exponent from ``growth_logarithms``, with a confidence interval.
 
-    ``duration`` is that of an interval. The confidence interval uses means over whole
-    cycles of ``per_cycle`` intervals, because growth varies within a cycle.
+    An interval lasts ``duration``, s, and a cycle has ``per_cycle`` intervals. The
+    confidence interval uses means over whole cycles, because growth varies within a
+    cycle. The number of samples is the number of averaged intervals.
     """
     rates = logarithms[math.ceil(DISCARDED * len(logarithms)) :] / duration
     if not rates.size:
@@ -112,11 +118,16 @@ class Flow:
     """Motion of a linkage as a map of its state over an interval, ``period / per_cycle``.
 
     The components of a state are coordinates, rates, states of interactions, and the
-    closing speed at touchdown of each contact whose force depends on it. The closing
-    speed is NaN while the joint is open and while it is so low that the force uses
+    closing speed at touchdown of each joint. The closing speed is NaN while the force
+    does not depend on it: in an open joint, under a law without damping, and below
     ``ONSET_SPEED_FLOOR``. ``distance`` is the initial distance of a pair in each
-    component. InputError if the linkage has closed loops, whose coordinates cannot be
-    perturbed one by one.
+    component.
+
+    Raises
+    ------
+    InputError
+        If the linkage has closed loops, whose coordinates cannot be perturbed
+        independently.
     """
 
     def __init__(
@@ -132,42 +143,36 @@ class Flow:
                 f"an exponent needs a linkage without free loops, but {equations}"
             )
         self.simulation = prepare(linkage, start, ENGINE, plan, recorder)
-        joints = self.records.packed.joints
-        count = equations.layout.coordinates
-        scales = np.array([state.scale for state in equations.states])
-        length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
-        speed = length * SPEED_RATIO * 2.0 * math.pi / period
-        coordinates = np.repeat([length, speed], count)
-        onsets = np.full(len(joints), speed)
+        self.interval = period / per_cycle
+        self.distance = _initial_distance(linkage, equations, period)
         # Coordinates, rates and states come first in the integrated vector.
         self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array(
             [
                 not joint["oiled"] and _depends_on_onset(joint["normal"])
-                for joint in joints
+                for joint in self.records.packed.joints
             ]
         )
-        self.distance = np.concatenate([coordinates, DISTANCE * scales, onsets])
-        self.interval = period / per_cycle
-        # Arrays of the integrator and the recorder that determine the further motion.
+        self._arrays = self._context_arrays()
+
+    def _context_arrays(self) -> Arrays:
+        """Return the arrays that determine how the motion continues from a state."""
         records = self.records
-        loads = self.records.packed.loads
-        contact = {
-            "contacts": records.contacts,
-            "onset": records.onset,
-            "memory": records.memory,
-        }
-        modes = {} if loads is None else {"modes": loads.modes}
-        self._arrays: Arrays = {**self.simulation.arrays, **contact, **modes}
+        arrays = dict(self.simulation.arrays)
+        arrays["contacts"] = records.contacts
+        arrays["onset"] = records.onset
+        arrays["memory"] = records.memory
+        if records.packed.loads is not None:
+            arrays["modes"] = records.packed.loads.modes
+        return arrays
 
     def state(self) -> tuple[Array, Arrays]:
         """Return copies of the present state and its context."""
         is_active = self.keeps_onset & (self.records.onset > ONSET_SPEED_FLOOR)
         onset = np.where(is_active, self.records.onset, math.nan)
         context = {name: array.copy() for name, array in self._arrays.items()}
-        return np.concatenate(
-            [self.simulation.arrays["y"][self.indices], onset]
-        ), context
+        integrated = self.simulation.arrays["y"][self.indices]
+        return np.concatenate([integrated, onset]), context
 
     def step(self, state: Array, context: Arrays) -> tuple[Array, Arrays]:
         """Return the state one interval later; raises RunFailed if the motion ends."""
@@ -185,11 +190,23 @@ class Flow:
         return self.state()
 
 
+def _initial_distance(linkage: Linkage, equations: Equations, period: float) -> Array:
+    """Return the initial distance of a pair in each component, in the unit of the component."""
+    length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
+    speed = length * SPEED_RATIO * 2.0 * math.pi / period
+    coordinates = np.repeat([length, speed], equations.layout.coordinates)
+    scales = np.array([state.scale for state in equations.states])
+    onsets = np.full(len(linkage.clearances), speed)
+    return np.concatenate([coordinates, DISTANCE * scales, onsets])
+
+
 def _depends_on_onset(law: Any) -> bool:
     """Return whether a normal force depends on the closing speed at touchdown."""
     depth = 1e-3 * law["clearance"]
     elastic, _ = elastic_of(law, depth)
-    slow, fast = (normal_force(law, elastic, depth, 1.0, onset) for onset in (1.0, 2.0))
+    low_onset_speed, high_onset_speed = 1.0, 2.0
+    slow = normal_force(law, elastic, depth, 1.0, low_onset_speed)
+    fast = normal_force(law, elastic, depth, 1.0, high_onset_speed)
     return bool(slow != fast)
 
 

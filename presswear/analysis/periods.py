@@ -10,7 +10,7 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-# relative to a scale: largest difference of states of a periodic motion
+# Largest difference between states of a periodic motion, relative to a scale
 TOLERANCE = 1e-2
 
 
@@ -18,20 +18,19 @@ TOLERANCE = 1e-2
 class Periodicity:
     """Period of a motion."""
 
-    # smallest number of cycles after which every state returns; None: none
+    # smallest number of cycles after which every state returns; None: not periodic
     period: int | None
-    # largest difference one period apart, over the scales; smallest of all candidates
+    # largest difference between states one period apart, relative to the scales; without
+    # a period, that of the candidate for which it is smallest
     error: float
     cycles: int  # number of states
     tolerance: float  # relative to the scales
 
     def __str__(self) -> str:
         extent = f"within {100.0 * self.tolerance:g} % in {self.cycles} cycles"
-        return (
-            f"no period {extent}"
-            if self.period is None
-            else f"period {self.period} {extent}"
-        )
+        if self.period is None:
+            return f"no period {extent}"
+        return f"period {self.period} {extent}"
 
 
 def periodicity(
@@ -39,8 +38,8 @@ def periodicity(
 ) -> Periodicity:
     """Return the period of a motion from its states at one phase of each cycle.
 
-    Each state is compared with the state k cycles later, for k up to half of the
-    cycles, so that every state of the orbit is seen twice.
+    Each state is compared with the state k cycles later. The largest k is half of the
+    cycles, because an orbit must be observed twice.
 
     Parameters
     ----------
@@ -62,36 +61,40 @@ def periodicity(
 
 
 def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:
-    """Return the positions of a pin once a cycle after the start-up, m, and the phase, 0 to 1.
+    """Return the positions of a pin at one phase of each cycle after the start-up.
 
-    They are of the first Poincaré section of every cycle, if sections were stored, else
-    of the ends of the recorded cycles, linear between rows.
+    Positions are in m, shape (cycles, 2); the phase is from 0 to 1. If sections were
+    stored, the first Poincaré section of a cycle is used. Otherwise it is the end of
+    each recorded cycle, with linear interpolation between rows.
     """
     if "sections" in stage.arrays:
-        both = [stage.section(f"eccentricity_{axis}", joint)[:, 0] for axis in "xy"]
-        rows = np.transpose(both)[min(STARTUP_CYCLES, len(both[0]) - 1) :]
-        return rows, scene.recording.phases[0]
+        x = stage.section("eccentricity_x", joint)[:, 0]
+        y = stage.section("eccentricity_y", joint)[:, 0]
+        first = min(STARTUP_CYCLES, len(x) - 1)
+        return np.transpose([x, y])[first:], scene.recording.phases[0]
     start, end = sampled_span(scene, stage)
     period = scene.mechanism.period
     ends = start + period * np.arange(int((end - start) / period + 1e-9) + 1)
     columns = stage.joints[joint].eccentricity.T
-    return np.transpose(
-        [np.interp(ends, stage.time, column) for column in columns]
-    ), 1.0
+    positions = [np.interp(ends, stage.time, column) for column in columns]
+    return np.transpose(positions), 1.0
 
 
 def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
     """Return phase, 0 to 1, and closing speed, m/s, of sampled touchdowns, (n,) each."""
     start, end = sampled_span(scene, stage)
-    item = stage.joints[joint]
-    instant = stage.nominal_of(item.contact("touchdown"))
-    inside = (instant >= start) & (instant <= end)
-    phase = (instant[inside] - scene.run_up) / scene.mechanism.period % 1.0
-    return phase, item.contact("closing_speed")[inside]
+    pin = stage.joints[joint]
+    touchdown = stage.nominal_of(pin.contact("touchdown"))
+    is_sampled = (touchdown >= start) & (touchdown <= end)
+    phase = (touchdown[is_sampled] - scene.run_up) / scene.mechanism.period % 1.0
+    return phase, pin.contact("closing_speed")[is_sampled]
 
 
 def period_of(scene: Scene, stage: StageResult) -> Periodicity:
     """Return the period of the positions of all pins relative to their clearances."""
-    places = [section_of(scene, stage, joint)[0] for joint in stage.joint_names]
-    scales = [np.full(2, scene.bearing(joint).clearance) for joint in stage.joint_names]
-    return periodicity(np.concatenate(places, axis=1), np.concatenate(scales))
+    positions = []
+    scales = []
+    for joint in stage.joint_names:
+        positions.append(section_of(scene, stage, joint)[0])
+        scales.append(np.full(2, scene.bearing(joint).clearance))
+    return periodicity(np.concatenate(positions, axis=1), np.concatenate(scales))

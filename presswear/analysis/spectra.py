@@ -33,15 +33,17 @@ class Spectrum:
         return round(1.0 / self.order[1])
 
     def amplitude(self, order: float) -> float:
-        """Return the amplitude of all power within half an order of ``order``."""
-        near = np.abs(self.order - order) < 0.5
-        return float(np.sqrt(2.0 * self.density[near].sum() * (self.frequency[1])))
+        """Return the amplitude of a sine with the power within half an order of ``order``."""
+        is_near = np.abs(self.order - order) < 0.5
+        power = self.density[is_near].sum() * self.frequency[1]
+        return float(np.sqrt(2.0 * power))
 
     @property
     def harmonic_share(self) -> float:
-        """Share of the power within one line of integer orders, the main lobe of Hann's window.
+        """Share of the power on the lines of integer orders and on the next line on each side.
 
-        It is 1 for a motion that repeats every cycle and 3 / ``lines`` for white noise.
+        These three lines are the main lobe of Hann's window. The share is 1 for a motion
+        that repeats every cycle and 3 / ``lines`` for white noise.
         """
         position = np.arange(self.order.size) % self.lines
         is_harmonic = np.minimum(position, self.lines - position) <= 1
@@ -87,7 +89,7 @@ def power_spectrum(
     cycles : int
         Largest number of cycles in a segment.
     """
-    # rows end slightly before a cycle does
+    # The last row is slightly before the end of a cycle.
     available = int((time[-1] - time[0]) / period + 0.02)
     if available < 1:
         raise InputError(
@@ -113,8 +115,8 @@ def power_spectrum(
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     """Return spectra of the recorded sampled cycles, up to ``MAX_ORDER``.
 
-    By the name of a joint the spectrum of its normal force, N^2/Hz, by ``""`` the
-    spectrum of the acceleration of the output, (m/s^2)^2/Hz.
+    The key is the name of a joint for the spectrum of its normal force, N^2/Hz, and
+    ``""`` for that of the acceleration of the output point, (m/s^2)^2/Hz.
     """
     start, end = sampled_span(scene, stage)
     rows = (stage.time >= start) & (stage.time <= end)

@@ -68,9 +68,10 @@ ROWS_AT_LEAST = 2000  # series rows in a cycle without contact
 ROWS_AT_MOST = 40_000  # room for series rows, per recorded cycle
 ROWS_IN_ALL = 4_000_000  # room for series rows, of all recorded cycles
 CONTACTS_AT_MOST = 5000  # room for single contacts, per joint and recorded cycle
-BOTTOM_STEPS = 60  # of Newton's method towards the lowest position in a step
-BOTTOM_NOISE = 1e-14  # part of a step that is round-off
-FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
+BOTTOM_STEPS = 60  # largest number of Newton steps for the lowest position in a step
+BOTTOM_NOISE = 1e-14  # round-off of an instant, as a fraction of a step
+# Change of a force after which a row is written, as a fraction of its peak so far
+FORCE_STEP = 0.02
 
 # Wear integrals of a joint over one step
 WEAR_INTEGRALS = np.dtype(
@@ -78,7 +79,8 @@ WEAR_INTEGRALS = np.dtype(
         ("work", np.float64),  # F_n ds, N m
         # p ds, N/m; with wear over the arc see ``physics.pressure_wear``, N m
         ("pressure", np.float64),
-        ("work_rate", np.float64),  # at its end, W; filled by exudyn-joints alone
+        # rates at the end of the step, only filled by exudyn-joints
+        ("work_rate", np.float64),  # W
         ("pressure_rate", np.float64),  # W/m^2
     ]
 )
@@ -102,21 +104,20 @@ OUTPUT = np.dtype(
         ("last_time", np.float64),  # of the last row, s
         ("now", np.float64),  # of the last accepted state, s
         ("interval", np.float64),  # longest time between two rows, s
-        # change of a force, part of its peak, that makes a row
-        ("force_step", np.float64),
+        ("force_step", np.float64),  # see FORCE_STEP
         ("index", np.int64),  # of the x of the output body in q
-        ("cos", np.float64),
+        ("cos", np.float64),  # of the direction of the output
         ("sin", np.float64),
-        ("x", np.float64),  # the output point in the frame of its body, m
+        ("x", np.float64),  # output point in the axes of its body, m
         ("y", np.float64),
         ("start", np.float64),  # output coordinate at the start, m
-        ("room", np.int64),  # rows that may be written
-        ("place", np.float64),  # output coordinate, m, in the last state
+        ("room", np.int64),  # largest number of rows
+        ("place", np.float64),  # output coordinate in the last state, m
         ("velocity", np.float64),  # m/s
         ("acceleration", np.float64),  # m/s^2
-        ("bottom", np.float64),  # its lowest place in the present stroke, m
-        ("bottom_time", np.float64),  # nominal, s
-        # nominal times between which its bottom is sought, s
+        ("bottom", np.float64),  # lowest position in the present stroke so far, m
+        ("bottom_time", np.float64),  # nominal time of this position, s
+        # nominal times between which the bottom is searched for, s
         ("stroke_begin", np.float64),
         ("stroke_end", np.float64),
         ("stroke_length", np.float64),  # s
@@ -125,8 +126,8 @@ OUTPUT = np.dtype(
 )
 
 
-# A guide with a spring, whose stretch is recorded: the place of its body along it, less
-# that of its point
+# A guide with a spring. Its stretch is recorded: the coordinate of its body along the
+# guide, minus that of the point of the guide.
 GUIDE = np.dtype(
     [
         ("index", np.int64),  # of the x of the body in q
@@ -167,15 +168,16 @@ class RecorderState(NamedTuple):
     sampler: Records  # one of FRAME_SAMPLER
     nominal: Records  # one of NOMINAL
     cycle: Array  # row of the present cycle, see ``cycle_columns``
-    depth: Array  # that the present cycle added, (joints, 2, m), see ``map_shape``, m
-    # that it added to the walls of guides, (walls, bins), see ``wall_maps_shape``, m
+    # depth that the present cycle added, m, (joints, 2, m), see ``map_shape``
+    depth: Array
+    # depth that it added to the walls of guides, m, (walls, bins), see ``wall_maps_shape``
     walls: Array
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
     shares: Array  # working space of ``deposit_over_arc``, (2, m)
     torque: Array  # of the drives in the present state, N m
     drives: Records  # of DRIVE
-    # In the order of ENERGIES, of engines that sum by steps: J; rates in the last
-    # state, W
+    # Energies in the order of ENERGIES, J, and their rates in the last state, W; only
+    # filled by exudyn-joints, which integrates them step by step
     energies: Array
     powers: Array
     guides: Records  # of GUIDE, with a spring
@@ -193,31 +195,33 @@ def output_motion(
 ) -> tuple[float, float, float]:
     """Return position, m, velocity and acceleration of the output along its direction."""
     i = state.index
-    along = state.cos
-    across = state.sin
-    place: float = along * q[i] + across * q[i + 1]
-    velocity: float = along * v[i] + across * v[i + 1]
-    acceleration: float = along * a[i] + across * a[i + 1]
+    nx = state.cos
+    ny = state.sin
+    position: float = nx * q[i] + ny * q[i + 1]
+    velocity: float = nx * v[i] + ny * v[i + 1]
+    acceleration: float = nx * a[i] + ny * a[i + 1]
     if state.x != 0.0 or state.y != 0.0:
-        x, y = lever(i, state.x, state.y, q)
-        spin = v[i + 2]
-        place += along * x + across * y
-        velocity += spin * (across * x - along * y)
-        acceleration += a[i + 2] * (across * x - along * y)
-        acceleration -= spin * spin * (along * x + across * y)
-    return place, velocity, acceleration
+        rx, ry = lever(i, state.x, state.y, q)
+        omega = v[i + 2]
+        alpha = a[i + 2]
+        position += nx * rx + ny * ry
+        velocity += omega * (ny * rx - nx * ry)
+        acceleration += alpha * (ny * rx - nx * ry)
+        acceleration -= omega * omega * (nx * rx + ny * ry)
+    return position, velocity, acceleration
 
 
 @compiled
 def lowest_between(
     h: float, before: tuple[float, float, float], after: tuple[float, float, float]
 ) -> tuple[float, float]:
-    """Return the lowest position in a step, m, and the time since the step began, s.
+    """Return the lowest position in a step, m, and its time after the start of the step, s.
 
-    It is the minimum of the quintic polynomial through place, velocity and acceleration
-    at both ends, between which the coordinate turns from falling to rising.  It is off
-    by h^6 / 46080 times the greatest sixth derivative at most; if the acceleration has
-    jumped by J at the first end, by 0.018 J h^2.
+    ``before`` and ``after`` are position, velocity and acceleration at the ends of the
+    step. The velocity is negative before and positive after. The result is the minimum
+    of the quintic polynomial through these values. Its error is at most h^6 / 46080
+    times the greatest sixth derivative; if the acceleration jumps by J at the start of
+    the step, at most 0.018 J h^2.
     """
     c1 = h * before[1]
     c2 = 0.5 * h * h * before[2]
@@ -242,8 +246,8 @@ def lowest_between(
         if abs(new - x) < BOTTOM_NOISE:
             break
         x = new
-    place = before[0] + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
-    return place, x * h
+    position = before[0] + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+    return position, x * h
 
 
 @compiled
@@ -254,9 +258,10 @@ def note_bottom(
     nominal: tuple[float, float],
     now: tuple[float, float, float],
 ) -> None:
-    """Find the bottom of the present stroke in a step, and store it when the stroke has ended.
+    """Update the lowest position of the present stroke, and store it at the end of the stroke.
 
-    ``nominal`` are nominal time and rate at the end of the step.
+    ``nominal`` are nominal time and its rate at the end of the step. ``now`` is the
+    motion of the output point at that time.
     """
     state = records.output[0]
     cycle = records.cycle
@@ -267,11 +272,11 @@ def note_bottom(
             state.bottom_time = time
         if state.velocity <= 0.0 and now[1] > 0.0:
             before = (state.place, state.velocity, state.acceleration)
-            place, since = lowest_between(h, before, now)
-            if place < state.bottom:
-                state.bottom = place
+            lowest, elapsed = lowest_between(h, before, now)
+            if lowest < state.bottom:
+                state.bottom = lowest
                 state.bottom_time = nominal_within(
-                    records.nominal, t, h, since, nominal
+                    records.nominal, t, h, elapsed, nominal
                 )
         if time >= state.stroke_end:
             cycle[BOTTOM_HEIGHT] = state.bottom
@@ -286,7 +291,11 @@ def note_bottom(
 def note_top(
     state: Records, cycle: Array, h: float, now: tuple[float, float, float]
 ) -> None:
-    """Find the highest place in a step that ends now; call it before ``note_bottom``."""
+    """Update the highest position of the cycle.
+
+    Call it before ``note_bottom``, which replaces the stored motion at the start of the
+    step.
+    """
     highest = now[0]
     if 0.0 <= state.velocity < math.inf and now[1] < 0.0:
         before = (-state.place, -state.velocity, -state.acceleration)
@@ -313,9 +322,9 @@ def sum_drives(records: RecorderState, h: float, v: Array) -> None:
 def note_drives(records: RecorderState, h: float, v: Array) -> None:
     """Add the integrals of a step of length ``h``, s, to the cycle, and update the peaks.
 
-    Where the power changes its sign in the step, the smaller part of the work is that
-    of a power that is linear over the step.  Given and returned work differ by the work
-    of the step.
+    If the power changes sign in the step, the smaller of given and returned work is that
+    of a power which is linear over the step. The difference of given and returned work
+    is the work of the step.
     """
     first = records.cycle.shape[0] - DRIVE_CYCLE_COUNT * records.drives.shape[0]
     for k in range(records.drives.shape[0]):
@@ -363,9 +372,9 @@ def note_output(
 
 @inlined
 def note_leader(records: RecorderState, rate: float) -> None:
-    """Update the least and the greatest speed of the leader in the cycle, in its sense.
+    """Update the smallest and the largest speed of the leader in the cycle.
 
-    ``rate`` is that of the nominal time.
+    ``rate`` is the rate of the nominal time: the speed over the nominal speed.
     """
     leader = records.nominal[0]
     if leader.column >= 0:
@@ -427,12 +436,12 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
 def is_row_due(records: RecorderState, t: float) -> bool:
     """Return whether the present state is a row of the series.
 
-    It is one after the longest time between two rows, where a force has changed since
-    the last row, and where a load changes its law.
+    It is one if the longest time between two rows has passed, if a force has changed
+    sufficiently since the last row, or if the law of a load has changed.
     """
     state = records.output[0]
     series = records.series
-    row = records.output[0].rows
+    row = state.rows
     if row >= min(state.room, series.shape[0]):
         return False
     if row == 0 or t - state.last_time >= state.interval:
