@@ -1,10 +1,10 @@
-"""Least kick of a pin after which a settled motion rattles again.
+"""Smallest kick of a pin after which a settled motion rattles again.
 
 A kick is a sudden change of the velocity of one pin relative to its bearing at the end
-of a cycle. Attractors.jl calls the least one that leads to another final motion the
-minimal fatal shock (Halekotte and Feudel, Scientific Reports 10 (2020) 11783), and the
-least one after which a motion returns to the same final motion only by a long way round
-the excitability threshold.
+of a cycle. Attractors.jl calls the smallest kick that leads to another final motion the
+minimal fatal shock (Halekotte and Feudel, Scientific Reports 10 (2020) 11783). It calls
+the smallest kick after which a motion returns only by a long transient the excitability
+threshold.
 """
 
 import math
@@ -25,36 +25,37 @@ from presswear.recording.settling import CHANGE, REPEATED, signatures
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.arrays import Array
 
-# degrees from the x axis of the bearing's body
+# Directions of kicks, degrees from the x axis of the body with the bearing
 DIRECTIONS = (0, 45, 90, 135, 180, 225, 270, 315)
-STATES = 8  # of a settled motion that are kicked
-WATCHED = 2 * REPEATED  # cycles after a kick
-# by which kicks are made weaker, in turn
+STATES = 8  # number of states of a settled motion from which kicks are tried
+WATCHED = 2 * REPEATED  # cycles of the run after a kick
+# Factors by which the speed of kicks is reduced, one after the other
 FACTORS = (2.0, 2.0**0.5, 2.0**0.25, 2.0**0.125)
-WEAKEST = 1e-4  # over the strongest kick
+WEAKEST = 1e-4  # smallest speed that is tried, over the largest
 
 
 @dataclass(frozen=True)
 class Kick:
-    """Least kick of a pin, of those that were tried; speeds in m/s."""
+    """Smallest kick of a pin that leads to rattling; speeds in m/s."""
 
     joint: str
-    rattles: float | None  # the motion rattles after it; None: it returns after all
-    returns: float  # the motion returns from every state after kicks in all directions
-    direction: int = 0  # of the change of the pin's velocity that rattles, degrees
-    state: int = 0  # of the settled motion that rattles
+    # smallest speed after which the motion rattles; None: it returns after all kicks
+    rattles: float | None
+    returns: float  # speed after which it returns from all states, in all directions
+    direction: int = 0  # of the kick that leads to rattling, degrees
+    state: int = 0  # number of the state of the settled motion before this kick
 
 
 def recorded_signatures(recorder: Recorder, linkage: Linkage) -> Array:
     """Return the signatures of the finished cycles; see ``recording.settling.signatures``."""
-    joints = range(len(linkage.clearances))
-    clearance = np.array([joint.clearance for joint in linkage.clearances])
-    names = "eccentricity_x", "eccentricity_y"
-    places = np.array(
-        [[recorder.each_cycle(name, k) for name in names] for k in joints]
-    )
-    forces = np.array([recorder.each_cycle("force_max", k) for k in joints])
-    return signatures(np.moveaxis(places, -1, 0) / clearance[:, np.newaxis], forces.T)
+    positions = []
+    forces = []
+    for k, joint in enumerate(linkage.clearances):
+        x = recorder.each_cycle("eccentricity_x", k)
+        y = recorder.each_cycle("eccentricity_y", k)
+        positions.append(np.column_stack([x, y]) / joint.clearance)
+        forces.append(recorder.each_cycle("force_max", k))
+    return signatures(np.stack(positions, axis=1), np.stack(forces, axis=1))
 
 
 def least_kicks(
@@ -64,16 +65,16 @@ def least_kicks(
     speeds: Array,
     report: Callable[[float], object] = lambda share: None,
 ) -> list[Kick]:
-    """Return the least kick of each pin; empty if the motion does not return without one.
+    """Return the smallest kick of each pin; empty if the motion is not stable without kicks.
 
     Parameters
     ----------
     states : sequence of Start
         States of the settled motion after whole cycles, see ``states_of``.
     orbit : ndarray, shape (n, 3 joints)
-        Signatures of its cycles.
+        Signatures of the cycles of the settled motion.
     speeds : ndarray, shape (joints,)
-        Strongest kick of each pin, m/s.
+        Largest speed of a kick of each pin, m/s.
     report : callable
         Called with the completed share, many times.
     """
@@ -101,14 +102,16 @@ def least_kicks(
 
 
 def least_speed(
-    rattles: Callable[[int, float], bool], cases: int, most: float
+    rattles: Callable[[int, float], bool], cases: int, largest: float
 ) -> tuple[float, float | None, int]:
-    """Return a speed after which all cases return, and a higher one after which one rattles.
+    """Return the limits of the smallest speed after which a case rattles.
 
-    The case that rattles comes third. As in the search of Attractors.jl, the speed is
-    reduced until all cases return, by ``FACTORS`` in turn. The boundary of a basin can
-    be fractal, so that a weaker kick may rattle: the higher speed is an upper bound. It
-    is None if all cases return after ``most``.
+    The results are a speed after which all cases return, a higher speed after which one
+    case rattles, and the number of this case. The higher speed is None if all cases
+    return after ``largest``. As in Attractors.jl, the speed is reduced by each of
+    ``FACTORS`` in turn until all cases return. The boundary of a basin can be fractal,
+    so that a smaller speed may also lead to rattling: the higher speed is an upper
+    limit.
     """
 
     def first(speed: float) -> int | None:
@@ -116,24 +119,26 @@ def least_speed(
         return next((case for case in order if rattles(case, speed)), None)
 
     last = 0
-    case = first(most)
+    case = first(largest)
     if case is None:
-        return most, None, 0
-    limit = most
+        return largest, None, 0
+    limit = largest
     last = case
+    smallest = WEAKEST * largest
     for factor in FACTORS:
-        while limit > WEAKEST * most and (case := first(limit / factor)) is not None:
+        while limit > smallest and (case := first(limit / factor)) is not None:
             limit = limit / factor
             last = case
-    returns = limit / FACTORS[-1] if limit > WEAKEST * most else 0.0
+    returns = limit / FACTORS[-1] if limit > smallest else 0.0
     return returns, limit, last
 
 
 def states_of(linkage: Linkage, ends: Sequence[Start], ideal: Start) -> list[Start]:
-    """Return states of a settled motion: the ends of runs, and of further cycles of the last one.
+    """Return states of a settled motion after whole cycles.
 
-    A motion that repeats may wander slowly, and only some of its states may be
-    sensitive to kicks.
+    They are the ends of runs. If there are too few, the last run is continued cycle by
+    cycle. Several states are needed, because a motion that repeats may drift slowly,
+    and only some of its states may be sensitive to kicks.
     """
     states = [continued(linkage, linkage, end, ideal) for end in ends[:STATES]]
     while len(states) < STATES:
@@ -151,7 +156,7 @@ def body_angle(linkage: Linkage, start: Start, k: int) -> float:
 
 
 def leaves(linkage: Linkage, start: Start, orbit: Array) -> bool:
-    """Return whether a motion is away from an orbit after the start-up cycles, or fails."""
+    """Return whether a motion leaves an orbit or fails; the start-up cycles do not count."""
     run = ENGINE.simulate(
         linkage, start, Plan(linkage.period, WATCHED, 1, torques=False)
     )

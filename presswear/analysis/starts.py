@@ -11,7 +11,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-INSTANTS = 720  # of a cycle at which the largest acceleration is searched
+INSTANTS = 720  # of a cycle, among which the largest acceleration is searched for
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class SpreadStarts:
     velocity: Array  # shape (starts, joints, 2), m/s, up to ``crossing_speeds``
 
     def start(self, index: int, linkage: Linkage, ideal: Start) -> Start:
-        """Return one initial state; all but the pins is that of the ideal linkage."""
+        """Return one initial state: the ideal one with the pins moved in their bearings."""
         clearance = np.array([joint.clearance for joint in linkage.clearances])
         target = capped(self.eccentricity[index], clearance)
         position = move_pins(linkage, ideal.position, target)
-        # in the bearings
+        # The pins are at rest relative to their bearings.
         at_rest = with_velocity(linkage.ideal, position, ideal.velocity)
         return kick_pins(linkage, at_rest, self.velocity[index])
 
@@ -34,8 +34,9 @@ class SpreadStarts:
 def crossing_speeds(scene: Scene) -> Array:
     """Return the speed at which a pin crosses each clearance, shape (joints,), m/s.
 
-    It is reached from rest over the diametral clearance 2 c under the largest
-    acceleration a of a centre of mass in the ideal motion: v = sqrt(2 a 2 c).
+    A pin reaches it from rest over the diametral clearance 2 c at an acceleration a:
+    v = sqrt(2 a 2 c). Here a is the largest acceleration of a mass centre in the ideal
+    motion.
     """
     times = np.linspace(0.0, scene.mechanism.period, INSTANTS, endpoint=False)
     acceleration = scene.ideal.at(times).acceleration
@@ -47,23 +48,25 @@ def crossing_speeds(scene: Scene) -> Array:
 def spread_starts(scene: Scene, count: int) -> SpreadStarts:
     """Return starts whose pins and velocities fill discs evenly.
 
-    The points are those of a scrambled Halton sequence (Owen, 2017) of the seed of the
-    scene, so that more starts begin with the same ones.
+    The points are a scrambled Halton sequence (Owen, 2017) with the seed of the scene. A
+    larger number of starts therefore contains those of a smaller number.
     """
     from scipy.stats import qmc  # slow to import
 
     clearance = np.array([joint.clearance for joint in scene.linkage().clearances])
     joints = len(clearance)
     points = qmc.Halton(4 * joints, seed=scene.seed).random(count)
-    places, speeds = np.moveaxis(points.reshape(count, 2, joints, 2), 1, 0)
+    by_joint = points.reshape(count, 2, joints, 2)
+    positions = _in_disc(by_joint[:, 0])
+    velocities = _in_disc(by_joint[:, 1])
     return SpreadStarts(
-        clearance[:, np.newaxis] * _in_disc(places),
-        crossing_speeds(scene)[:, np.newaxis] * _in_disc(speeds),
+        eccentricity=clearance[:, np.newaxis] * positions,
+        velocity=crossing_speeds(scene)[:, np.newaxis] * velocities,
     )
 
 
 def _in_disc(points: Array) -> Array:
-    """Return points of the unit square as points of the unit disc, even over its area."""
+    """Map points of the unit square to the unit disc; equal areas stay equal."""
     radius = np.sqrt(points[..., 0])
     angle = 2.0 * math.pi * points[..., 1]
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)

@@ -15,9 +15,8 @@ class Column(NamedTuple):
     name: str
     unit: str
     text: str
-    exported: str = ""  # name in tables, if it is another one
-    # Of a number of each cycle: label and unit of its mean in the report; no label: no
-    # mean
+    exported: str = ""  # name in tables, if it differs from ``name``
+    # label and unit of the mean over cycles in the report; no label: no mean
     mean_label: str = ""
     mean_unit: str = ""
 
@@ -32,13 +31,13 @@ def names_of(columns: tuple[Column, ...]) -> tuple[str, ...]:
     return tuple(column.name for column in columns)
 
 
-def place_of(kind: str, name: str, names: tuple[str, ...]) -> int:
-    """Return the place of a name that a user has written.
+def index_of(kind: str, name: str, names: tuple[str, ...]) -> int:
+    """Return the index of a name that a user has written; ``kind`` is for the message.
 
     Raises
     ------
     InputError
-        Unknown name; names the nearest known one.
+        If the name is unknown. The message has the most similar name.
     """
     if name not in names:
         raise unknown(kind, name, names)
@@ -60,7 +59,7 @@ SERIES = (
 TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(len(SERIES))
 JOINT_SERIES = (
     Column("eccentricity_x", "m", "pin centre minus bearing centre, to the right"),
-    Column("eccentricity_y", "m", "and upwards"),
+    Column("eccentricity_y", "m", "pin centre minus bearing centre, upwards"),
     Column("penetration", "m", "of the pin into the bearing, negative while open"),
     Column("normal", "N", "normal force, 0 while open", "normal_force"),
     Column(
@@ -86,13 +85,13 @@ JOINT_ARRAYS = {
 # each drive
 CYCLE = (
     Column("displacement_max", "m", "greatest displacement of the output point"),
-    Column("velocity_min", "m/s", "least velocity"),
-    Column("velocity_max", "m/s", "greatest velocity"),
-    Column("acceleration_max", "m/s^2", "greatest size of the acceleration"),
+    Column("velocity_min", "m/s", "smallest velocity of the output point"),
+    Column("velocity_max", "m/s", "largest velocity of the output point"),
+    Column("acceleration_max", "m/s^2", "largest absolute acceleration of the output"),
     Column("steps", "1", "accepted steps", mean_label="accepted steps"),
-    Column("contact_made", "J", "made by normal laws"),
-    Column("bottom_height", "m", "lowest place of the output point"),
-    Column("bottom_time", "s", "when it is there"),
+    Column("contact_made", "J", "energy created by normal laws"),
+    Column("bottom_height", "m", "lowest position of the output point"),
+    Column("bottom_time", "s", "nominal time of the lowest position"),
     Column("drive_work", "J", "work of the drives"),
     Column(
         "stored_energy_change", "J", "change of kinetic, potential and elastic energy"
@@ -114,26 +113,26 @@ JOINT_CYCLE = (
     Column("force_max", "N", "greatest normal force"),
     Column("load_distance", "N m", "integral of normal force and sliding"),
     Column("contacts", "1", "contacts that have ended"),
-    Column("eccentricity_x", "m", "of the pin at the end of the cycle"),
-    Column("eccentricity_y", "m", "and upwards"),
+    Column("eccentricity_x", "m", "at the end of the cycle, to the right"),
+    Column("eccentricity_y", "m", "at the end of the cycle, upwards"),
     Column(
         "closed_time",
         "s",
-        "in which the pin touches its bearing",
+        "time in which the pin touches its bearing",
         mean_label="time in contact",
         mean_unit="ms",
     ),
 )
 FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y, CLOSED_TIME = range(len(JOINT_CYCLE))
-# Integrals over time; peaks with their signs
+# Integrals are over time; peaks have their signs
 DRIVE_CYCLE = (
-    Column("torque_integral", "N m s", "of the torque"),
-    Column("torque_square_integral", "N^2 m^2 s", "of its square"),
-    Column("power_square_integral", "W^2 s", "of the square of the power"),
-    Column("work_given", "J", "that the drive gives"),
-    Column("work_returned", "J", "that it takes"),
-    Column("torque_peak", "N m", "torque of the greatest size"),
-    Column("power_peak", "W", "power of the greatest size"),
+    Column("torque_integral", "N m s", "integral of the torque"),
+    Column("torque_square_integral", "N^2 m^2 s", "integral of the squared torque"),
+    Column("power_square_integral", "W^2 s", "integral of the squared power"),
+    Column("work_given", "J", "work of the drive on the linkage"),
+    Column("work_returned", "J", "work of the linkage on the drive"),
+    Column("torque_peak", "N m", "torque with the largest absolute value"),
+    Column("power_peak", "W", "power with the largest absolute value"),
 )
 TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(
     len(DRIVE_CYCLE)
@@ -146,8 +145,8 @@ CYCLE_COUNT, JOINT_CYCLE_COUNT, DRIVE_CYCLE_COUNT = map(
 LEADER_CYCLE = (
     Column("duration", "s", "of the cycle"),
     Column("leader_speed_mean", "rad/s", "mean speed of the first motor, in its sense"),
-    Column("leader_speed_min", "rad/s", "its least speed"),
-    Column("leader_speed_max", "rad/s", "its greatest speed"),
+    Column("leader_speed_min", "rad/s", "smallest speed of the first motor"),
+    Column("leader_speed_max", "rad/s", "largest speed of the first motor"),
 )
 DURATION, LEADER_SPEED_MEAN, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(
     len(LEADER_CYCLE)
@@ -166,7 +165,10 @@ JOINT_SERIES_COUNT = len(JOINT_SERIES)
 # ``observe.OUTPUT`` and ``contact.CONTACT``
 SECTION_NAMES = ("place", "velocity")
 SECTION_JOINT_NAMES = (
-    *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
+    "eccentricity_x",
+    "eccentricity_y",
+    "velocity_x",
+    "velocity_y",
     "normal",
 )
 
@@ -185,15 +187,14 @@ def first_leader_column(joints: int) -> int:
 def cycle_column(name: str, joint: int | None = None) -> int:
     """Return the column of a number of the linkage, or of a joint, in a cycle's row."""
     if joint is None:
-        return place_of("quantity of a cycle", name, names_of(CYCLE))
-    place = place_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
-    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joint + place
+        return index_of("quantity of a cycle", name, names_of(CYCLE))
+    index = index_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
+    return CYCLE_COUNT + JOINT_CYCLE_COUNT * joint + index
 
 
 def series_column(name: str, joint: int | None = None) -> int:
     """Return the column of a series of the linkage, or of a joint, in a row of all series."""
     if joint is None:
         return names_of(SERIES).index(name)
-    return (
-        SERIES_COUNT + JOINT_SERIES_COUNT * joint + names_of(JOINT_SERIES).index(name)
-    )
+    index = names_of(JOINT_SERIES).index(name)
+    return SERIES_COUNT + JOINT_SERIES_COUNT * joint + index

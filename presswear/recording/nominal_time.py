@@ -1,10 +1,10 @@
 """Nominal time, by which the cycles of a linkage with a motor are counted.
 
-Without a motor it is the time. A motor does not turn evenly: the nominal time is then
-the one at which the leader would have its present angle at its nominal speed, (angle -
-start) / speed. The leader is the first drive with a motor that is no servo. Places in a
-cycle, strokes and the ideal motion are functions of the nominal time; durations,
-energies and frequencies are of the time.
+Without a motor it is the time. With a motor the speed varies. The nominal time is then
+(angle - initial angle) / nominal speed of the leader: the time at which the leader
+would have its present angle at its nominal speed. The leader is the first drive with a
+motor that is no servo. Phases of a cycle, strokes and the ideal motion are functions of
+the nominal time. Durations, energies and frequencies refer to the time.
 """
 
 import math
@@ -16,34 +16,35 @@ from presswear.physics.touchdown import crossing, hermite
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 
-# A section is reached this far before its end, s: round-off of angles lies below
+# Time before the end of a section from which on it is reached, s: more than the
+# round-off of angles
 SECTION_TOL = 1e-11
 
-# Part of the nominal speed below which a motor that has run stalls
+# Speed over nominal speed below which a motor that has run is stalled
 STALLED = 0.05
-ADVANCE = 1e-3  # of a turn, by which a motor that starts turns on
-
-_PART = 2.0 * math.pi * ADVANCE  # rad
+# Rotation that shows that a starting motor still turns, in turns and in rad
+ADVANCE = 1e-3
+_ADVANCE_ANGLE = 2.0 * math.pi * ADVANCE
 
 # Leader and nominal time of a run
 NOMINAL = np.dtype(
     [
         ("column", np.int64),  # of the leader's angle in q; -1: no motor
         ("start", np.float64),  # initial angle of the leader, rad
-        ("speed", np.float64),  # its nominal speed, rad/s
+        ("speed", np.float64),  # nominal speed of the leader, rad/s
         # nominal time in the last accepted state, s, and two derivatives by time
         *floats("now", "rate", "rise"),
-        # third derivative over the last step, 1/s^2
+        # third derivative, from a difference over the last step, 1/s^2
         ("jerk", np.float64),
-        # at which the present section ends, s; infinite: at a time of the clock
+        # nominal time at which the present section ends, s; infinite: it ends at a time
         ("end", np.float64),
-        # time and nominal time at which the cycle began, s
-        *floats("cycle_start", "cycle_begin"),
-        ("runs", np.bool_),  # its rate was above STALLED
+        ("cycle_start", np.float64),  # time at which the cycle began, s
+        ("cycle_begin", np.float64),  # nominal time at which the cycle began, s
+        ("runs", np.bool_),  # the rate has been above STALLED
         # nominal time at which the rate fell below STALLED, s; infinite: not yet
         ("stall", np.float64),
-        # Until it runs: the furthest nominal time, s, in parts of ADVANCE, and the
-        # time since then, s
+        # While the motor starts: nominal time after the last rotation by ADVANCE, s, and
+        # the time since that rotation, s
         *floats("furthest", "idle"),
     ]
 )
@@ -74,17 +75,17 @@ def nominal_time(nominal: Records, t: float, q: Array) -> float:
 
 @inlined
 def nominal_within(
-    nominal: Records, t: float, h: float, since: float, now: tuple[float, float]
+    nominal: Records, t: float, h: float, elapsed: float, now: tuple[float, float]
 ) -> float:
-    """Return the nominal time so long since the beginning of a step that ends at ``t``, s.
+    """Return the nominal time at a time ``elapsed`` after the start of a step, s.
 
-    ``now`` are nominal time and rate at the end of the step; those at its beginning
-    are in the record.
+    The step has the length ``h`` and ends at ``t``, s. ``now`` are nominal time and
+    rate at its end. Those at its start are in the record.
     """
     state = nominal[0]
     if state.column < 0:
-        return t - h + since
-    return hermite(state.now, state.rate, now[0], now[1], h, since / h)[0]
+        return t - h + elapsed
+    return hermite(state.now, state.rate, now[0], now[1], h, elapsed / h)[0]
 
 
 @inlined
@@ -113,7 +114,10 @@ def note_nominal(
         elif state.runs:
             if math.isinf(state.stall):
                 state.stall = now[0]
-        elif now[0] * abs(state.speed) > state.furthest * abs(state.speed) + _PART:
+        elif (
+            now[0] * abs(state.speed)
+            > state.furthest * abs(state.speed) + _ADVANCE_ANGLE
+        ):
             state.furthest = now[0]
             state.idle = 0.0
         else:
@@ -122,9 +126,10 @@ def note_nominal(
 
 @inlined
 def time_left(nominal: Records, t: float, end: float) -> float:
-    """Return the time to the end of a march, s; infinite where a section ends by angle.
+    """Return the time until the end of a march, s.
 
-    Zero where the section has ended.
+    If the section ends at an angle, the time is infinite before that angle and zero
+    from it on.
     """
     state = nominal[0]
     if math.isinf(state.end):
@@ -136,10 +141,11 @@ def time_left(nominal: Records, t: float, end: float) -> float:
 def section_at_start(
     nominal: Records, smooth: bool
 ) -> tuple[float, float, float, float]:
-    """Return the nominal time beyond the end of the section, s, and three derivatives.
+    """Return the nominal time minus the end of the section, s, and three derivatives.
 
-    They are those of the last accepted state. The time is infinite without an end. The
-    third derivative is 0 unless the motion is ``smooth``.
+    They are those of the last accepted state. The difference is minus infinity if the
+    section has no end in nominal time. The third derivative is 0 unless the motion is
+    ``smooth``.
     """
     state = nominal[0]
     jerk = state.jerk if smooth else 0.0
@@ -148,7 +154,7 @@ def section_at_start(
 
 @compiled
 def section_value(nominal: Records, q: Array, v: Array) -> tuple[float, float]:
-    """Return the nominal time of a state beyond the end of the section, s, and its rate."""
+    """Return the nominal time of a state minus the end of the section, s, and its rate."""
     return nominal_time(nominal, 0.0, q) - nominal[0].end, nominal_rate(nominal, v)
 
 
@@ -156,9 +162,9 @@ def section_value(nominal: Records, q: Array, v: Array) -> tuple[float, float]:
 def section_crossing(
     nominal: Records, q: Array, v: Array, h: float, behind: float
 ) -> float:
-    """Return the part of a step at which it goes so far behind the end of the section, s.
+    """Return the fraction of a step after which the end of the section is passed; 2 if never.
 
-    2 if it does not.
+    It is passed if the nominal time exceeds the end by ``behind``, s.
     """
     state = nominal[0]
     if math.isinf(state.end):

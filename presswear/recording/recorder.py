@@ -1,4 +1,4 @@
-"""Recorder of a run: observed quantities cycle by cycle, and its state as named arrays."""
+"""Recorder of a run: recorded quantities, and their state for a checkpoint."""
 
 import math
 from collections.abc import Callable
@@ -38,17 +38,27 @@ from presswear.recording.observe import RecorderState
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
-_KEPT = (
-    *("packed", "motions", "series", "stored_contacts", "film", "shares"),
-    *("guides", "pins", "stretches", "turned", "turns"),
+# Fields of RecorderState that ``Recorder.save`` does not copy: they do not change in a
+# run, or only their written rows are stored
+_NOT_COPIED = (
+    "packed",
+    "motions",
+    "series",
+    "stored_contacts",
+    "film",
+    "shares",
+    "guides",
+    "pins",
+    "stretches",
+    "turned",
+    "turns",
 )
-# saved whole
-_SMALL = tuple(name for name in RecorderState._fields if name not in _KEPT)
+_COPIED = tuple(name for name in RecorderState._fields if name not in _NOT_COPIED)
 
 
 @dataclass
 class Recorder:
-    """Quantities that one run has observed so far; SI units."""
+    """Quantities that one run has recorded so far; SI units."""
 
     records: RecorderState  # arrays that the kernels fill
     maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
@@ -56,8 +66,8 @@ class Recorder:
     sections_per_cycle: int = 0
     # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE and DRIVE_CYCLE
     cycles: Array = field(init=False)
-    # Largest depth added by each cycle, and depth after it, of bearing and pin, m,
-    # shape (cycles, 2, joints, 2); no row where the surfaces stay
+    # Largest added depth and largest depth of bearing and pin after each cycle, m, shape
+    # (cycles, 2, joints, 2); no rows if the surfaces do not wear during the run
     growth: Array = field(init=False)
     _sections: list[Array] = field(default_factory=list, init=False)
 
@@ -94,7 +104,7 @@ class Recorder:
 
     @property
     def torques(self) -> Array:
-        """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
+        """Recorded torques of the drives, N m, shape (n, drives), or (n, 0) without torques."""
         first = SERIES_COUNT + JOINT_SERIES_COUNT * self.records.memory.size
         last = self.rows.shape[1] - LEADER_SERIES_COUNT * self.has_leader
         return self.rows[:, first:last]
@@ -142,12 +152,15 @@ class Recorder:
 
     @property
     def film(self) -> Film:
-        """Frames kept so far."""
+        """Film frames recorded so far."""
         rows = self.records.film[: int(self.records.sampler["frames"][0])]
         return Film.of(rows, self.records.memory.size)
 
     def last_frames(self, count: int) -> Array:
-        """Return the rows of the last frames for ``Film.of``; of a full film the present frame."""
+        """Return the rows of the last frames for ``Film.of``.
+
+        If the film is full, the only row is the present frame.
+        """
         film = self.records.film
         frames = int(self.records.sampler["frames"][0])
         first = frames if frames == len(film) - 1 else max(frames - count, 0)
@@ -159,7 +172,7 @@ class Recorder:
         return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
-        """Record no further series rows and contacts."""
+        """Stop the recording of series rows and single contacts."""
         self.records.output["room"] = 0
         self.records.counters["full"] = True
 
@@ -230,20 +243,21 @@ class Recorder:
             bearing, pin = sides[:, : packed.joints[k]["surface_bins"]]
             pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
-    def wear(self, new_depth: Array, place: Callable[[], None]) -> None:
-        """Wear surfaces by a depth, m, (joints, 2, bins); pins that rested on it are open.
+    def wear(self, new_depth: Array, update_contacts: Callable[[], None]) -> None:
+        """Wear the surfaces by a depth, m, shape (joints, 2, bins).
 
-        ``place`` fills the contacts of the present state.
+        Contacts of pins that rested on the worn material end. ``update_contacts`` fills
+        the contacts of the present state.
         """
         records = self.records
         depth = self.surface_depth + new_depth
         self._rebuild(depth)
         growth = [new_depth.max(axis=2), self.surface_depth.max(axis=2)]
         self.growth = np.append(self.growth, [growth], axis=0)
-        place()
+        update_contacts()
         step = records.memory["step"].copy()
         if settle(records, self.last_time, LEAST_STEPS) > 0:
-            place()
+            update_contacts()
         records.memory["step"] = step
 
     def end_cycle(self) -> Array:
@@ -260,29 +274,29 @@ class Recorder:
 
     def _note_duration(self) -> None:
         """Write the duration of the cycle and the mean speed of the leader into its row."""
-        nominal, leader = self.records.nominal[0], self.records.cycle
-        leader = leader[self._leader_column :]
+        nominal = self.records.nominal[0]
+        leader = self.records.cycle[self._leader_column :]
         leader[DURATION] = self.last_time - nominal["cycle_start"]
         angle = abs(nominal["speed"]) * (nominal["now"] - nominal["cycle_begin"])
         leader[LEADER_SPEED_MEAN] = angle / leader[DURATION]
 
     def _note_pins(self) -> None:
-        """Write the places of the pins at the end of the cycle into its row."""
+        """Write the positions of the pins at the end of the cycle into its row."""
         for k, contact in enumerate(self.records.contacts):
             joint = self.records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * k :]
             joint[END_X] = contact["eccentricity_x"]
             joint[END_Y] = contact["eccentricity_y"]
 
     def save(self) -> State:
-        """Return all that is not in the linkage, the start and the plan, as named arrays.
+        """Return the state of the recorder as named arrays.
 
-        Rows of series, contacts, film and cycles are views: once written they do not
-        change.
+        What follows from linkage, start and plan is left out. Rows of series, contacts,
+        film and cycles are views, because a written row does not change.
         """
         records = self.records
         frames = int(self.records.sampler["frames"][0])
         arrays = {
-            **{name: getattr(records, name).copy() for name in _SMALL},
+            **{name: getattr(records, name).copy() for name in _COPIED},
             **named("maps", self.maps.save()),
             **named("wall_maps", self.wall_maps.save()),
             "series": self.rows,
@@ -302,17 +316,18 @@ class Recorder:
         return arrays
 
     def load(self, saved: State) -> None:
-        """Resume from what a recorder of the same linkage, start and plan has saved."""
+        """Restore the state that a recorder of the same linkage, start and plan has saved."""
         records = self.records
         frames = len(saved["film"])
-        for name in _SMALL:
+        for name in _COPIED:
             getattr(records, name)[...] = saved[name]
         self.maps = MapBatches.load(part(saved, "maps"))
         self.wall_maps = MapBatches.load(part(saved, "wall_maps"))
         records.series[: len(saved["series"])] = saved["series"]
         for name in ("stretches", "turns"):
             getattr(records, name)[: len(saved["series"])] = saved[name]
-        records.film[:frames], records.film[frames] = saved["film"], saved["frame"]
+        records.film[:frames] = saved["film"]
+        records.film[frames] = saved["frame"]
         self.cycles = np.array(saved["cycles"])
         self.growth = np.array(saved["growth"])
         self._sections = [row for sections in saved["sections"] for row in sections]

@@ -1,9 +1,9 @@
-"""Settled motions: do the last cycles of a run repeat, and since when?
+"""Settled motions: whether the last cycles of a run repeat, and from which cycle on.
 
-A rattling motion may be a transient: it is irregular for a time that nobody can
-foretell, then comes to rest on a motion that repeats, and stays there (Lai and Tél,
-Transient Chaos, Springer 2011).  A run has settled if its last cycles repeat.  They are
-compared by their signature: where each pin is at the end of the cycle, over the
+A rattling motion may be a transient: it is irregular for a time that cannot be
+predicted, and then settles on a motion that repeats (Lai and Tél, Transient Chaos,
+Springer 2011). A run has settled if its last cycles repeat. Cycles are compared by
+their signatures: the position of each pin at the end of the cycle, relative to the
 clearance, and the logarithm of each peak force. Between two cycles of a chaotic motion
 a signature changes by about 1.
 """
@@ -21,24 +21,26 @@ from presswear.tools.arrays import Array
 Verdict = Literal["settled", "coexisting", "irregular", "mixed", "unwatched"]
 
 PERIODS = (1, 2, 3, 4)  # cycles after which a settled motion may repeat
-# cycles that a settled motion has repeated for: laminar phases of chaos are shorter
+# Least number of cycles for which a settled motion has repeated. Laminar phases of a
+# chaotic motion are shorter.
 REPEATED = 10
 CHANGE = 0.2  # largest change of a signature between cycles that repeat
-LEAST_FORCE = 1e-3  # of the largest peak force: smaller ones do not count
+# Smallest peak force whose logarithm is compared, over the largest peak force
+LEAST_FORCE = 1e-3
 
 
 @dataclass(frozen=True)
 class Rest:
-    """Repeating motion on which a run came to rest."""
+    """Repeating motion on which a run has settled."""
 
-    start: int  # cycles before it
+    start: int  # number of cycles before it
     period: int  # cycles after which it repeats
     signature: Array  # mean over its cycles
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of some of the replicates; means of their cycles."""
+    """Motion of some of the replicates, with means over their cycles."""
 
     replicates: int
     period: int | None  # cycles after which it repeats; None: irregular
@@ -49,16 +51,16 @@ class Motion:
 
 @dataclass(frozen=True)
 class Settling:
-    """Kinds of motion that the replicates of a stage came to."""
+    """Motions on which the replicates of a stage have settled."""
 
     watched: int  # cycles of the shortest run
-    # cycles of each replicate before it settled; None: irregular
+    # number of cycles of each replicate before it settled; None: irregular
     starts: tuple[int | None, ...]
-    # the one of most replicates first, the irregular one last
+    # the motion of most replicates is first, the irregular motion is last
     motions: tuple[Motion, ...]
-    # of the irregular motion, cycles; None: none settled
+    # of the irregular motion, cycles; None: no replicate has settled from it
     half_life: Estimate | None = None
-    # of the irregular motion with 95 % probability, cycles
+    # lower 95 % limit of the half-life, cycles
     least_half_life: float = 0.0
 
     @property
@@ -73,7 +75,7 @@ class Settling:
 
     @property
     def verdict(self) -> Verdict:
-        """Word for the kinds of motion: one, several, or none that repeats."""
+        """Name of the result: one settled motion, several, none, or a mixture."""
         if self.settled == 0:
             return "unwatched" if self.watched < REPEATED else "irregular"
         if self.settled < self.runs:
@@ -82,10 +84,11 @@ class Settling:
         return "settled" if regular == 1 else "coexisting"
 
     def skipped(self, replicate: int) -> int:
-        """Return the number of cycles of a replicate that come before its start-up.
+        """Return the number of cycles of a replicate that are left out before the start-up.
 
-        Where all replicates have settled, the numbers are those of the motion that goes
-        on, after a start-up: in its first cycle the rattle ends.
+        If all replicates have settled, statistics are those of the settled motions. A
+        start-up follows these cycles, because the first settled cycle contains the end
+        of the irregular motion.
         """
         if self.settled < self.runs:
             return 0
@@ -93,37 +96,37 @@ class Settling:
 
     @property
     def is_mixture(self) -> bool:
-        """True if the replicates show different motions, so that one mean describes none."""
+        """True if the replicates have different motions, so that a common mean is not useful."""
         return self.verdict in ("mixed", "coexisting")
 
 
-def signatures(places: Array, forces: Array) -> Array:
-    """Return what cycles are compared by, shape (cycles, 3 joints).
+def signatures(positions: Array, forces: Array) -> Array:
+    """Return the signatures of cycles, shape (cycles, 3 joints).
 
     Parameters
     ----------
-    places : ndarray, shape (cycles, joints, 2)
-        Place of each pin at the end of a cycle, relative to its bearing, over the
+    positions : ndarray, shape (cycles, joints, 2)
+        Position of each pin at the end of a cycle, relative to its bearing, over the
         clearance.
     forces : ndarray, shape (cycles, joints)
         Largest normal force in a cycle, N.
     """
     least = LEAST_FORCE * forces.max(initial=0.0)
     logarithms = np.log(np.maximum(forces, least if least > 0.0 else 1.0))
-    return np.column_stack([places.reshape(len(places), -1), logarithms])
+    return np.column_stack([positions.reshape(len(positions), -1), logarithms])
 
 
 def rest_of(cycles: Array) -> Rest | None:
-    """Return the motion on which a run came to rest, from the signatures of its cycles, or None.
+    """Return the motion on which a run has settled, from the signatures of its cycles.
 
-    Of the periods by which the last cycles repeat, it is the one that goes back
-    furthest.
+    None if the run has not settled. If the last cycles repeat with several periods, the
+    period with the earliest start is used.
     """
     best: Rest | None = None
     for period in PERIODS:
         change = np.abs(cycles[period:] - cycles[:-period]).max(axis=1, initial=0.0)
-        others = np.flatnonzero(change > CHANGE)
-        start = int(others[-1]) + 1 if others.size else 0
+        changing = np.flatnonzero(change > CHANGE)
+        start = int(changing[-1]) + 1 if changing.size else 0
         if len(cycles) - start < max(REPEATED, 3 * period):
             continue
         if best is None or start < best.start:
@@ -136,10 +139,8 @@ def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
     groups: list[list[int]] = []
     for k, rest in enumerate(rests):
         for group in groups:
-            if (
-                np.abs(rest.signature - rests[group[0]].signature).max(initial=0.0)
-                <= CHANGE
-            ):
+            change = np.abs(rest.signature - rests[group[0]].signature)
+            if change.max(initial=0.0) <= CHANGE:
                 group.append(k)
                 break
         else:
@@ -150,11 +151,11 @@ def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
 def half_life(starts: Sequence[int], irregular: Sequence[int]) -> Estimate | None:
     """Return the half-life of the irregular motion, cycles; None if no run has settled from it.
 
-    The irregular motion is left at a constant rate, so that its duration is
-    exponential.  Runs that had not settled when they ended are censored.  The rate is
-    the number of runs that settled over the time of all; the ends of its interval are
-    quantiles of chi-square (Lawless, Statistical Models and Methods for Lifetime Data,
-    2nd ed., section 4.1).
+    Runs leave the irregular motion at a constant rate, so that its duration has an
+    exponential distribution. Runs that have not settled are censored. The rate is the
+    number of runs that have settled over the irregular cycles of all runs. The limits
+    of its interval are quantiles of chi-square (Lawless, Statistical Models and Methods
+    for Lifetime Data, 2nd ed., section 4.1).
 
     Parameters
     ----------
@@ -169,14 +170,16 @@ def half_life(starts: Sequence[int], irregular: Sequence[int]) -> Estimate | Non
     from scipy.special import chdtri  # slow to import
 
     upper_tail = 0.5 - 0.5 * LEVEL
-    most = float(chdtri(2 * count + 2, upper_tail))
-    least = float(chdtri(2 * count, 1.0 - upper_tail))
-    to_half = math.log(2.0) * time
-    return Estimate(to_half / count, 2.0 * to_half / most, 2.0 * to_half / least, count)
+    largest = float(chdtri(2 * count + 2, upper_tail))
+    smallest = float(chdtri(2 * count, 1.0 - upper_tail))
+    scaled = math.log(2.0) * time
+    return Estimate(
+        scaled / count, 2.0 * scaled / largest, 2.0 * scaled / smallest, count
+    )
 
 
 def least_half_life(starts: Sequence[int], irregular: Sequence[int]) -> float:
-    """Return what the half-life exceeds with a confidence of 95 %, cycles; see ``half_life``."""
+    """Return the lower 95 % confidence limit of the half-life, cycles; see ``half_life``."""
     from scipy.special import chdtri  # slow to import
 
     count, time = _irregular_time(starts, irregular)
@@ -186,13 +189,13 @@ def least_half_life(starts: Sequence[int], irregular: Sequence[int]) -> float:
 def _irregular_time(
     starts: Sequence[int], irregular: Sequence[int]
 ) -> tuple[int, float]:
-    """Return how many runs settled from irregular motion, and the irregular cycles of all.
+    """Return the number of runs that settled from irregular motion, and all irregular cycles.
 
-    They are counted from the end of the start-up: runs that have settled by then were
-    never irregular.  The last cycles of the others, which may be regular already, do
-    not count.
+    Irregular cycles are counted from the end of the start-up. A run that settles during
+    the start-up does not count. The last ``REPEATED`` cycles of a run that has not
+    settled do not count, because they may already be regular.
     """
-    lasted = [start - STARTUP_CYCLES for start in starts if start > STARTUP_CYCLES]
-    unseen = STARTUP_CYCLES + REPEATED
-    still = [max(cycles - unseen, 0) for cycles in irregular]
-    return len(lasted), float(sum(lasted) + sum(still))
+    settled = [start - STARTUP_CYCLES for start in starts if start > STARTUP_CYCLES]
+    left_out = STARTUP_CYCLES + REPEATED
+    unsettled = [max(cycles - left_out, 0) for cycles in irregular]
+    return len(settled), float(sum(settled) + sum(unsettled))

@@ -20,8 +20,8 @@ from presswear.recording.columns import (
     SECTION_NAMES,
     cycle_column,
     first_leader_column,
+    index_of,
     names_of,
-    place_of,
 )
 from presswear.recording.film import Film
 from presswear.recording.settling import Settling
@@ -274,12 +274,12 @@ class JointResult:
 
     def contact(self, name: str) -> Array:
         """Return a quantity of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
-        place = place_of("quantity of a contact", name, CONTACT_COLUMNS)
+        place = index_of("quantity of a contact", name, CONTACT_COLUMNS)
         return self.arrays["contacts"][:, place]
 
     def each_cycle(self, name: str) -> Array:
         """Return a quantity of each cycle, by a name of ``JOINT_CYCLE``, shape (cycles,); SI."""
-        place = place_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
+        place = index_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
         return self.arrays["cycles"][:, place]
 
     def depth(self, side: str) -> Array:
