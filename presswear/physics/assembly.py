@@ -161,29 +161,35 @@ class Rows:
         return result
 
     def _parts(self, q: Array) -> list[Array]:
-        """Return the derivatives of the rows by the bodies of both points, each (n, rows, 3)."""
-        parts = []
-        for (_, _, _, sign), (x, y) in zip(
-            self.ends, self._arms(self._moving(q)), strict=True
-        ):
-            part = np.empty((*x.shape, 3))
-            part[..., :2] = sign * self.normal
-            part[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
-            parts.append(part)
-        parts[0][..., 2] += self.turn
-        return parts
+        """Return the derivatives of the rows by x, y and angle of the bodies of both points.
+
+        Each array has the shape (n, rows, 3).
+        """
+        derivatives = []
+        arms = self._arms(self._moving(q))
+        for (_, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
+            by_body = np.empty((*x.shape, 3))
+            by_body[..., :2] = sign * self.normal
+            by_body[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
+            derivatives.append(by_body)
+        derivatives[0][..., 2] += self.turn
+        return derivatives
 
     def _block(self, parts: list[Array], group: Group) -> Array:
-        """Return the derivatives of some rows by some coordinates, shape (n, rows, columns)."""
+        """Return the derivatives of some rows by some coordinates, shape (n, rows, columns).
+
+        ``parts`` are those of ``_parts``.
+        """
         rows, columns = group
-        place = np.full(
-            3 * (self.bodies + 1), columns.size
-        )  # the frame and others at the end
-        place[columns] = np.arange(columns.size)
+        # Column of each coordinate in the result. The last column collects the
+        # derivatives by all other coordinates, and is left out.
+        column_of = np.full(3 * (self.bodies + 1), columns.size)
+        column_of[columns] = np.arange(columns.size)
         result = np.zeros((len(parts[0]), rows.size, columns.size + 1))
-        for (body, _, _, _), part in zip(self.ends, parts, strict=True):
-            where = place[3 * body[rows, np.newaxis] + np.arange(3)]
-            result[:, np.arange(rows.size)[:, np.newaxis], where] += part[:, rows]
+        row_index = np.arange(rows.size)[:, np.newaxis]
+        for (body, _, _, _), by_body in zip(self.ends, parts, strict=True):
+            column = column_of[3 * body[rows, np.newaxis] + np.arange(3)]
+            result[:, row_index, column] += by_body[:, rows]
         return result[..., :-1]
 
     def jacobian(self, q: Array) -> Array:
@@ -194,16 +200,16 @@ class Rows:
 
     @cached_property
     def groups(self) -> list[Group]:
-        """Rows and coordinates of groups of bodies that close one after the other.
+        """Rows and coordinates of groups that are solved one after the other.
 
-        The first group closes by itself, each further group with the bodies of those
-        before. They are the irreducible blocks of the Jacobian, joined to at least
-        ``_GROUP`` rows.
+        The rows of a group depend only on the coordinates of this group and of the
+        groups before it. The groups are the irreducible blocks of the Jacobian, joined
+        to at least ``_GROUP`` rows.
         """
         rows = np.arange(len(self.names))
         if rows.size <= _GROUP:
             return [(rows, rows)]
-        # At arbitrary angles an element is zero only where it is zero at all angles.
+        # An element that is zero at these random angles is zero at all angles.
         angles = np.random.default_rng(0).uniform(0.3, 1.2, (1, self.bodies, 3))
         pattern = self.jacobian(angles)[0] != 0.0
         owner: dict[int, int] = {}  # row that determines a coordinate
@@ -217,15 +223,13 @@ class Rows:
                         return True
             return False
 
-        if not all(
-            owns(int(row), set()) for row in rows
-        ):  # it is singular at all angles
-            return [(rows, rows)]
+        if not all(owns(int(row), set()) for row in rows):
+            return [(rows, rows)]  # the Jacobian is singular at all angles
         columns = np.array(sorted(owner, key=owner.__getitem__))
-        needs = pattern[:, columns]  # of one row the coordinate that another determines
-        for _ in range(
-            rows.size.bit_length()
-        ):  # also those that are needed by way of others
+        # Element (i, j) is true if row i contains the coordinate that row j determines.
+        needs = pattern[:, columns]
+        # Also true if it does so through other rows.
+        for _ in range(rows.size.bit_length()):
             needs = needs @ needs
         block = (needs & needs.T).argmax(axis=1)
         order = np.lexsort((block, needs.sum(axis=1)))
@@ -239,7 +243,7 @@ class Rows:
     def solve(self, q: Array, right: Array) -> Array:
         """Solve the equations of the Jacobian, shape (n, rows), for coordinates like ``q``.
 
-        With repeated rows by least squares.
+        If rows are repeated, it is the least-squares solution.
         """
         if self.repeated:
             inverse = np.linalg.pinv(self.jacobian(q) * self.scale)
@@ -250,9 +254,11 @@ class Rows:
         flat = result.reshape(len(q), -1)
         for rows, columns in self.groups:
             rest = right[:, rows]
-            if columns.size < right.shape[1]:  # less those of the groups before
-                for (body, _, _, _), part in zip(self.ends, parts, strict=True):
-                    rest = rest - (part[:, rows] * result[:, body[rows]]).sum(axis=-1)
+            if columns.size < right.shape[1]:
+                # Subtract the contributions of the groups before.
+                for (body, _, _, _), by_body in zip(self.ends, parts, strict=True):
+                    solved = result[:, body[rows]]
+                    rest = rest - (by_body[:, rows] * solved).sum(axis=-1)
             block = self._block(parts, (rows, columns))
             flat[:, columns] = np.linalg.solve(block, rest[..., np.newaxis])[..., 0]
         return result[:, :-1]
@@ -260,9 +266,9 @@ class Rows:
     def forces(self, q: Array, right: Array) -> Array:
         """Return the forces of the rows that balance forces on the coordinates, (n, rows, k).
 
-        ``right`` has the shape (n, 3 bodies, k), N and N m. With repeated rows many
-        forces do; these have the smallest norm, in which a moment is divided by
-        ``arm``.
+        ``right`` has the shape (n, 3 bodies, k), N and N m. If rows are repeated, the
+        forces are not unique: those with the smallest norm are returned, in which a
+        moment is divided by ``arm``.
         """
         transposed = self.jacobian(q).transpose(0, 2, 1)
         if not self.repeated:
@@ -271,11 +277,10 @@ class Rows:
         return np.asarray(arms * (np.linalg.pinv(transposed * arms.T) @ right))
 
     def side(self, q: Array) -> Array:
-        """Return a sign, shape (n,), that changes at dead points: of the Jacobian's determinant.
+        """Return the sign of the determinant of the Jacobian, which changes at dead points, (n,).
 
-        1 where points follow curves: a drive may pass a position in which it does not
-        move its point, where the curve leads through it. 1 with repeated rows, which
-        have no determinant.
+        It is 1 if a point follows a curve, because the drive may then pass a dead point.
+        It is 1 if rows are repeated, because the determinant is then zero.
         """
         if self.following or self.repeated:
             return np.ones(len(q))
@@ -286,10 +291,11 @@ class Rows:
         return np.asarray(np.prod(signs, axis=0))
 
     def distance(self, q: Array) -> Array:
-        """Return how far the groups are from a dead point, shape (n,), 0 at a dead point.
+        """Return a distance from the nearest dead point, shape (n,), 0 at a dead point.
 
-        The norm of the inverse is that of each group: in a long chain of linkages the
-        norm of the whole inverse grows with their number.
+        It is one over the norm of the inverse, the largest of all groups. The norm of
+        the inverse of the whole Jacobian would grow with the number of linkages in a
+        chain.
         """
         if self.repeated:
             values = np.linalg.svd(self.jacobian(q) * self.scale, compute_uv=False)
@@ -312,8 +318,9 @@ def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
 def _guessed(linkage: Linkage) -> Array:
     """Return the coordinates to start Newton's method from, shape (bodies, 3).
 
-    Angles are those of the drives, of the guides, as guessed, or 0; each body hangs by
-    the first joint that reaches it.
+    The angle of a body is that of its drive, of its guide, of the guess of the user, or
+    0. Its position is that at which the first joint to a body with known position
+    closes.
     """
     q = np.zeros((len(linkage.bodies) + 1, 3))  # the frame last
     indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}

@@ -1,8 +1,10 @@
-"""Motion of prescribed bodies whose loops are closed by pins, and the torques of their drives.
+"""Motion of prescribed bodies in closed loops, and the torques of their drives.
 
-Coordinates that no drive prescribes follow by Newton's method from the last position;
-rates and accelerations by linear equations. The torques of the drives follow from the
-forces on the bodies by virtual work.
+Newton's method computes the coordinates that no drive prescribes, starting from the
+last position. Linear equations give their rates and accelerations. The torques of the
+drives follow from the forces on the bodies by virtual work. Each prescribed body is a
+part: its coordinate is an angle, or the distance along its guide. Pins between two
+parts close the loops.
 """
 
 import math
@@ -26,11 +28,11 @@ from presswear.physics.rotation import arm
 from presswear.tools.arrays import Array
 from presswear.tools.compile import compiled
 
-MOST_NEWTON = 30  # newton steps after which loops do not close; two are usual
-# Newton's way from where bodies are expected to where links could be on other sides,
-# rad or m
+MOST_NEWTON = 30  # largest number of Newton steps; two are usual
+# Largest sum of the Newton steps from the expected position, rad or m. After a larger
+# change the links could be in the other configuration of the loop.
 JUMP = 0.05
-# newton step behind which the rows are those of the place found, rad or m
+# Newton step after which loops count as closed, rad or m
 CLOSED = 1e-12
 
 
@@ -40,14 +42,14 @@ def place_prescribed(
 ) -> None:
     """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
 
-    Not finite where their loops do not close near where they are expected, on the same
-    side. ``axes`` are those of ``place_parts``.
+    They are NaN if the loops do not close near the expected position in the same
+    configuration. ``axes`` are those of ``place_parts``.
     """
     parts = prescribed.parts
     work = prescribed.work
     closings = prescribed.closings
     motions = prescribed.motions
-    ahead = t - work[LAST, TIME]
+    h = t - work[LAST, TIME]
     work[LAST, TIME] = t
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
@@ -55,9 +57,7 @@ def place_prescribed(
             angle, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
             work[COORDINATE, i] = motion.angle + angle
         else:
-            work[COORDINATE, i] += ahead * (
-                work[RATE, i] + 0.5 * ahead * work[ACCELERATION, i]
-            )
+            work[COORDINATE, i] += h * (work[RATE, i] + 0.5 * h * work[ACCELERATION, i])
     place_parts(prescribed, q, v, a, axes)
     if closings.shape[0] > 0 and not _close_loops(prescribed, q, v, a, axes):
         for i in range(parts.shape[0]):
@@ -68,14 +68,15 @@ def place_prescribed(
 def _close_loops(
     prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array
 ) -> bool:
-    """Find the motion that closes the loops of prescribed bodies; return whether there is one."""
+    """Compute the motion that closes the loops; return whether they can be closed."""
     work = prescribed.work
     before = work[LAST, DETERMINANT]
     last = math.inf
     moved = 0.0
     for _ in range(MOST_NEWTON):
         step = _newton_step(prescribed, q, axes)
-        # Near a dead point round-off does not shrink to that.
+        # Near a dead point round-off keeps the steps above this limit. They are then
+        # small and no longer decrease.
         is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
         last = step
         moved += step
@@ -93,9 +94,10 @@ def _close_loops(
 
 @compiled
 def _solve(prescribed: Prescribed, row: int) -> float:
-    """Solve for the right-hand side by Gauss elimination, and subtract it from a row of ``work``.
+    """Solve for the right-hand side and subtract the solution from a row of ``work``.
 
-    Returns the greatest change; leaves the determinant.
+    The method is Gauss elimination with row pivoting. Returns the largest absolute
+    value of the solution, and stores the determinant.
     """
     parts = prescribed.parts
     closings = prescribed.closings
@@ -143,7 +145,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 
 @compiled
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
-    """Make a step towards closed loops; returns its size, leaves the rows."""
+    """Make a Newton step towards closed loops; return its size, and store the Jacobian."""
     parts = prescribed.parts
     closings = prescribed.closings
     work = prescribed.work
@@ -162,7 +164,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
                 py += q[b + 1]
             work[RIGHT, row] += sign * px
             work[RIGHT, row + 1] += sign * py
-            # The rows by the coordinates of all parts down to the frame
+            # Derivatives of the gap by the coordinates of all parts down to the frame
             while i >= 0:
                 part = parts[i]
                 if part.is_guided:
@@ -181,7 +183,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
 
 @compiled
 def _follow(prescribed: Prescribed) -> None:
-    """Fill the rates and accelerations sought, in a place where all loops are closed."""
+    """Fill rates and accelerations of parts without a drive, with all loops closed."""
     parts = prescribed.parts
     closings = prescribed.closings
     work = prescribed.work
@@ -208,11 +210,12 @@ def _follow(prescribed: Prescribed) -> None:
 def drive_torques(
     prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
 ) -> None:
-    """Fill the torques, N m, that drives must give against the generalized forces on all parts.
+    """Fill the torques, N m, with which drives balance the generalized forces on all parts.
 
-    Those of inertia are among the forces, which are passed down to what the parts hang
-    from. By virtual work: the force on the coordinate of each part, times its rate per
-    rate of the drive. Torques of drives of other bodies stay.
+    ``force`` includes the inertia forces. The force on each part is added to that on its
+    parent. By virtual work, the torque of a drive is minus the sum over the parts of
+    the force on the coordinate, times the derivative of this coordinate by the angle of
+    the drive. Torques of drives of other bodies do not change.
     """
     parts = prescribed.parts
     work = prescribed.work
@@ -239,7 +242,7 @@ def drive_torques(
 
 @compiled
 def _force_of_others(prescribed: Prescribed, i: int) -> float:
-    """Return the moment, N m, at the drive of a part of the forces on parts without a drive."""
+    """Return the moment at the drive of part ``i`` of the forces on parts without a drive, N m."""
     parts = prescribed.parts
     closings = prescribed.closings
     work = prescribed.work

@@ -1,12 +1,14 @@
-"""The ledger of energies.
+"""Balance of energies, which every engine computes.
 
-Every engine keeps it: drive work + load work = change of kinetic, potential and elastic
-contact energy + contact loss + friction loss + residual. Load work is that of loads
-with a law, less what dampers of springs take; constant loads have a potential. The
-normal force does its work along n, on the approach e_dot . n; what it does beyond
-loading the elastic law is the contact loss: the damping, less what the law makes of
-nothing where its force is not the gradient of an energy, as that of radial contact on a
-sloping profile.
+    drive work + load work = change of stored energy + contact loss + friction loss
+                             + residual
+
+The stored energy is kinetic, potential and elastic. The load work is that of loads with
+a law, less the losses in the dampers of springs; constant loads have a potential. The
+normal force does its work on the approach e_dot . n. The contact loss is this work less
+the change of elastic energy: the loss by damping, less the energy that the law creates.
+A law creates energy if its force is not the gradient of an energy, as in radial contact
+on a sloping profile.
 """
 
 from dataclasses import dataclass
@@ -27,17 +29,17 @@ def stored_energy(
 
     ``elastic`` are the energies of the contacts.
     """
-    with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
+    with np.errstate(over="ignore"):  # the state of a failed run may be too large
         kinetic = 0.5 * float(np.sum(packed.mass * v**2))
     potential = -float(packed.weight @ q)
     stored = sum(kind.stored_energy(linkage, q) for kind in KINDS)
     return kinetic + potential + stored + float(np.sum(elastic))
 
 
-# Energy that contacts may make, part of what the drives exchanged, before a run is
-# ended
+# Largest energy that contacts may create, over the energy exchanged by the drives; a run
+# with more is ended
 MAX_MADE = 0.5
-# part of the first cycle before which that is not judged, nor in a run-up
+# Start of this check after the run-up, in cycles
 SETTLED = 0.05
 
 
@@ -47,14 +49,13 @@ def has_worn_radial_contact(packed: Packed) -> bool:
 
 
 def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
-    """Return a message if contacts created more energy than they dissipated, else nothing.
+    """Return a message if contacts created more energy than they dissipated, else "".
 
-    A radial force over a steep worn profile is not the gradient of an energy: pin and
-    wall can drive each other, ever faster. Losses and exchange are those so far, J; see
-    ``Ledger``.
+    A radial force on a steep worn profile is not the gradient of an energy, so that the
+    pin can gain speed at each turn of its motion. ``contact_loss`` and ``exchange`` are
+    those since the start of the run, J; see ``Ledger``.
     """
-    # Energies that are no numbers come from a broken state, which is reported
-    # elsewhere.
+    # The comparison is false for NaN: another check reports a state that is not finite.
     if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
         return ""
     cause = "the steps are too coarse"
@@ -67,7 +68,7 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
 
 
 def made_remedy(packed: Packed, finer: str) -> str:
-    """Return advice where contacts created energy; ``finer`` is that for the steps."""
+    """Return advice for a run whose contacts created energy; ``finer`` advises on steps."""
     if has_worn_radial_contact(packed):
         return (
             f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
@@ -84,16 +85,15 @@ class Ledger:
     stored: float  # change of kinetic, potential and elastic energy
     contact_loss: float  # dissipated by contacts, less what they created
     friction_loss: float
-    made: float = 0.0  # by the normal law, positive or negative
-    # of loads with a law, less the loss in the dampers of springs
+    made: float = 0.0  # created by the normal law, positive or negative
+    # work of loads with a law, less the loss in the dampers of springs
     load_work: float = 0.0
 
     @staticmethod
     def of(energies: Array, stored: float) -> "Ledger":
         """Return the ledger from energies in the order of ENERGIES and the stored change, J."""
-        return Ledger(
-            stored=stored, **dict(zip(ENERGIES, energies.tolist(), strict=True))
-        )
+        by_name = dict(zip(ENERGIES, energies.tolist(), strict=True))
+        return Ledger(stored=stored, **by_name)
 
     @property
     def dissipated(self) -> float:

@@ -1,4 +1,4 @@
-"""A linkage as the kernels see it: arrays and records instead of objects."""
+"""Linkage packed for the kernels: arrays and records instead of objects."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -40,36 +40,36 @@ from presswear.physics.loads import Loads, pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
 
-# Corners of a slide touch down quietly and stay closed under load. A damping that is
-# divided by so small a speed would rule their force, m/s.
+# Least closing speed in the damping law of the corners of a slide, m/s. They touch down
+# slowly and stay closed under load: with a lower speed the damping would exceed the
+# elastic force.
 CORNER_SPEED_FLOOR = 0.02
 
-# A clearance joint as the kernels see it; SI units
+# Clearance joint; SI units
 JOINT = np.dtype(
     [
         ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
         ("pin_body", np.int64),
-        *floats(
-            "bearing_x", "bearing_y", "pin_x", "pin_y"
-        ),  # centres in the bodies' frames, m
+        # centres in the axes of their bodies, m
+        *floats("bearing_x", "bearing_y", "pin_x", "pin_y"),
         *floats("bearing_radius", "pin_radius", "clearance", "width"),
-        ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
+        ("effective_mass", np.float64),  # lower limit of the mass in an impact, kg
         ("normal", NORMAL),
         ("friction", FRICTION),
-        # speed at touchdown by which the rate is divided, at least, m/s
+        # least closing speed at touchdown in the damping law, m/s
         ("onset_floor", np.float64),
-        ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
-        # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        ("map_turns", np.float64),  # 1 if the wear maps turn with their bodies, else 0
+        # stiffness of the foundation k_w b R, N/m^2 per rad; 0 for radial contact
         ("foundation", np.float64),
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
-        # of the same maps, as ``foundation.pack_rows`` divides them
+        # number of nodes into which ``foundation.pack_rows`` divides these bins
         ("surface_nodes", np.int64),
-        # lower bound of the depths of both surfaces together, m
+        # lower limit of the sum of the depths of both surfaces, m
         ("least_depth", np.float64),
-        ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
-        ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
-        ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
+        ("relief", np.float64),  # upper limit of the differences of this sum, m
+        ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0: wear is not computed
+        ("bearing_share", np.float64),  # share of the bearing in the worn depth
         # m of the wear law; see ``physics.pressure_wear``
         ("pressure_exponent", np.float64),
         ("slip_by_angle", np.bool_),
@@ -80,31 +80,31 @@ JOINT = np.dtype(
         ("wall_bin", np.float64),  # length of a bin, m
         # 1 where the corner moves along the guide with a positive sliding speed, or -1
         ("wall_sense", np.float64),
-        ("oiled", np.bool_),  # always closed, without events
+        ("oiled", np.bool_),  # with an oil film: always closed, without events
     ]
 )
 
 
-# A rigid pin joint with friction as the kernels see it; SI units
+# Rigid pin joint with friction; SI units
 RUBBING = np.dtype(
     [
-        ("row", np.int64),  # first of the two rows of its constraint
+        ("row", np.int64),  # first of the two rows of its constraints
         ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
         ("pin_body", np.int64),
         ("bearing_radius", np.float64),
         ("friction", FRICTION),
-        ("moment", np.float64),  # on the pin, working space
+        ("moment", np.float64),  # friction moment on the pin, working space, N m
     ]
 )
 
 
 class Packed(NamedTuple):
-    """A linkage as the kernels see it."""
+    """Linkage packed for the kernels."""
 
-    joints: Records
-    # (joints, ROWS, m); each in the first of the m columns, see ``pack_rows``
+    joints: Records  # of JOINT
+    # surfaces, (joints, ROWS, m): a joint uses as many columns as needed, see ``pack_rows``
     surfaces: Array
-    loads: Loads | None
+    loads: Loads | None  # None without loads with a law
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
     driven: NDArray[np.int64]  # indices of the angles of the driven bodies in q
@@ -112,7 +112,7 @@ class Packed(NamedTuple):
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
-    """Pack a linkage for the kernels; ``wearing``: surfaces that are round now wear in a run."""
+    """Pack a linkage for the kernels; ``wearing``: round surfaces will wear during the run."""
     offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
     joints = np.zeros(len(linkage.clearances), JOINT)
     for record, joint in zip(joints, linkage.clearances, strict=True):
@@ -139,10 +139,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
             record["pressure_exponent"] = joint.wear.pressure_exponent
             record["slip_by_angle"] = joint.wear.slip == "angle"
             record["over_arc"] = joint.wear.wear_distribution == "arc"
-        pair = joint.bearing_surface, joint.pin_surface
-        sizes = (surface.depth.size for surface in pair if surface.is_worn)
-        later = joint.bins if wearing and joint.wear else 0
-        bins = max(sizes, default=later)
+        bins = _surface_bins(joint, wearing)
         record["surface_bins"] = bins
         record["surface_nodes"] = bins * parts_of(bins) if bins else 0
     _pack_walls(joints, linkage)
@@ -151,8 +148,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     for load in linkage.dead_loads:
         i = offset[load.body]
         weight[i : i + 3] += load.x, load.y, load.moment
-    most = int(joints["surface_nodes"].max(initial=0))
-    surfaces = np.zeros((len(joints), ROWS, TURNS * most + 2 if most else 0))
+    nodes = int(joints["surface_nodes"].max(initial=0))
+    columns = TURNS * nodes + 2 if nodes else 0
+    surfaces = np.zeros((len(joints), ROWS, columns))
     driven = np.array(
         [offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64
     )
@@ -164,8 +162,20 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     return packed
 
 
+def _surface_bins(joint: ClearanceJoint, wearing: bool) -> int:
+    """Return the number of bins of the worn surfaces of a joint; 0 if they stay round."""
+    sizes = [
+        surface.depth.size
+        for surface in (joint.bearing_surface, joint.pin_surface)
+        if surface.is_worn
+    ]
+    if sizes:
+        return max(sizes)
+    return joint.bins if wearing and joint.wear else 0
+
+
 def onset_floor(joint: ClearanceJoint) -> float:
-    """Return the least speed at touchdown, m/s, that the damping of a joint is divided by."""
+    """Return the least closing speed at touchdown in the damping law of a joint, m/s."""
     return CORNER_SPEED_FLOOR if isinstance(joint, GuideCorner) else ONSET_SPEED_FLOOR
 
 
@@ -199,10 +209,11 @@ def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None
 
 
 def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
-    """Return the mass, kg, that resists a force between two points; infinite if neither can move.
+    """Return the effective mass for a force between two points, kg; infinite if neither moves.
 
-    1/m is the sum of 1/m + r^2/I of the free bodies. Drives hold angles, and prescribed
-    bodies whole; other joints are left out, so that the mass is rather too small.
+    Its reciprocal is the sum of 1/m + r^2/I of the bodies of both points. A driven body
+    contributes 1/m only, a body with prescribed motion nothing. Other joints are
+    ignored, so that the mass is rather too small.
     """
     driven = {drive.body for drive in linkage.prescribed_drives}
     prescribed = prescribed_of(linkage)
@@ -230,9 +241,10 @@ def spring_period(linkage: Linkage) -> float:
 
 def mass_of(linkage: Linkage) -> Array:
     """Return the diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.ravel(
-        [(item.mass, item.mass, item.effective_inertia) for item in linkage.bodies]
-    )
+    mass = np.zeros(3 * len(linkage.bodies))
+    for k, body in enumerate(linkage.bodies):
+        mass[3 * k : 3 * k + 3] = body.mass, body.mass, body.effective_inertia
+    return mass
 
 
 def depths_of(packed: Packed) -> Array:
@@ -248,7 +260,7 @@ def depths_of(packed: Packed) -> Array:
 
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
-    """Give joint ``k`` of a packed linkage its surfaces, bearing and pin."""
+    """Set the surfaces of bearing and pin of joint ``k`` of a packed linkage."""
     count = int(packed.joints[k]["surface_bins"])
     if count == 0:
         return

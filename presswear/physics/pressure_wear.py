@@ -2,14 +2,16 @@
 
     dh = K_d p (p / p_ref)^(m - 1) ds,   p = F_n nu / (b R),
 
-with the share nu of an angle in the integral of the overlap, 1/rad. The engines
-integrate the dose D of F_n ds (F_n / (b R w p_ref))^(m - 1) over time, with the width w
-of the arc of round surfaces. At the end of a step a bin of width dtheta gets
+where nu is the overlap at an angle over the integral of the overlap, 1/rad. The engines
+integrate the dose D = integral of F_n (F_n / (b R w p_ref))^(m - 1) ds over time, where
+w is the width of the arc of round surfaces. At the end of a step the depth of a bin of
+width dtheta grows by
 
     K_d / (b R) D w^(m - 1) (integral of nu^m over the bin) / dtheta.
 
-The width cancels, so that it matters only where the arc widens within a step: there
-narrow arcs differ from wide ones in scale, and nu^m w^(m - 1) hardly changes.
+The width w cancels if it does not change within a step. If the arc widens within a
+step, w makes the result accurate, because nu^m w^(m - 1) is nearly the same for narrow
+and wide arcs.
 """
 
 import math
@@ -37,15 +39,18 @@ from presswear.physics.rotation import cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
-# m: where surfaces overlap less, the pressure is that of round ones with this overlap.
+# Least overlap for which the pressure is computed, m. A smaller overlap is replaced by
+# this one, of round surfaces.
 LEAST_OVERLAP = 1e-9
-GAUSS_PLACE = math.sqrt(0.6)  # of Gauss's rule with three points
-GAUSS_WEIGHTS = 5 / 18, 8 / 18  # of both outer points and of the middle
+# Gauss's rule with three points on -1 to 1: place of the outer points; weights of an outer
+# point and of the middle one, with sum 1
+GAUSS_POINT = math.sqrt(0.6)
+GAUSS_WEIGHTS = 5 / 18, 8 / 18
 
 
 @inlined
 def arc_width(penetration: float, clearance: float) -> float:
-    """Return the width of the contact arc of round surfaces, rad, of a small penetration."""
+    """Return the width of the contact arc of round surfaces at a small penetration, rad."""
     return 2.0 * math.sqrt(2.0 * max(penetration, LEAST_OVERLAP) / clearance)
 
 
@@ -58,41 +63,44 @@ def deposit_by_pressure(
     dose: float,
     shares: Array,
 ) -> None:
-    """Add the wear of a dose, N m, wherever the surfaces overlap.
+    """Add the wear of a dose, N m, to the bins in which the surfaces overlap.
 
-    ``depth`` and ``shares``, a working space that is zero and left so, have the shape
-    (2, n).
+    ``depth`` are the wear maps of bearing and pin, m, shape (2, n). ``shares`` is
+    working space of the same shape; it is zero before and after the call.
     """
     zero = joint.map_turns * contact.bearing_angle
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     width = arc_width(contact.penetration, joint.clearance)
     power = joint.pressure_exponent
-    overlap = 0.0  # its integral, m rad
+    overlap_integral = 0.0  # m rad
     if contact.penetration > LEAST_OVERLAP:
         if joint.surface_nodes == 0:
-            overlap = share_round(joint, contact, zero, relative_angle, shares)
+            overlap_integral = share_round(joint, contact, zero, relative_angle, shares)
         else:
-            overlap = share_worn(joint, surfaces, contact, zero, relative_angle, shares)
+            overlap_integral = share_worn(
+                joint, surfaces, contact, zero, relative_angle, shares
+            )
     scale = joint.wear_coefficient * dose / bin_area
     normal = math.atan2(contact.normal_y, contact.normal_x) - zero
     for side in range(2):
-        part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
-        if overlap > 0.0:
-            factor = part * scale * width ** (power - 1.0) / overlap**power
+        share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
+        if overlap_integral > 0.0:
+            factor = share * scale * width ** (power - 1.0) / overlap_integral**power
             for k in range(depth.shape[1]):
                 depth[side, k] += factor * shares[side, k]
                 shares[side, k] = 0.0
         else:
-            place = bin_of(normal + side * relative_angle, depth.shape[1])
-            depth[side, place] += part * scale * narrow_share(power)
+            k = bin_of(normal + side * relative_angle, depth.shape[1])
+            depth[side, k] += share * scale * narrow_share(power)
 
 
 @compiled
 def narrow_share(power: float) -> float:
     """Return w^(m - 1) times the integral of nu^m over an arc that is narrower than a bin.
 
-    There nu is a parabola, and its integral that of (1 - x^2)^m from -1 to 1.
+    On such an arc nu is a parabola, so that the integral of (1 - x^2)^m from -1 to 1 is
+    needed.
     """
     integral = math.sqrt(math.pi) * math.gamma(power + 1.0) / math.gamma(power + 1.5)
     return float(0.75**power * 2.0 ** (power - 1.0) * integral)
@@ -107,21 +115,21 @@ def share_round(
     shares: Array,
 ) -> float:
     """Add the integrals of overlap^m, m^m rad, to the bins; return that of the overlap, m rad."""
-    eccentricity, clearance = contact.eccentricity, joint.clearance
+    eccentricity = contact.eccentricity
+    clearance = joint.clearance
     if not eccentricity > clearance:
         return 0.0
-    half = 2.0 * math.asin(
-        math.sqrt(0.5 * (eccentricity - clearance) / eccentricity)
-    )  # cos(half) = c / e
+    # Half of the arc: cos(half) = c / e, written without cancellation.
+    half = 2.0 * math.asin(math.sqrt(0.5 * (eccentricity - clearance) / eccentricity))
     direction = direction_of(contact) - zero
     bins = shares.shape[1]
     width = 2.0 * math.pi / bins
     for side in range(2):
-        place = direction + side * relative_angle
-        k = int(np.floor((place - half) / width))
+        centre = direction + side * relative_angle
+        k = int(np.floor((centre - half) / width))
         low = -half
         while low < half:
-            high = min(max((k + 1) * width - place, low), half)
+            high = min(max((k + 1) * width - centre, low), half)
             integral = round_power(
                 eccentricity, clearance, low, high, joint.pressure_exponent
             )
@@ -136,10 +144,11 @@ def round_power(
     eccentricity: float, clearance: float, low: float, high: float, power: float
 ) -> float:
     """Return the integral of overlap^m of round surfaces between two angles from e, rad."""
-    middle, reach = 0.5 * (low + high), 0.5 * (high - low)
+    middle = 0.5 * (low + high)
+    half = 0.5 * (high - low)
     total = 0.0
     for i in range(-1, 2):
-        half_sine = math.sin(0.5 * (middle + i * GAUSS_PLACE * reach))
+        half_sine = math.sin(0.5 * (middle + i * GAUSS_POINT * half))
         overlap = eccentricity - clearance - 2.0 * eccentricity * half_sine * half_sine
         total += GAUSS_WEIGHTS[1 - abs(i)] * max(overlap, 0.0) ** power
     return (high - low) * total
@@ -191,10 +200,10 @@ def share_power(
             x = low
             k = int(np.floor((first + low) * ratio))
             while x < high:
-                following = min(max((k + 1) / ratio - first, x), high)
-                integral = place.width * power_between(p, x, following, power)
+                bin_end = min(max((k + 1) / ratio - first, x), high)
+                integral = place.width * power_between(p, x, bin_end, power)
                 shares[side, k % shares.shape[1]] += integral
-                x = following
+                x = bin_end
                 k += 1
         left = right
     return total
@@ -202,10 +211,11 @@ def share_power(
 
 @compiled
 def power_between(p: Cubic, low: float, high: float, power: float) -> float:
-    """Return the integral of a positive polynomial to a power between two places of a cell."""
-    middle, reach = 0.5 * (low + high), 0.5 * (high - low)
+    """Return the integral of a power of a positive cubic between two positions in a cell."""
+    middle = 0.5 * (low + high)
+    half = 0.5 * (high - low)
     total = 0.0
     for i in range(-1, 2):
-        overlap = value_at(p, middle + i * GAUSS_PLACE * reach)
+        overlap = value_at(p, middle + i * GAUSS_POINT * half)
         total += GAUSS_WEIGHTS[1 - abs(i)] * max(overlap, 0.0) ** power
     return (high - low) * total

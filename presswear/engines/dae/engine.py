@@ -48,19 +48,24 @@ from presswear.tools.compile import Records
 from presswear.tools.errors import InputError
 from presswear.tools.packing import bind
 
-# Advice that makes a run finer.
+# Advice for a run with steps that are too long
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
 
-# units in the last place of a coordinate that round-off may reach
+# Round-off of a coordinate, in units of its last binary place
 RESOLVED_DIGITS = 8.0
 
-_CHUNK = 2000  # steps between two looks at the clock and the keyboard
+_CHUNK = 2000  # steps of a kernel call, between which progress and Ctrl-C are handled
 
 
 def check_start(constraints: Constraints, start: Start) -> None:
-    """Refuse a start that violates or repeats a constraint, by the name of its joint.
+    """Check that a start satisfies the constraints, and that none of them is redundant.
 
     Positions must agree to 1e-6 m or rad and velocities to 1e-4 m/s or rad/s.
+
+    Raises
+    ------
+    InputError
+        With the name of the joint whose constraint is violated or redundant.
     """
     phi, phi_t, _, jacobian = constraints.evaluate(0.0, start.position, start.velocity)
     for kind, values, allowed in (("position", phi, 1e-6), ("velocity", phi_t, 1e-4)):
@@ -80,7 +85,11 @@ def check_start(constraints: Constraints, start: Start) -> None:
 def dependent_joint(
     jacobian: Array, names: tuple[str, ...], least: float
 ) -> str | None:
-    """Return the first joint whose constraint adds less than ``least`` to those before it."""
+    """Return the first joint with a constraint that depends on the constraints before it.
+
+    It depends on them if the part of its unit row that is orthogonal to the rows before
+    is shorter than ``least``.
+    """
     rows = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
     norms = np.abs(np.diag(np.linalg.qr(rows.T).R))
     # Constraints beyond the number of coordinates add nothing.
@@ -91,9 +100,10 @@ def dependent_joint(
 def _problem(
     state: int, constraints: Constraints, rubs: bool, time: float, q: Array, v: Array
 ) -> Finding:
-    """Return the finding on a march that ended in a status, with the joint near which it did.
+    """Return the finding for a march that has failed.
 
-    ``rubs``: a rigid joint has friction.
+    A joint near a singular position is named. ``rubs`` is true if a rigid joint has
+    friction.
     """
     if state != STUCK:
         what = "the state is no longer finite"
@@ -119,8 +129,11 @@ def resolution_of(linkage: Linkage, start: Start) -> float:
 
     It grows with the distance of the linkage from the origin.
     """
-    ends = [end for joint in linkage.revolutes for end in (joint.first, joint.second)]
-    ends += [end for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+    ends = []
+    for revolute in linkage.revolutes:
+        ends += [revolute.first, revolute.second]
+    for clearance in linkage.clearances:
+        ends += [clearance.bearing, clearance.pin]
     arm = max((math.hypot(end.x, end.y) for end in ends), default=0.0)
     farthest = float(np.abs(start.position.reshape(-1, 3)[:, :2]).max())
     return RESOLVED_DIGITS * float(np.finfo(float).eps) * (farthest + arm)
@@ -129,7 +142,7 @@ def resolution_of(linkage: Linkage, start: Start) -> float:
 def prepare(
     linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
 ) -> Simulation:
-    """Write the equations of a linkage in a start; see ``Simulation``."""
+    """Build the solver of a linkage in its initial state; see ``Simulation``."""
     solver = _Solver(linkage, start, settings, plan, recorder)
     return Simulation(
         advance=solver.advance,
@@ -161,7 +174,8 @@ class _Solver:
         self.settings = settings
         self.plan = plan
         self.recorder = recorder
-        self.records, packed = recorder.records, recorder.records.packed
+        self.records = recorder.records
+        packed = self.records.packed
         self.constraints = constraints_of(linkage)
         check_start(self.constraints, start)
         tree = (
@@ -190,13 +204,14 @@ class _Solver:
         self._bind_kernels()
         self.sums = {"solve": 0.0}
         self.progress = Progress(plan.cycle)
-        self._march(0.0, 1)  # accounts for the start
+        self._march(0.0, 1)  # records the initial state
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
     def _control(self, resolution: float) -> Records:
         """Return the state of the integration; ``resolution`` is that of the coordinates, m."""
-        settings, control = self.settings, np.zeros(1, CONTROL)
+        settings = self.settings
+        control = np.zeros(1, CONTROL)
         control["step"] = settings.step if settings.has_equal_steps else 1e-6
         control["longest"] = settings.longest(self.plan.cycle)
         control["shortest"] = 1e-14
@@ -207,7 +222,7 @@ class _Solver:
         return control
 
     def _bind_kernels(self) -> None:
-        """Choose the run loop."""
+        """Bind the kernels of the integration method to this system."""
         settings, packed = self.settings, self.records.packed
         stabilized = (
             () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
@@ -229,7 +244,7 @@ class _Solver:
         return float(self.control["time"][0])
 
     def _march(self, end: float, most: int) -> int:
-        """Make steps towards a time, s, at most so many; return how far it got."""
+        """Make at most ``most`` steps towards a time, s; return the status."""
         self.control["most"] = most
         return self._kernel(end)
 
@@ -237,7 +252,8 @@ class _Solver:
         """Integrate up to a time, s."""
         # A run that is resumed may have another tolerance.
         self.control["tolerance"] = self.settings.tolerance
-        status, finding = RUNNING, None
+        status = RUNNING
+        finding = None
         while status == RUNNING and finding is None:
             began = clock.perf_counter()
             status = self._march(end, _CHUNK)
@@ -246,8 +262,9 @@ class _Solver:
         return finding
 
     def _examine(self, status: int) -> Finding | None:
-        """Report the time reached; return what went wrong in the last steps, if anything."""
-        packed, time = self.records.packed, self.time
+        """Report the progress; return what went wrong in the last steps, if anything."""
+        packed = self.records.packed
+        time = self.time
         self.plan.advanced(self.recorder)
         is_settled = self.recorder.nominal_time > self.plan.settled
         loss = float(self.energies[CONTACT_LOSS])
@@ -268,7 +285,10 @@ class _Solver:
         return self.time, q.copy(), v.copy()
 
     def place_on_new_surfaces(self) -> None:
-        """Fill the contacts in the present state, whose slopes no longer hold."""
+        """Fill the contacts of the present state on changed surfaces.
+
+        The stored slopes are those of the old surfaces and become invalid.
+        """
         self.control["has_slope"] = False
         self._place(self.time)
 
@@ -286,7 +306,7 @@ class _Solver:
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
         arrays = {"y": self.y, "slope": self.steps.slopes[0], "control": self.control}
-        # Without closed loops nothing follows from the last motion.
+        # Newton's method in closed loops starts from the last position.
         if self.equations.chain.has_loops:
             arrays["prescribed"] = self.model.prescribed.work
         return arrays

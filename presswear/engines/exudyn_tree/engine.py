@@ -1,11 +1,11 @@
 """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
 
-For linkages in which the clearance joints cut every loop that has a freedom.  The
-tree's inertia, gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python
-user function hands the live state to the forces that are written for the linkage
-(``physics.equations``): those of all contacts, weights and moving hinges at once.
-Contact state changes only between accepted steps, and steps end where a pin touches or
-leaves.
+It applies to linkages in which clearance joints cut every loop that can move. Exudyn
+computes the inertia of the tree and integrates (DOPRI5). It calls a Python user
+function for the forces of all contacts, weights and moving hinges; these are the
+written equations of the linkage (``physics.equations``), which read Exudyn's live
+state. The state of contact changes only between accepted steps, and steps end at
+touchdowns and separations.
 """
 
 import time as clock
@@ -47,22 +47,23 @@ exu = exudyn_module()
 
 SHORTEST_STEP = 1e-13  # s
 FIRST_STEP = 1e-7  # s
-# Calls for forces without an accepted step after which there is no way on: a thousand
-# steps sent back, where thirty reach the shortest.  Exudyn would repeat that one for
-# ever.
+# Largest number of calls for forces without an accepted step, which is that of a thousand
+# repeated steps. Thirty repetitions reach the shortest step, which Exudyn would repeat
+# without end.
 MOST_CALLS = 7000
-_INITIAL = ("ODE2Coordinates", "ODE2Coordinates_t")  # state that a solve begins from
+# Names of Exudyn's arrays with the state from which it continues
+_INITIAL = ("ODE2Coordinates", "ODE2Coordinates_t")
 
 
 def prepare(
     linkage: Linkage, start: Start, settings: ExudynTree, plan: Plan, recorder: Recorder
 ) -> Simulation:
-    """Build the tree in a start; see ``Simulation``.
+    """Build the tree in the initial state; see ``Simulation``.
 
     Raises
     ------
     InputError
-        Where the linkage is no open tree.
+        If the linkage is not an open tree.
     """
     branches = branches_of(linkage)
     if isinstance(branches, str):
@@ -84,9 +85,9 @@ def prepare(
 
 
 class _Tree:
-    """A linkage as Exudyn's kinematic tree, with the functions that Exudyn calls.
+    """Linkage as a kinematic tree of Exudyn, with the functions that Exudyn calls.
 
-    They read its live state instead of the copies that it hands over.
+    They read Exudyn's live state instead of the copies that are their arguments.
     """
 
     def __init__(
@@ -99,14 +100,17 @@ class _Tree:
     ) -> None:
         # Compiling, or loading what was compiled, is part of building the model.
         began = clock.perf_counter()
-        self.linkage, self.settings, self.records = linkage, settings, recorder.records
-        packed, joints = self.records.packed, len(self.records.contacts)
+        self.linkage = linkage
+        self.settings = settings
+        self.records = recorder.records
+        packed = self.records.packed
+        joints = len(self.records.contacts)
         equations = write_equations(linkage, packed, with_forces=True)
         assert isinstance(equations, Equations)
         self.chain = equations.chain
         states = initial_states(equations.states, start.position)
-        # Exudyn reads numbers one by one: they come faster out of an array of Python's
-        # own.
+        # Exudyn reads the numbers one by one, which is faster from an array of Python's
+        # standard library than from numpy.
         self.force = array("d", bytes(8 * self.chain.size))
         self.state_rates = np.zeros(states.size)
         self.container = exu.SystemContainer()
@@ -131,14 +135,17 @@ class _Tree:
             self._states = bind(stage_states, self.tree, self.state_rates)
         self.solver = self._prepare_solver(plan, recorder)
         self._place_start(0.0)
-        self.records.memory["energy"] = self.records.contacts[
-            "energy"
-        ]  # of pins pressed in
+        # Pins that are closed in the initial state store energy.
+        self.records.memory["energy"] = self.records.contacts["energy"]
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
     def _live_arrays(self, states: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
-        """Return Exudyn's live arrays: by name what it is given before a solve; all for kernels."""
+        """Return Exudyn's live arrays.
+
+        The first result are the arrays of the state from which a solve continues, by
+        name; the second are all arrays that kernels use.
+        """
         data = self.system.systemData
         initial = {name: getattr(data, f"Get{name}")(copy=False) for name in _INITIAL}
         accelerations = data.GetODE2Coordinates_tt(copy=False)
@@ -183,13 +190,16 @@ class _Tree:
         return self.solver.run(self.system, self.live, end)
 
     def motion(self) -> tuple[float, Array, Array]:
-        """Return time, s, coordinates and rates of all bodies; of a failed run before its step."""
+        """Return time, s, coordinates and rates of all bodies.
+
+        If the last step has failed, they are those before the step.
+        """
         if not np.isfinite(self.tree.state[:2]).all():
             self._place_start(self.solver.time)
         return self.solver.time, self.tree.state[0].copy(), self.tree.state[1].copy()
 
     def place(self) -> None:
-        """Fill the contacts in the present state."""
+        """Fill the contacts of the present state."""
         self._place_start(self.solver.time)
 
     def ledger(self) -> Ledger:
@@ -197,10 +207,11 @@ class _Tree:
         return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
-        q, v = self.tree.state[0], self.tree.state[1]
-        return stored_energy(
-            self.linkage, self.records.packed, self.records.memory["energy"], q, v
-        )
+        records = self.records
+        q = self.tree.state[0]
+        v = self.tree.state[1]
+        elastic = records.memory["energy"]
+        return stored_energy(self.linkage, records.packed, elastic, q, v)
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
@@ -233,7 +244,8 @@ class _Tree:
 def _add_states(system: Any, initial: Array, rates: Callable[..., Any]) -> None:
     """Add the states of interactions to a system, with their initial values and rates.
 
-    Exudyn calls for their rates first, once more a step than for the forces.
+    In each stage Exudyn calls for these rates before the forces, and once more in each
+    step.
     """
     node = add(
         system,
@@ -276,7 +288,7 @@ def _tree_system(
 
 
 def _remedy(settings: ExudynTree) -> str:
-    """Return what may help where a run is too coarse."""
+    """Return advice for a run with steps that are too long."""
     finer = settings.tolerance / 10.0
     if finer < FINEST:
         return "engine = dae may help"
@@ -288,8 +300,8 @@ def _solver_settings(accuracy: ExudynTree, longest: float) -> Any:
     integration = settings.timeIntegration
     integration.automaticStepSize = True
     integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
-    # Exudyn's relative part takes the state with its sign; only an absolute one is
-    # sound.
+    # Only an absolute tolerance is used: Exudyn computes the relative one from the state
+    # with its sign, so that it can be negative.
     integration.absoluteTolerance = accuracy.tolerance
     integration.relativeTolerance = 0.0
     # The seventh stage of DOPRI5 already is the acceleration at the end of the step.

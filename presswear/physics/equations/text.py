@@ -1,7 +1,7 @@
-"""Text of a function in scalars, and the numbers that it takes from an array.
+"""Text of a function of scalars, and the numbers that it takes from an array.
 
-Terms that are zero by the topology of a linkage are left out of sums and products, so
-that the text holds what a person would write down.
+Terms that are zero by the topology of a linkage are left out of sums and products, as
+in equations that are written by hand.
 """
 
 import re
@@ -11,7 +11,7 @@ from itertools import chain, count
 from typing import NamedTuple
 
 ZERO, ONE = "0.0", "1.0"
-ROUND_OFF = 1e-15  # sine or cosine of a right angle, in place of zero
+ROUND_OFF = 1e-15  # largest sine or cosine that counts as zero
 _ATOM = re.compile(r"-?[\w.]+")
 _BRACKETS_AND_SIGNS = re.compile(r"[()\[\]]| [+-] ")
 _INDENT = "    "
@@ -104,7 +104,7 @@ class Vector(NamedTuple):
         return Vector(product(factor, self.x), product(factor, self.y))
 
     def swept(self, omega: str) -> "Vector":
-        """Return the velocity of its end by an angular velocity about its start."""
+        """Return the cross product of an angular velocity and this vector."""
         return Vector(negative(product(omega, self.y)), product(omega, self.x))
 
     def dot(self, vector: "Vector") -> str:
@@ -112,7 +112,7 @@ class Vector(NamedTuple):
         return total(product(self.x, vector.x), product(self.y, vector.y))
 
     def cross(self, vector: "Vector") -> str:
-        """Return the moment of a force at its end about its start."""
+        """Return the cross product, as the moment of a force with this vector as arm."""
         return difference(product(self.x, vector.y), product(self.y, vector.x))
 
 
@@ -136,7 +136,7 @@ class Text:
         return prefix
 
     def _is_new(self, word: str) -> bool:
-        """Return whether variables that begin with a word cannot be mistaken for others."""
+        """Return whether no other prefix, with an underscore, begins with a word or vice versa."""
         parts = word.split("_")
         beginnings = {"_".join(parts[: k + 1]) for k in range(len(parts))}
         longer = any(used.startswith(f"{word}_") for used in self._prefixes)
@@ -147,9 +147,13 @@ class Text:
         self.lines.append(_INDENT * self._depth + line if line else "")
 
     def comment(self, words: str) -> None:
-        """Begin a block that a comment names; names of a user may hold any character."""
+        """Write an empty line and a comment.
+
+        Characters of a user's name that cannot be printed, as a line end, become spaces.
+        """
+        printable = [c if c.isprintable() else " " for c in words]
         self.write("")
-        self.write("# " + "".join(one if one.isprintable() else " " for one in words))
+        self.write("# " + "".join(printable))
 
     def let(self, name: str, expression: str) -> str:
         """Assign an expression to a name; return the name, or the expression if it is simple."""
@@ -163,14 +167,14 @@ class Text:
         return Vector(self.let(f"{name}_x", vector.x), self.let(f"{name}_y", vector.y))
 
     def parameter(self, name: str, value: float) -> str:
-        """Return the name of a number of the linkage; zero is a matter of topology."""
+        """Return the name of a number of the linkage, or ZERO for zero."""
         if value == 0.0:
             return ZERO
         self.numbers[name] = float(value)
         return name
 
     def direction(self, name: str, value: float) -> str:
-        """Return the name of a sine or cosine; multiples of a right angle are topology."""
+        """Return the name of a sine or cosine, or its value if that is 0, 1 or -1."""
         if abs(value) < ROUND_OFF:
             return ZERO
         if abs(value) == 1.0:

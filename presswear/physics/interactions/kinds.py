@@ -1,4 +1,4 @@
-"""All kinds of interactions. The writer of equations walks them and knows no kind by name."""
+"""All kinds of interactions, for the writer of the equations."""
 
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.clearance import ClearanceContact
@@ -25,5 +25,8 @@ KINDS: tuple[type[Interaction], ...] = (
 
 
 def interactions_of(linkage: Linkage, packed: Packed) -> list[Interaction]:
-    """Return all that acts on the bodies of a linkage, in the order in which it is written."""
-    return [one for kind in KINDS for one in kind.all_of(linkage, packed)]
+    """Return all interactions of a linkage, in the order in which they are written."""
+    interactions = list[Interaction]()
+    for kind in KINDS:
+        interactions += kind.all_of(linkage, packed)
+    return interactions

@@ -1,4 +1,4 @@
-"""The page on which interactions write their part of the equations of a linkage."""
+"""Page on which interactions write their terms of the equations of motion."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,20 +23,22 @@ Kernels = tuple[Callable[..., Any], ...]
 
 @dataclass
 class Page:
-    """Equations in writing: their text, bodies, states of interactions, and rates of integrals."""
+    """Equations of motion while they are being written."""
 
     text: Text
     chain: Chain
-    states: list[State] = field(default_factory=list)
+    states: list[State] = field(default_factory=list)  # of interactions
+    # expressions of the powers of each of ENERGIES
     powers: dict[str, list[str]] = field(
         default_factory=lambda: {name: [] for name in ENERGIES}
     )
-    doses: dict[tuple[int, str], str] = field(default_factory=dict)  # by joint and name
-    # of motors, and their power, by the number of the drive
+    # expression of the rate of a dose, by number of the joint and one of DOSES
+    doses: dict[tuple[int, str], str] = field(default_factory=dict)
+    # expressions of torque and power of a motor, by the number of its drive
     torques: dict[int, tuple[str, str]] = field(default_factory=dict)
 
     def add_state(self, state: State) -> int:
-        """Declare a state of an interaction; return its place in ``y`` and in ``out``."""
+        """Declare a state of an interaction; return its index in ``y`` and in ``out``."""
         self.states.append(state)
         return 2 * self.chain.size + len(self.states) - 1
 
@@ -45,21 +47,25 @@ class Page:
         self.powers[energy].append(expression)
 
     def set_dose(self, joint: int, dose: str, expression: str) -> None:
-        """Give the rate of one of DOSES of a joint."""
+        """Set the rate of one of DOSES of a joint."""
         self.doses[joint, dose] = expression
 
     def set_torque(self, drive: int, torque: str, power: str) -> None:
-        """Give the torque of a motor, N m, and its power, W, by the number of its drive."""
+        """Set the torque of a motor, N m, and its power, W, by the number of its drive."""
         self.torques[drive] = torque, power
         self.add_power("drive_work", power)
         self.add_power("drive_exchange", f"abs({power})")
 
     @property
     def layout(self) -> Layout:
-        """Layout of the state with all states that are declared."""
+        """Layout of the state vector with the states that have been declared so far."""
         linkage = self.chain.linkage
-        sizes = len(self.states), len(linkage.clearances), len(linkage.drives)
-        return layout_of(self.chain.size, *sizes)
+        return layout_of(
+            coordinates=self.chain.size,
+            states=len(self.states),
+            joints=len(linkage.clearances),
+            drives=len(linkage.drives),
+        )
 
     @property
     def has_rates(self) -> bool:
@@ -67,14 +73,14 @@ class Page:
         return bool(self.doses or self.torques) or any(self.powers.values())
 
     def write_rates(self) -> None:
-        """Write the rates of all integrals; those of no interaction stay zero."""
+        """Write the rates of all integrals; a rate to which nothing was added stays zero."""
         layout = self.layout
         for i, powers in enumerate(self.powers.values()):
             if powers:
                 self.text.write(f"out[{layout.first_energy + i}] = {total(*powers)}")
         for (joint, dose), rate in self.doses.items():
-            place = layout.first_dose + len(DOSES) * joint + DOSES.index(dose)
-            self.text.write(f"out[{place}] = {rate}")
+            index = layout.first_dose + len(DOSES) * joint + DOSES.index(dose)
+            self.text.write(f"out[{index}] = {rate}")
         for drive, (torque, power) in self.torques.items():
             write_torque(self.text, layout, drive, torque, power)
 
@@ -89,29 +95,29 @@ def write_torque(
 
 
 class Interaction(Protocol):
-    """Forces between two bodies, or on one."""
+    """Forces between two bodies, or on one body."""
 
-    kernels: ClassVar[Kernels]  # that its text calls by name
+    kernels: ClassVar[Kernels]  # compiled functions that its text calls
 
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
-        """Return all of this kind in a linkage; ``packed`` is the linkage for kernels."""
+        """Return all interactions of this kind in a linkage; ``packed`` is the packed linkage."""
         ...
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies on which it acts, with the frame if it does."""
+        """Names of the bodies on which it acts, including the frame."""
         ...
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return the energy that all of this kind store in a position of all bodies, J."""
+        """Return the energy stored by all interactions of this kind, J, from all positions."""
         ...
 
     def write(self, page: Page) -> None:
         """Write forces and moments on the bodies; declare states, powers and doses of wear.
 
-        What is a rate of an integral is needed at level RATES only, what is recorded at
+        Rates of integrals are only needed at level RATES, recorded quantities only at
         level END.
         """
         ...

@@ -14,7 +14,7 @@ from presswear.tools.compile import inlined
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
-# distance of the ends of a spring, part of its length, without a direction
+# Distance of the ends over the length, up to which a spring has no direction
 ENDS_MEET = 1e-9
 
 
@@ -30,14 +30,15 @@ def spring_pull(
 ) -> tuple[float, float, float]:
     """Return the force on the first end of a spring, N, and the power of its damper, W.
 
-    ``dx`` to ``dvy`` are the way from the first end to the second, m, and its rate. A
-    spring of length 0 is linear, k e, and has no force where its ends meet. With
-    another length the force has no direction there, and is not finite.
+    ``dx`` and ``dy`` are the position of the second end relative to the first, m;
+    ``dvx`` and ``dvy`` are its velocity, m/s. A spring of length 0 is linear: its force
+    is zero if the ends meet. The force of any other spring is not finite if the ends
+    meet, because it has no direction.
     """
     distance = math.sqrt(dx * dx + dy * dy)
     elastic = stiffness * (distance - length)
     if distance == 0.0 and length == 0.0:
-        # Ends that meet have the direction in which they part.
+        # The direction of ends that meet is that of their relative velocity.
         dx = dvx
         dy = dvy
         speed = math.sqrt(dvx * dvx + dvy * dvy)
@@ -49,7 +50,7 @@ def spring_pull(
 
 @dataclass(frozen=True)
 class SpringAndDamper:
-    """A spring with its damper, as text."""
+    """Spring with damper that writes itself into the equations."""
 
     spring: Spring
 
@@ -77,26 +78,26 @@ class SpringAndDamper:
 
     def write(self, page: Page) -> None:
         """Write the forces on both bodies, and the power of the damper."""
-        text, spring = page.text, self.spring
+        text = page.text
+        spring = self.spring
         prefix = text.prefix(spring.name)
-        first, second = (page.chain.of(end.body) for end in spring.ends)
+        first_end, second_end = spring.ends
+        first = page.chain.of(first_end.body)
+        second = page.chain.of(second_end.body)
         text.comment(
             f"{spring.name}: spring between {first.body.name} and {second.body.name}"
         )
-        way, velocity = page.chain.relative_motion(text, spring.ends, prefix)
-        numbers = [
-            text.parameter(f"{prefix}_{word}", getattr(spring, word))
-            for word in ("stiffness", "damping", "length")
-        ]
-        pull = Vector(f"{prefix}_force_x", f"{prefix}_force_y")
-        arguments = ", ".join((*way, *velocity, *numbers))
-        text.write(f"{pull.x}, {pull.y}, {prefix}_power = spring_pull({arguments})")
+        position, velocity = page.chain.relative_motion(text, spring.ends, prefix)
+        stiffness = text.parameter(f"{prefix}_stiffness", spring.stiffness)
+        damping = text.parameter(f"{prefix}_damping", spring.damping)
+        length = text.parameter(f"{prefix}_length", spring.length)
+        force = Vector(f"{prefix}_force_x", f"{prefix}_force_y")
+        arguments = ", ".join((*position, *velocity, stiffness, damping, length))
+        text.write(f"{force.x}, {force.y}, {prefix}_power = spring_pull({arguments})")
         if spring.damping != 0.0:
             page.add_power("load_work", f"{prefix}_power")
-        first.add_force(first.arm(text, spring.ends[0], prefix), pull)
-        second.add_force(
-            second.arm(text, spring.ends[1], prefix), pull.times(f"-{ONE}")
-        )
+        first.add_force(first.arm(text, first_end, prefix), force)
+        second.add_force(second.arm(text, second_end, prefix), force.times(f"-{ONE}"))
 
 
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
