@@ -1,6 +1,6 @@
-"""Pins of joints with clearance: moved within their clearances, and kicked.
+"""Initial states with changed positions and velocities of pins in their clearances.
 
-Only the pins move: driven bodies and ideal joints stay as they are.
+Driven bodies and ideal joints do not change.
 """
 
 import numpy as np
@@ -18,23 +18,22 @@ CONTACT_GAP = 1e-4  # gap over clearance of a pin that would start in contact
 def eccentricities(linkage: Linkage, position: Array) -> Array:
     """Return pin centre minus bearing centre of each joint, shape (joints, 2), m, global."""
     rows, pins = _rows(linkage)
-    return -rows.evaluate(0.0, position, np.zeros_like(position))[0][pins].reshape(
-        -1, 2
-    )
+    phi, _, _, _ = rows.evaluate(0.0, position, np.zeros_like(position))
+    return -phi[pins].reshape(-1, 2)
 
 
 def capped(eccentricity: Array, clearance: Array) -> Array:
-    """Return eccentricities, shape (joints, 2), shortened where a pin would touch its bearing.
+    """Return eccentricities, shape (joints, 2), that are short enough for a gap at each pin.
 
-    A pin that starts in contact at rest would latch a closing speed near zero, for
-    which the damping is unbounded. All pins therefore start with a gap.
+    A pin that starts in contact at rest would have a closing speed near zero, for which
+    the damping is unbounded. All pins therefore start with a gap.
     """
     excess = np.hypot(*eccentricity.T) / ((1.0 - CONTACT_GAP) * clearance)
     return eccentricity / np.maximum(excess, 1.0)[:, np.newaxis]
 
 
 def move_pins(linkage: Linkage, position: Array, eccentricity: Array) -> Array:
-    """Return the coordinates, shape (3 bodies,), with pins at these eccentricities, at t = 0."""
+    """Return the coordinates at t = 0 with given eccentricities of the pins, (3 bodies,)."""
     rows, pins = _rows(linkage)
     moved = position.copy()
     rest = np.zeros_like(position)
@@ -48,8 +47,8 @@ def move_pins(linkage: Linkage, position: Array, eccentricity: Array) -> Array:
 def kick_pins(linkage: Linkage, start: Start, change: Array) -> Start:
     """Return a start whose pins have a changed velocity, shape (joints, 2), m/s, global.
 
-    The velocity is that of the pin relative to its bearing. Where joints repeat a
-    constraint, the change is the nearest that they allow.
+    The velocity is that of the pin relative to its bearing. If joints have redundant
+    constraints, the change is the least-squares solution.
     """
     rows, pins = _rows(linkage)
     jacobian = rows.evaluate(0.0, start.position, start.velocity)[3]

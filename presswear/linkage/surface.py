@@ -1,10 +1,10 @@
 """Worn surfaces: wear depth as a smooth periodic function of angle.
 
-A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering ``[k, k + 1)
+A map holds the mean depth of ``m`` equal angular bins. Bin ``k`` is the range ``[k, k + 1)
 2 pi / m``. Between the bin centres the depth is the monotone piecewise cubic of Fritsch
-and Carlson (SIAM J. Numer. Anal. 17, 1980): value and slope are continuous, seam
-included, and it never leaves the range of its neighbours, so that a worn surface cannot
-rise above the new one.
+and Carlson (SIAM J. Numer. Anal. 17, 1980). Value and slope are continuous, also at the
+angle 0. The cubic stays between the values at both ends, so that a worn surface cannot
+be above the new one.
 """
 
 import math
@@ -21,15 +21,16 @@ SIDES = ("bearing", "pin")
 def monotone_slopes(depth: Array) -> Array:
     """Return slopes at the bin centres, m/rad, that keep the interpolant monotone.
 
-    Harmonic mean of the two neighbouring secants, zero at an extremum (Fritsch
-    and Butland's form for equal spacing).
+    A slope is the harmonic mean of the two neighbouring secants, and zero at an extremum
+    (form of Fritsch and Butland for equal spacing).
     """
     width = 2.0 * math.pi / depth.size
     ahead = (np.roll(depth, -1) - depth) / width
     behind = np.roll(ahead, 1)
     same_sign = ahead * behind > 0.0
     total = np.where(same_sign, ahead + behind, 1.0)
-    # The quotient first: the product of two tiny secants would underflow.
+    # The quotient is computed first, because the product of two small secants could
+    # underflow.
     slopes = np.zeros(depth.size)
     slopes[same_sign] = (2.0 * ahead * (behind / total))[same_sign]
     return slopes
@@ -75,7 +76,7 @@ class Surface:
         return bool(np.any(self.depth != 0.0))
 
     def __call__(self, angle: Array) -> Array:
-        """Return the depth, m, at any angles, rad (same shape)."""
+        """Return the depth at angles, rad, in an array of the same shape, m."""
         angles = np.asarray(angle, dtype=float)
         count = self.depth.size
         if count == 0:
@@ -83,11 +84,12 @@ class Surface:
         width = 2.0 * math.pi / count
         position = angles / width - 0.5
         left = np.floor(position)
-        s, k = position - left, left.astype(int) % count
+        s = position - left
+        k = left.astype(int) % count
         j = (k + 1) % count
         rise = self.depth[j] - self.depth[k]
-        a, b = self.slope[k] * width, self.slope[j] * width
-        return np.asarray(
-            self.depth[k]
-            + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)))
-        )
+        a = self.slope[k] * width
+        b = self.slope[j] * width
+        quadratic = 3.0 * rise - 2.0 * a - b
+        cubic = a + b - 2.0 * rise
+        return np.asarray(self.depth[k] + s * (a + s * (quadratic + s * cubic)))

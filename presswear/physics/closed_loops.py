@@ -171,7 +171,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
                     across[i] += sign * part.cosine
                     up[i] += sign * part.sine
                     break
-                hx, hy = arm(part.own_x, part.own_y, axes, part.body)
+                hx, hy = arm(part.end_x, part.end_y, axes, part.body)
                 hx += q[part.body]
                 hy += q[part.body + 1]
                 across[i] -= sign * (py - hy)

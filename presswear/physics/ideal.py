@@ -154,18 +154,19 @@ class IdealMotion:
         return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
 
     def between(
-        self, place: NDArray[np.int64], part: Array, bodies: slice = slice(None)
+        self, node: NDArray[np.int64], fraction: Array, bodies: slice = slice(None)
     ) -> Levels:
-        """Return the quintic polynomials through two nodes, at parts of the way between them."""
+        """Return the quintic polynomials between a node and the next, at fractions of the step."""
         h = self.period / (len(self.position) - 1)
-        x = part[:, None, None]
-        levels = [
-            level[:, bodies]
-            for level in (self.position, self.velocity, self.acceleration)
-        ]
-        q0, v0, a0 = (level[place] for level in levels)
-        q1, v1, a1 = (level[place + 1] for level in levels)
-        c1, c2 = h * v0, 0.5 * h * h * a0
+        x = fraction[:, None, None]
+        q0 = self.position[:, bodies][node]
+        v0 = self.velocity[:, bodies][node]
+        a0 = self.acceleration[:, bodies][node]
+        q1 = self.position[:, bodies][node + 1]
+        v1 = self.velocity[:, bodies][node + 1]
+        a1 = self.acceleration[:, bodies][node + 1]
+        c1 = h * v0
+        c2 = 0.5 * h * h * a0
         d0 = q1 - q0 - c1 - c2
         d1 = h * (v1 - v0) - 2.0 * c2
         d2 = h * h * (a1 - a0)
@@ -182,32 +183,32 @@ class IdealMotion:
 def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     """Return the motion of a linkage over a cycle, s.
 
-    AssemblyError where it does not close, is at a dead point or does not come back.
+    Raises
+    ------
+    AssemblyError
+        If a loop does not close, at a dead point, or if the linkage does not return to
+        its initial position.
     """
     initial = assembled(linkage)
     rows = Rows(linkage, initial)
     start = close(rows, np.zeros(1), initial[np.newaxis])
     coarse = _follow_cycle(rows, start, np.linspace(0.0, period, _COARSE + 1))
     times = np.linspace(0.0, period, _NODES + 1)
-    part = np.linspace(0.0, _COARSE, _NODES + 1)
-    place = np.minimum(part.astype(int), _COARSE - 1)
-    ahead = coarse.between(place, part - place).q
+    coarse_position = np.linspace(0.0, _COARSE, _NODES + 1)
+    node = np.minimum(coarse_position.astype(int), _COARSE - 1)
+    predicted = coarse.between(node, coarse_position - node).q
     try:
-        motion = IdealMotion(rows, period, *close(rows, times, ahead))
-        is_near = _is_near(motion.position, ahead)
-        is_near = is_near and not np.any(
-            rows.side(motion.position) != rows.side(start.q)
-        )
-    except (
-        AssemblyError
-    ):  # Newton's method strays from a place that is predicted badly.
+        motion = IdealMotion(rows, period, *close(rows, times, predicted))
+        has_turned = np.any(rows.side(motion.position) != rows.side(start.q))
+        is_near = _is_near(motion.position, predicted) and not has_turned
+    except AssemblyError:  # Newton's method diverges from a poor prediction.
         is_near = False
     if not is_near:
         motion = _follow_cycle(rows, start, times)
     q = motion.position
     distance = rows.distance(q)
     worst = int(distance.argmin())
-    # Where points follow curves, those of the joints are seen when the motion is found.
+    # If points follow curves, ``_follow_cycle`` has already checked for dead points.
     if not (rows.following or distance[worst] > NEAREST_DEAD_POINT):
         raise stuck(rows, times[worst : worst + 1], q[worst : worst + 1])
     change = q[-1] - q[0]
@@ -226,13 +227,22 @@ def _is_near(result: Array, expected: Array) -> bool:
     return bool(np.abs(result - expected)[..., 2].max() < _JUMP)
 
 
-def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
-    """Follow a linkage from one instant to the next, in shorter steps where it turns fast.
+def _predict_each_other(start: Levels, end: Levels, h: float) -> bool:
+    """Return whether the angles at both ends of a step, s, are predicted from the other end."""
+    allowed = _KINK * h * float(np.abs(start.v[..., 2]).max()) + _ANGLE_NOISE
+    backward = end.q - h * (end.v - 0.5 * h * end.a)
+    forward = start.q + h * (start.v + 0.5 * h * start.a)
+    error = np.maximum(np.abs(end.q - forward), np.abs(start.q - backward))
+    return bool(error[..., 2].max() < allowed)
 
-    A step is halved where it fails, and doubled behind one that succeeds. Where points
-    follow curves each of two states, a step apart, must foretell the other: at a
-    position in which a drive does not move its point two motions meet, and only one
-    goes on at the same speed.
+
+def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
+    """Compute the motion from one instant to the next, with a step that is adapted.
+
+    The step is halved after a failure and doubled after a success. If points follow
+    curves, each of the two states of a step must predict the other one. Two motions
+    meet at a position in which the drive does not move its point, and only one of them
+    continues at the same speed.
     """
     result = [start]
     side = rows.side(start.q)
@@ -241,27 +251,21 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
         now = before
         step = time - before
         while now < time:
-            ahead = levels.q + step * (levels.v + 0.5 * step * levels.a)
-            there = min(now + step, time)
+            predicted = levels.q + step * (levels.v + 0.5 * step * levels.a)
+            end = min(now + step, time)
             try:
-                reached = close(rows, np.array([there]), ahead)
-                is_near = bool(
-                    _is_near(reached.q, ahead) and rows.side(reached.q) == side
-                )
+                reached = close(rows, np.array([end]), predicted)
+                is_same_side = rows.side(reached.q) == side
+                is_near = bool(_is_near(reached.q, predicted) and is_same_side)
                 if rows.following:
-                    h = there - now
-                    allowed = (
-                        _KINK * h * float(np.abs(levels.v[..., 2]).max()) + _ANGLE_NOISE
+                    is_near = is_near and _predict_each_other(
+                        levels, reached, end - now
                     )
-                    back = reached.q - h * (reached.v - 0.5 * h * reached.a)
-                    forth = levels.q + h * (levels.v + 0.5 * h * levels.a)
-                    off = np.maximum(np.abs(reached.q - forth), np.abs(levels.q - back))
-                    is_near = is_near and bool(off[..., 2].max() < allowed)
             except AssemblyError:
                 is_near = False
             if is_near:
                 levels = reached
-                now = there
+                now = end
                 step = 2.0 * step
             elif step < (time - before) / 2.0**_HALVINGS:
                 raise stuck(rows, np.array([now]), levels.q)
@@ -273,8 +277,8 @@ def _follow_cycle(rows: Rows, start: Levels, times: Array) -> IdealMotion:
     )
 
 
-# Part of a cycle for which an ideal motion stays at its bottom that has no instant
-# there
+# Duration at the bottom, in cycles, from which on an ideal motion dwells: its bottom
+# then has no instant
 DWELL = 0.02
 DEPTH = 1e-9  # of the stroke, by which a motion rises between two bottoms
 _STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
@@ -404,15 +408,15 @@ def _lowest(
     for _ in range(_STEPS):
         _, speed, acceleration = moved(time)
         low, high = (time, high) if speed < 0.0 else (low, time)
-        nearer = time - speed / acceleration if acceleration > 0.0 else low
-        nearer = nearer if low <= nearer <= high else 0.5 * (low + high)
-        if abs(nearer - time) < 1e-15 * period:
+        new = time - speed / acceleration if acceleration > 0.0 else low
+        new = new if low <= new <= high else 0.5 * (low + high)
+        if abs(new - time) < 1e-15 * period:
             break
-        time = nearer
+        time = new
     return time, moved(time)[0]
 
 
-# how near a point keeps to the curve that it follows, part of its stroke
+# Largest distance of a point from the curve that it follows, over its stroke
 FOLLOWED = 1e-9
 _PIECES = (
     32,

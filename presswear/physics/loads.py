@@ -60,23 +60,25 @@ LOAD = np.dtype(
 # Mode of a load through a step, and its motion at the start of the step
 MODE = np.dtype(
     [
-        # of the table: 0 before its first node, count behind its last
+        # piece of the table: 0 before the first node, count after the last node
         ("piece", np.int64),
         ("turn", np.int64),  # periods that have passed
         ("branch", np.int64),
-        *floats(
-            "low", "high"
-        ),  # positions, m or rad, between which the mode holds, or times, s
-        *floats("slow", "fast"),  # speeds between which it does
-        ("deepest", np.float64),  # where the motion turned back last, m or rad
-        ("borne", np.float64),  # size there, N or N m
-        # in the last accepted state, m or rad
+        # limits of position, m or rad, or of time, s, of this mode
+        *floats("low", "high"),
+        *floats("slow", "fast"),  # limits of speed of this mode
+        (
+            "deepest",
+            np.float64,
+        ),  # position of the last reversal of the motion, m or rad
+        ("deepest_size", np.float64),  # size of the load at this position, N or N m
+        # in the last accepted state; position in m or rad
         *floats("place", "speed", "acceleration"),
         ("change", np.float64),  # of the acceleration, over the last step
-        # of the size on leaving that state, part of the greater one
+        # change of the size at the last change of mode, over the larger size
         ("jump", np.float64),
-        ("time", np.float64),  # of that state, s
-        ("changed", np.float64),  # time at which the mode has changed last, s
+        ("time", np.float64),  # of the last accepted state, s
+        ("changed", np.float64),  # time of the last change of mode, s
     ]
 )
 
@@ -107,19 +109,20 @@ def load_size(
     if mode.branch == OFF or mode.branch == RELEASED:
         return 0.0
     if mode.branch == ELASTIC:
-        line: float = mode.borne - load.unloading * (s - mode.deepest)
+        line: float = mode.deepest_size - load.unloading * (s - mode.deepest)
         return line
-    behind = load.first + mode.piece
+    after = load.first + mode.piece
     if mode.piece == 0 or mode.piece == load.count:
         size: float = 0.0
         if load.is_constant_outside:
-            size = nodes[behind if mode.piece == 0 else behind - 1, 1]
+            size = nodes[after if mode.piece == 0 else after - 1, 1]
     else:
         at = (t if load.kind == TIME else s) - mode.turn * load.period
-        # From the node that comes first in the table of the user
-        near, far = (behind, behind - 1) if load.sense < 0.0 else (behind - 1, behind)
-        part = (at - nodes[near, 0]) / (nodes[far, 0] - nodes[near, 0])
-        size = nodes[near, 1] + part * (nodes[far, 1] - nodes[near, 1])
+        # Interpolation starts at the node that comes first in the table of the user.
+        first = after if load.sense < 0.0 else after - 1
+        second = after - 1 if load.sense < 0.0 else after
+        fraction = (at - nodes[first, 0]) / (nodes[second, 0] - nodes[first, 0])
+        size = nodes[first, 1] + fraction * (nodes[second, 1] - nodes[first, 1])
     if mode.branch == RISING:
         size *= v / RAMP_SPEED
     return size
@@ -169,11 +172,11 @@ def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> 
     return total
 
 
-# Transitions from a mode: past its high and low position, and past its high and low
-# speed
+# Transitions from a mode: beyond its high and low position, its high and low speed
 TRANSITIONS = 4
-MAX_CHANGES = 8  # of a mode after a step
-TIME_NOISE = 1e-12  # A step that ends so close to a bend over time ends there, s
+MAX_CHANGES = 8  # largest number of changes of a mode after a step
+# Time between the end of a step and a node of a table, within which they coincide, s
+TIME_NOISE = 1e-12
 
 
 @inlined
@@ -188,8 +191,9 @@ def switching(
 ) -> tuple[float, float, float, float]:
     """Return the switching function of a transition, and three time derivatives.
 
-    It is below zero before the transition; minus infinity where there is none. ``s`` to
-    ``j`` are the position and three derivatives; see ``load_motion``.
+    It is negative before the transition, and minus infinity if the mode has no such
+    transition. ``s`` to ``j`` are the position and three derivatives; see
+    ``load_motion``.
     """
     if load.kind != POSITION:
         return -math.inf, 0.0, 0.0, 0.0
@@ -210,7 +214,7 @@ def is_past(value: float, rate: float) -> bool:
 
 @compiled
 def set_limits(load: Records, nodes: Array, mode: Records) -> None:
-    """Set the positions, or times, and speeds between which a mode holds."""
+    """Set the limits of a mode: positions, or times, and speeds."""
     mode.low = mode.slow = -math.inf
     mode.high = mode.fast = math.inf
     if load.kind == SERIES or load.kind == USER:
@@ -222,7 +226,7 @@ def set_limits(load: Records, nodes: Array, mode: Records) -> None:
     if branch == RELEASED:
         mode.low = nodes[load.first, 0]
     elif load.unloading > 0.0:
-        free = mode.deepest + mode.borne / load.unloading
+        free = mode.deepest + mode.deepest_size / load.unloading
         if branch == OFF:
             mode.low, mode.high = nodes[load.first, 0], free
         elif branch == ELASTIC:
@@ -250,9 +254,9 @@ def place_mode(
     v: float,
     a: float,
 ) -> None:
-    """Find the piece of a table at a position or time, and the branch from the motion there.
+    """Set the piece of a table from a position or time, and the branch from the motion.
 
-    ``onward`` is above zero where a place at a node is in the piece after it.
+    A position exactly at a node is in the next piece if ``onward`` is positive.
     """
     mode.turn = 0
     if load.period > 0.0:
@@ -276,11 +280,11 @@ def place_mode(
 def change_mode(
     load: Records, nodes: Array, mode: Records, s: float, v: float, a: float
 ) -> None:
-    """Change to the mode of a load over position that holds in a state past the present one's."""
+    """Change the mode of a load over position after a state beyond the limits of its mode."""
     unloads = load.unloading > 0.0
     before = mode.branch
     if unloads and before in (OFF, ELASTIC) and not is_past(s - mode.deepest, v):
-        free = mode.deepest + mode.borne / load.unloading
+        free = mode.deepest + mode.deepest_size / load.unloading
         if not is_past(s - nodes[load.first, 0], v):
             mode.branch = WHOLE
             mode.piece = 0
@@ -294,8 +298,8 @@ def change_mode(
             and mode.piece > 0
             and is_past(-v, -a)
         ):
-            # Turned back
-            mode.borne = load_size(load, nodes, mode, 0.0, s, v)
+            # The motion has turned back: the load follows the elastic line from here.
+            mode.deepest_size = load_size(load, nodes, mode, 0.0, s, v)
             mode.deepest = s
             mode.branch = ELASTIC
     set_limits(load, nodes, mode)
@@ -303,7 +307,7 @@ def change_mode(
 
 @compiled
 def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
-    """Bring the modes up to an accepted state; returns how many have changed."""
+    """Update the modes after an accepted step; return the number of changes."""
     if loads is None:
         return 0
     changes = 0

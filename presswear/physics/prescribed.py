@@ -19,43 +19,40 @@ from presswear.physics.rotation import arm, cos_sin
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats
 
-# A prescribed body as the kernels see it, with one coordinate; parents come before
-# children
+# Part: a prescribed body with its coordinate; parents come before children
 PART = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
         ("is_guided", np.bool_),  # slides along a guide; else it turns about a hinge
-        ("parent", np.int64),  # part that it hangs from; -1 for the frame
-        # index in q of the body that it hangs from; -1 for the frame
-        ("before", np.int64),
-        # place of its drive among those of the linkage; -1 for none
-        ("drive", np.int64),
-        *floats("before_x", "before_y"),  # joint in the frame of the body before, m
-        *floats("own_x", "own_y"),  # joint in the body's own frame, m
-        *floats("cosine", "sine"),  # of the guide's direction
+        ("parent", np.int64),  # number of the parent; -1 for the frame
+        ("before", np.int64),  # index in q of the x of the parent; -1 for the frame
+        ("drive", np.int64),  # number of its drive in the linkage; -1 for none
+        *floats("before_x", "before_y"),  # joint in the axes of the parent, m
+        *floats("end_x", "end_y"),  # joint in the axes of the body, m
+        *floats("cosine", "sine"),  # of the direction of the guide
         ("angle", np.float64),  # of a sliding body, rad
-        *floats("axis_x", "axis_y"),  # cosine and sine of that
-        *floats(
-            "mass", "inertia"
-        ),  # of one hinged to the frame about the hinge, and no mass
+        *floats("axis_x", "axis_y"),  # cosine and sine of this angle
+        # A body with a hinge on the frame has the inertia about the hinge and mass 0.
+        *floats("mass", "inertia"),
     ]
 )
 
-# A pin that closes a loop of prescribed bodies, two rows; as many of their angles are
-# sought
+# Pin that closes a loop of prescribed bodies. Its two equations determine two coordinates
+# that no drive prescribes.
 CLOSING = np.dtype(
     [
-        ("first", np.int64),  # part; -1 for the frame
+        ("first", np.int64),  # number of the part; -1 for the frame
         ("second", np.int64),
-        *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
+        *floats("x1", "y1", "x2", "y2"),  # points in the axes of their bodies, m
     ]
 )
 
+# Rows of ``Prescribed.work``: coordinates, rates, accelerations, generalized forces,
+# derivatives of the coordinates by that of a drive, right-hand side, and the row LAST.
+# From HEAD on follow the derivatives of the closing equations by all coordinates, then
+# those by the coordinates that are solved for.
 COORDINATE, RATE, ACCELERATION, FORCE, RATIO, RIGHT, LAST, HEAD = range(8)
-# Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their
-# rates per rate of a drive, a right-hand side, and one of the last evaluation's time,
-# s, and determinant; then the closing rows by all coordinates, and those by the
-# coordinates that are solved for
+# Columns of the row LAST: time, s, and determinant of the last evaluation
 TIME = 0
 DETERMINANT = 1
 
@@ -66,23 +63,23 @@ class Prescribed(NamedTuple):
     parts: Records  # of PART
     closings: Records  # of CLOSING
     motions: Records  # of all drives
-    # Their last motion, from which the next is found, and working space, see COORDINATE
-    # and what follows: (HEAD + 4 closings, parts or 2)
+    # last motion, from which Newton's method starts, and working space, with the rows
+    # COORDINATE to HEAD: (HEAD + 4 closings, max(parts, 2))
     work: Array
 
 
 def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
-    """Return the bodies that drives hold without freedom, for the kernels; see ``begin_motion``."""
+    """Pack the bodies with prescribed motion for the kernels; see ``begin_motion``."""
     branches, pins = chain_of(linkage, bodies)
     parts = _pack_parts(linkage, branches)
-    places = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
+    numbers = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
         if drive.body in bodies:
-            parts[places[drive.body]]["drive"] = number
+            parts[numbers[drive.body]]["drive"] = number
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):
-        closing["first"] = places[pin.first.body]
-        closing["second"] = places[pin.second.body]
+        closing["first"] = numbers[pin.first.body]
+        closing["second"] = numbers[pin.second.body]
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
     work = np.zeros((HEAD + 4 * len(pins), max(len(parts), 2)))
@@ -98,7 +95,7 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["drive"] = -1
         part["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         part["before_x"], part["before_y"] = before.x, before.y
-        part["own_x"], part["own_y"] = end.x, end.y
+        part["end_x"], part["end_y"] = end.x, end.y
         part["mass"] = body.mass
         part["inertia"] = body.effective_inertia
         if isinstance(joint, Guide):
@@ -115,7 +112,7 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
 
 
 def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
-    """Note a state of all bodies from which the motion is to go on, and its time, s."""
+    """Store the coordinates of all bodies at a time, s, from which the motion continues."""
     parts, _, _, work = prescribed
     b = parts["body"]
     along = (q[b] - parts["before_x"]) * parts["cosine"]
@@ -129,9 +126,10 @@ def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
 def place_parts(
     prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array
 ) -> None:
-    """Fill place, rate and acceleration of prescribed bodies from those of their coordinates.
+    """Fill q, v and a of prescribed bodies from their coordinates and derivatives.
 
-    ``axes`` are cosine and sine of each body's angle, in the places of its x and y.
+    ``axes`` holds cosine and sine of the angle of each body, at the indices of its x
+    and y.
     """
     parts = prescribed.parts
     work = prescribed.work
@@ -153,7 +151,7 @@ def place_parts(
             continue
         _place_hinge(part, q, v, a, axes)
         axes[b], axes[b + 1] = cos_sin(x)
-        rx, ry = arm(part.own_x, part.own_y, axes, b)
+        rx, ry = arm(part.end_x, part.end_y, axes, b)
         square = rate * rate
         q[b] -= rx
         q[b + 1] -= ry
@@ -168,7 +166,7 @@ def place_parts(
 
 @compiled
 def _place_hinge(part: Records, q: Array, v: Array, a: Array, axes: Array) -> None:
-    """Fill place, velocity and acceleration of the hinge of a part as those of its centre."""
+    """Fill position, velocity and acceleration of a hinge, in place of those of its body."""
     b = part.body
     p = part.before
     if p < 0:

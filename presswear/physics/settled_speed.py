@@ -14,8 +14,12 @@ from presswear.physics.statics import load_corners, needed_torques
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
-_INSTANTS = 2880  # of a cycle at which a torque is averaged, beside corners of loads
-_INSTANTS_BEFORE = 360  # of the cycle before, in which laws of loads follow the motion
+_INSTANTS = (
+    2880  # of the cycle over which a torque is averaged, without corners of loads
+)
+_INSTANTS_BEFORE = (
+    360  # of the cycle before, through which the modes of loads are followed
+)
 
 
 def settled_rate(
@@ -72,14 +76,19 @@ def mean_torque(
 def slip_at(motor: Motor, torque: float, drive: Drive) -> float:
     """Return the slip at which a motor gives a torque on the body of its drive, N m.
 
-    Of the two slips of Kloss's equation it is the one below breakdown, at which the
-    motor runs stably. InputError at and beyond the greatest torque.
+    Kloss's equation has two solutions. The result is the slip below breakdown, at which
+    the motor runs stably.
+
+    Raises
+    ------
+    InputError
+        If the torque is at or above the largest torque of the motor.
     """
     assert motor.torque is not None
     rated = motor.ratio * motor.torque
-    part = torque / rated
+    ratio = torque / rated
     greatest = motor.breakdown or 1.0 / motor.slip
-    if abs(part) >= greatest:
+    if abs(ratio) >= greatest:
         raise InputError(
             f"torque of the motor of {drive.body} = {written(motor.torque, 'N m')}: the ideal "
             f"motion needs {written(torque, 'N m')} in the mean at {drive.body}, and the motor "
@@ -87,6 +96,6 @@ def slip_at(motor: Motor, torque: float, drive: Drive) -> float:
             "is needed"
         )
     if motor.breakdown_slip is None:
-        return motor.slip * part
-    root = greatest + math.sqrt(greatest * greatest - part * part)
-    return motor.breakdown_slip * part / root
+        return motor.slip * ratio
+    root = greatest + math.sqrt(greatest * greatest - ratio * ratio)
+    return motor.breakdown_slip * ratio / root

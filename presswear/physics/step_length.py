@@ -1,7 +1,7 @@
 """Length of steps: towards a touchdown, in contact, and over worn surfaces.
 
-In contact a step is a set part of the expected duration of the contact. An engine of
-fixed order predicts the next touchdown and repeats a step that missed it; see
+In contact a step is a fixed fraction of the expected duration of the contact. An engine
+of fixed order predicts the next touchdown and repeats a step that missed it; see
 ``touchdown.py``. In this module ``records`` is the ``RecorderState`` of a run.
 """
 
@@ -37,24 +37,29 @@ STEPS = np.dtype(
     ]
 )
 
-LANDING = 0.02  # a step towards a touchdown ends this part of a contact step behind it
-# in which a pin that skims a worn surface crosses one bin of its map
+# Time between a predicted touchdown and the end of the step, in steps of the contact
+LANDING = 0.02
+# Number of steps in which an open pin close to a worn surface crosses a bin of its map
 FLIGHT_STEPS_PER_BIN = 4.0
-STEPS_PER_FLIGHT = 20.0  # at least, in which a pin would cross the clearance from rest
+# Least number of steps in which a pin would cross the clearance from rest
+STEPS_PER_FLIGHT = 20.0
 # Fewest steps of an error-controlled method in a free impact of a corner, whose force is
 # proportional to the penetration, over those of a pin. At a tolerance of 1e-7, 10 give
 # the peaks and the motion as exactly as 15.
 CORNER_STEPS = 2.0 / 3.0
-# of an error-controlled method, at least, in which a pin crosses one bin
+# Least number of steps of an error-controlled method in which a pin crosses a bin
 SKIM_STEPS = 2.0
-# a step that ends behind a separation goes on for this part of the clearance
-BORE_PART = 0.5
-OVERSHOOT = 0.2  # a step that ends more than this part of a contact step late is redone
-# what passes a change of a load's law no further is not sent back; SI units
+# Distance that the pin moves after a separation until the step ends, over the clearance
+BORE_FRACTION = 0.5
+# Largest time between a touchdown and the end of the step, in steps of the contact; a
+# longer trial step is repeated
+OVERSHOOT = 0.2
+# Value of a switching function of a load up to which a trial step is accepted, SI units
 EVENT_TOL = 1e-9
-# penetration over the clearance for which the steps of an oiled joint are short enough
+# Least penetration over clearance for which the step of an oiled joint is computed
 OILED_DEPTH = 0.05
-EVENT_MARGIN = 2.0  # a step ends so many shortest steps behind a change of a load's law
+# Time between a change of a load's law and the end of the step, in shortest steps
+EVENT_MARGIN = 2.0
 
 
 @compiled
@@ -89,19 +94,19 @@ def contact_step(
 
 @compiled
 def step_in_contact(
-    last: Records, steps: Records, part: float, acceleration: float
+    last: Records, steps: Records, impact_step: float, acceleration: float
 ) -> float:
     """Return the next step, s, while a joint is closed.
 
-    A free impact is divided into equal parts. The steps of a pin at rest grow up to
-    ``sustained`` parts, while their error, h^2 / 12 times the change of acceleration
-    for the trapezoidal rule, is the part of the penetration that the equal parts of a
-    free impact would make.
+    A free impact is divided into equal steps, ``impact_step``. The steps of a pin at
+    rest grow until half a period has ``sustained`` steps, as long as their error is at
+    most that of the steps of an impact, relative to the penetration. The error of the
+    trapezoidal rule is h^2 / 12 times the change of the acceleration.
     """
     parts = steps.per_contact
     if last.steps <= 1:
-        # A contact that the surrounding motion pulls open again may be far shorter
-        # than a free impact.
+        # If the other forces pull the pin back, the contact may be far shorter than a
+        # free impact.
         if last.rate > 0.0 and acceleration < 0.0:
             last.longest_step = min(
                 last.longest_step, 2.0 * last.rate / -acceleration / parts
@@ -111,35 +116,37 @@ def step_in_contact(
         error = last.step * last.step / 12.0 * abs(acceleration - last.acceleration)
         allowed = last.penetration * (math.pi / parts) ** 3 / 12.0
         growth = 0.9 * (allowed / error) ** (1.0 / 3.0) if error > 0.0 else 1.3
-        calm = last.step * min(max(growth, 0.5), 1.3)
-        part = min(max(calm, part), part * max(parts / steps.sustained, 1.0))
-    return min(part, last.longest_step)
+        grown = last.step * min(max(growth, 0.5), 1.3)
+        largest = impact_step * max(parts / steps.sustained, 1.0)
+        impact_step = min(max(grown, impact_step), largest)
+    return min(impact_step, last.longest_step)
 
 
 @compiled
 def late_touchdown(
     joint: Records, last: Records, steps: Records, contact: Records, h: float
 ) -> float:
-    """Return the step, s, that ends just after a touchdown that was overshot; or infinity.
+    """Return the step, s, that ends just after a touchdown which the trial step has missed.
 
-    Where the law begins with a jump, the touchdown is put into a short step of its own.
+    Infinite if the trial step is accepted. If the force jumps at touchdown, a short
+    step of its own passes the touchdown.
     """
     s, _, _, closing = joint_crossing(last, contact, False, h)
     if s > 1.0:
         return math.inf
-    part = contact_step(joint, 0.0, closing, steps.per_contact)
-    behind = min(LANDING * part, 0.1 * h)
+    impact_step = contact_step(joint, 0.0, closing, steps.per_contact)
+    behind = min(LANDING * impact_step, 0.1 * h)
     if joint.normal.abrupt:
-        near = LANDING * part
+        near = LANDING * impact_step
         if h <= 4.0 * near:
             return math.inf
         return max(s * h - near if s * h > 2.0 * near else s * h + near, steps.least)
     if contact.penetration > 0.0:
-        if (1.0 - s) * h <= OVERSHOOT * part:
+        if (1.0 - s) * h <= OVERSHOOT * impact_step:
             return math.inf
     elif contact.rate < 0.0:
-        # Touched and gone: land while the pin is still in, well before its deepest
-        # point.
+        # The contact has ended within the trial step. The new step ends long before
+        # the deepest point of the pin.
         behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
     return max(s * h + behind, steps.least)
 
@@ -148,16 +155,18 @@ def late_touchdown(
 def early_separation(
     last: Records, steps: Records, contact: Records, clearance: float, h: float
 ) -> float:
-    """Return the step, s, that divides a contact which the trial state has ended; or infinity.
+    """Return the step, s, that gives a contact enough steps if the trial step has ended it.
 
-    A pin that skims a bump can leave sooner than the state at its touchdown let expect.
-    The shorter step holds for the rest of the contact.
+    Infinite if the trial step is accepted. The contact of a pin with a bump can be
+    shorter than expected from the state at its touchdown. The shorter step is the
+    longest one for the rest of the contact.
     """
     missing = LEAST_STEPS - last.steps
     s, value, _, leaving = joint_crossing(last, contact, True, h)
     if contact.penetration > 0.0 and value > 0.0:
-        # Through the bore and closed on the other side: the step ends inside the bore.
-        return max(min(s, 1.0) * h + BORE_PART * clearance / leaving, steps.least)
+        # The pin has crossed the bore and is closed on the other side: end the step inside
+        # the bore.
+        return max(min(s, 1.0) * h + BORE_FRACTION * clearance / leaving, steps.least)
     if contact.penetration > 0.0 or missing <= 0:
         return math.inf
     wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
@@ -177,7 +186,7 @@ def shorter_step(
     v: Array,
     a: Array,
 ) -> float:
-    """Return the step, s, with which a trial step of length ``h`` has to be repeated; -1 if none.
+    """Return the step, s, that replaces a trial step of length ``h``; -1 if it is accepted.
 
     ``contacts`` are those of the trial state.
     """
@@ -211,11 +220,11 @@ def is_linear_corner(joint: Records) -> bool:
 
 @compiled
 def longest_step(records: Any, longest: float, parts: float) -> float:
-    """Limit the step, s, of an error-controlled method by contacts just begun and worn surfaces.
+    """Return the longest step, s, of an error-controlled method in contact and on worn surfaces.
 
-    A free impact gets at least ``parts`` steps. A contact that the surrounding motion
-    pulls open again may be far shorter; its ``longest_step`` tells how short. The error
-    estimate sees a bump that a pin runs over only where a stage happens to fall on it.
+    A free impact has at least ``parts`` steps. A shorter contact limits the step by its
+    ``longest_step``. On a worn surface the step is limited by the time to cross a bin,
+    because the estimate of the error only contains a bump if a stage falls on it.
     """
     for k in range(records.memory.shape[0]):
         joint = records.packed.joints[k]
@@ -224,8 +233,8 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
             continue
         needed = CORNER_STEPS * parts if is_linear_corner(joint) else parts
         if records.onset[k] > 0.0 and last.steps < 2.0 * needed:
-            part = contact_step(joint, 0.0, records.onset[k], needed)
-            longest = min(longest, part, last.longest_step)
+            impact_step = contact_step(joint, 0.0, records.onset[k], needed)
+            longest = min(longest, impact_step, last.longest_step)
         if (
             joint.surface_bins > 0
             and last.sweep > 0.0
@@ -238,7 +247,7 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
 
 @compiled
 def next_step(records: Any, steps: Records, a: Array) -> float:
-    """Return the length of the next step, s, from the state just settled."""
+    """Return the next step, s, after the state of contact has been settled."""
     packed = records.packed
     free = steps[0].free
     parts = steps[0].per_contact
@@ -250,7 +259,7 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
         depth = last.penetration
         rate = last.rate
         if joint.oiled:
-            # A force that passes through zero comes back within the step.
+            # A force that passes through zero can grow again within the step.
             depth = max(depth, OILED_DEPTH * joint.clearance)
             wanted = contact_step(joint, depth, 0.0, steps[0].sustained)
             chosen = min(chosen, max(wanted, steps[0].least))
@@ -263,21 +272,24 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             )
         wanted = math.inf
         if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
-            # A bump of the profile is a contact of its own and gets as many steps.
+            # A bump of the profile acts like an impact and has as many steps.
             bins = 2.0 * math.pi / joint.surface_bins / last.sweep
             wanted = bins / (0.5 * parts if is_closed else FLIGHT_STEPS_PER_BIN)
         if is_closed:
-            part = contact_step(joint, depth, rate, parts)
-            wanted = min(wanted, step_in_contact(last, steps[0], part, acceleration))
+            impact_step = contact_step(joint, depth, rate, parts)
+            contact_limit = step_in_contact(last, steps[0], impact_step, acceleration)
+            wanted = min(wanted, contact_limit)
             last.acceleration = acceleration
-            # A pin that leaves is seen inside its bore before it is closed on the other
-            # side.
+            # After a separation a step ends inside the bore, before the pin is closed
+            # on the other side.
             departure, leaving, _ = time_to_event(-depth, -rate, -acceleration, 0.0)
             if departure < math.inf:
-                wanted = min(wanted, departure + BORE_PART * joint.clearance / leaving)
+                wanted = min(
+                    wanted, departure + BORE_FRACTION * joint.clearance / leaving
+                )
         else:
-            # Part of the time in which the present acceleration crosses the clearance,
-            # and the time at which the present motion closes the gap.
+            # Limits are a fraction of the time in which the pin would cross the clearance
+            # from rest, and the time of the next touchdown.
             if acceleration != 0.0:
                 flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
                 wanted = min(wanted, flight / STEPS_PER_FLIGHT)

@@ -1,10 +1,10 @@
 """Archard wear of a clearance joint: dh = K_d p ds.
 
-Two accounts (see ``WearLaw``). ``bin`` is the paper's: the mean pressure over
-the contact chord (equations 25 to 28), all of it into the one bin of the contact,
-which makes worn volume and depth depend on the width of the bins. ``arc`` spreads
-the depth over the contact arc in proportion to the pressure of a linear elastic
-foundation, and the worn volume is K_d times the integral of F_n ds to round-off.
+There are two distributions (see ``WearLaw``). ``bin`` is that of the paper: the mean
+pressure over the contact chord (equations 25 to 28) wears the one bin of the contact.
+Worn volume and depth then depend on the width of the bins. ``arc`` distributes the
+depth over the contact arc in proportion to the pressure of a linear elastic foundation.
+The worn volume is then K_d times the integral of F_n ds, to round-off.
 """
 
 import math
@@ -42,14 +42,16 @@ def contact_area(
 ) -> float:
     """Return the contact area A = 2 b R_i sin(pi - beta), m^2 (equations 25 to 27 as printed).
 
-    beta is at the centre of the pin, so that half the chord is R_j sin(beta): the
-    printed area is too large by R_i / R_j. cos beta + 1 is formed from the penetration
-    itself; equation 25 as printed loses ten digits to cancellation.
+    beta is an angle at the centre of the pin, so that half the chord is R_j sin(beta):
+    the printed area is too large by R_i / R_j. 1 + cos(beta) is computed from the
+    penetration, because equation 25 as printed loses ten digits to cancellation.
     """
-    reach = eccentricity + pin_radius + bearing_radius
-    above = penetration * reach / (2.0 * eccentricity * pin_radius)
-    # A pin worn to less than half the bearing would meet it over more than a half turn.
-    sine = 1.0 if above >= 1.0 else math.sqrt(above * (2.0 - above))
+    total = eccentricity + pin_radius + bearing_radius
+    one_plus_cosine = penetration * total / (2.0 * eccentricity * pin_radius)
+    # The contact is at most half a turn wide, also of a very worn pin.
+    sine = 1.0
+    if one_plus_cosine < 1.0:
+        sine = math.sqrt(one_plus_cosine * (2.0 - one_plus_cosine))
     return 2.0 * width * bearing_radius * sine
 
 
@@ -59,8 +61,7 @@ def deposit_in_bins(
 ) -> None:
     """Add the wear of a dose p ds, N/m, to the depths of both surfaces, shape (2, m).
 
-    It is spread over the bins that the contact crosses in the step, which takes ``h``
-    seconds.
+    It is distributed over the bins that the contact crosses in a step of length ``h``, s.
     """
     depth_sum = joint.wear_coefficient * pressure_dose
     turns = joint.map_turns
@@ -71,6 +72,7 @@ def deposit_in_bins(
     )
     for side, (angle, spin, share) in enumerate(ends):
         place = direction - turns * angle
+        # angle of the map over which the contact has moved
         swept = h * (contact.turning - turns * spin)
         spread_evenly(depth[side], place - swept, place, share * depth_sum)
 
@@ -87,9 +89,8 @@ def spread_evenly(depth: Array, start: float, end: float, depth_sum: float) -> N
         depth[bin_of(end, count)] += depth_sum
         return
     for k in range(first, last + 1):
-        depth[k % count] += (
-            depth_sum * (min(high, k + 1.0) - max(low, float(k))) / (high - low)
-        )
+        covered = min(high, k + 1.0) - max(low, float(k))
+        depth[k % count] += depth_sum * covered / (high - low)
 
 
 @lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
@@ -101,10 +102,10 @@ def deposit_over_arc(
     load_distance: float,
     shares: Array,
 ) -> None:
-    """Add the wear of a dose F_n ds, N m, wherever the surfaces overlap.
+    """Add the wear of a dose F_n ds, N m, to the bins in which the surfaces overlap.
 
-    ``depth`` and ``shares``, a working space that is zero and left so, have the shape
-    (2, n).
+    ``depth`` are the wear maps of bearing and pin, m, shape (2, n). ``shares`` is
+    working space of the same shape; it is zero before and after the call.
     """
     zero = joint.map_turns * contact.bearing_angle
     relative_angle = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
@@ -129,18 +130,19 @@ def deposit_round_arc(
     depth_sum: float,
 ) -> None:
     """Add a sum of depths, m, to both maps, shape (2, n), over the arc of round surfaces."""
-    eccentricity, clearance = contact.eccentricity, joint.clearance
+    eccentricity = contact.eccentricity
+    clearance = joint.clearance
     direction = direction_of(contact) - zero
     half = 0.0
-    if eccentricity > clearance:  # cos(half) = c / e
-        half = 2.0 * math.asin(
-            math.sqrt(0.5 * (eccentricity - clearance) / eccentricity)
-        )
+    if eccentricity > clearance:
+        # Half of the arc: cos(half) = c / e, written without cancellation.
+        sine_square = 0.5 * (eccentricity - clearance) / eccentricity
+        half = 2.0 * math.asin(math.sqrt(sine_square))
     for side in range(2):
-        part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
-        place = direction + side * relative_angle
+        share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
+        centre = direction + side * relative_angle
         deposit_round(
-            eccentricity, clearance, place, half, part * depth_sum, depth[side]
+            eccentricity, clearance, centre, half, share * depth_sum, depth[side]
         )
 
 
@@ -159,7 +161,7 @@ def deposit_worn_arc(
     start, end = share_worn_arc(joint, surfaces, contact, zero, relative_angle, shares)
     bins = depth.shape[1]
     for side in range(2):
-        part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
+        share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         first = bin_of(start + side * relative_angle, bins)
         count = min(int((end - start) * bins / (2.0 * math.pi)) + 2, bins)
         total = 0.0
@@ -168,16 +170,13 @@ def deposit_worn_arc(
             total += shares[side, k]
             k = k + 1 if k + 1 < bins else 0
         if total == 0.0:
-            # A step that ends with the separation leaves its wear where the pin last
-            # was, and so does an overlap so slight that round-off hides it.
-            place = (
-                math.atan2(contact.normal_y, contact.normal_x)
-                - zero
-                + side * relative_angle
-            )
-            depth[side, bin_of(place, bins)] += part * depth_sum
+            # After a separation, or with an overlap below round-off, all wear is added
+            # to the bin in the direction of the contact.
+            normal = math.atan2(contact.normal_y, contact.normal_x) - zero
+            k = bin_of(normal + side * relative_angle, bins)
+            depth[side, k] += share * depth_sum
             continue
-        scale = part * depth_sum / total
+        scale = share * depth_sum / total
         k = first
         for _ in range(count):
             depth[side, k] += scale * shares[side, k]
@@ -209,25 +208,25 @@ def share_worn_arc(
 
 
 def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
-    """Return the shape (joints, 2, m) of the wear maps: each joint's are in its first ``bins``."""
+    """Return the shape (joints, 2, m) of the wear maps; a joint uses its first ``bins``."""
     return len(joints), 2, max((joint.bins for joint in joints), default=1)
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     """Return the volume lost by both surfaces, m^3: the integral of depth times b R over angle.
 
-    ``depth``, m, was depth_sum to the bearing and to the pin, shape (2, m).
+    ``depth`` is the added depth of bearing and pin, m, shape (2, m).
     """
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     return float(depth.sum()) * bin_area
 
 
 def largest_play(joint: ClearanceJoint, depth: Array) -> float:
-    """Return the largest way of the pin of a worn joint across its bearing, m.
+    """Return the largest displacement of the pin of a worn joint across its bearing, m.
 
-    Twice the clearance of a new joint. A pin moves in a direction as far as it touches
-    the bearing anywhere, and does not enter grooves that are narrower. The deepest
-    places of both surfaces face each other, as under load, and nothing is deformed.
+    It is twice the clearance of a new joint. A pin moves until it touches the bearing at
+    any angle, so that it does not enter narrow grooves. The deepest points of both
+    surfaces face each other, as under load, and the surfaces are rigid.
 
     Parameters
     ----------
@@ -240,11 +239,11 @@ def largest_play(joint: ClearanceJoint, depth: Array) -> float:
     turned_pin = np.roll(pin, int(np.argmax(bearing)) - int(np.argmax(pin)))
     gap = joint.clearance + bearing + turned_pin
     quarter = (bins - 1) // 4
-    off = np.arange(-quarter, quarter + 1)
-    cosine = np.cos(2.0 * math.pi / bins * off)
-    places = (np.arange(bins)[:, np.newaxis] + off) % bins
-    reach = (gap[places] / cosine).min(axis=1)  # of the pin in each direction
+    offset = np.arange(-quarter, quarter + 1)
+    cosine = np.cos(2.0 * math.pi / bins * offset)
+    contact_bin = (np.arange(bins)[:, np.newaxis] + offset) % bins
+    displacement = (gap[contact_bin] / cosine).min(axis=1)  # in each direction
     half = bins // 2
     # With an odd number of bins the opposite direction is between two of them.
-    opposite = 0.5 * (np.roll(reach, -half) + np.roll(reach, half - bins))
-    return float((reach + opposite).max())
+    opposite = 0.5 * (np.roll(displacement, -half) + np.roll(displacement, half - bins))
+    return float((displacement + opposite).max())

@@ -1,4 +1,4 @@
-"""Observers: objects that are notified of what happens while something runs."""
+"""Observers: objects that are notified of the events of a run or a campaign."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,24 +11,23 @@ if TYPE_CHECKING:
     from presswear.recording.film import Film
     from presswear.recording.recorder import Recorder
 
-COMPILING = "compiling"  # word of the progress while a run waits for the compiler
+COMPILING = "compiling"  # ``Progress.word`` while a run waits for the compiler
 
 
 @dataclass(frozen=True)
 class Progress:
     """Progress of a campaign."""
 
-    stage: int  # index of the stage that runs
-    # completed fraction of that stage and of the wear update after it, 0 to 1
+    stage: int  # index of the present stage
+    # completed fraction of this stage with the wear update after it, 0 to 1
     part: float
     # completed fraction of the campaign, 0 to 1, as far as it can be estimated
     whole: float
-    word: str  # short description of the present step, or nothing
-    linkage: Linkage  # that runs, on its worn surfaces
-    film: "Film | None" = (
-        None  # last frames of one of the runs, if an observer needs frames
-    )
-    # ``whole`` by the latest estimate alone, which may fall
+    word: str  # short description of the present step, or ""
+    linkage: Linkage  # with its worn surfaces
+    # last frames of one of the runs, if an observer needs frames
+    film: "Film | None" = None
+    # latest estimate of the completed fraction, which may decrease, unlike ``whole``
     estimate: float | None = None
 
 
@@ -62,23 +61,23 @@ class Observer:
         return False
 
     def on_stage(self, stage: Any) -> None:
-        """Called with a finished stage (``StageResult``), the wear update after it included."""
+        """Called with a finished stage (``StageResult``) after its wear update."""
 
     def on_life_start(self, cycles: float, seconds: float) -> None:
-        """Called after the first strokes of a service life with what it will still take.
+        """Called after the first strokes of a service life with its expected duration.
 
         Parameters
         ----------
         cycles : float
-            Of all replicates.
+            Expected cycles of all replicates.
         seconds : float
-            Wall time at the speed so far.
+            Expected wall time, s.
         """
 
     def on_life(self, life: Any) -> None:
         """Called with a service life (``LifeResult``) before the stages through it run.
 
-        A preliminary one is reported after each refinement that another one follows.
+        A preliminary life is reported after each refinement but the last.
         """
 
     def on_checkpoint(self, checkpoint: Any, is_stage: bool) -> None:

@@ -61,7 +61,7 @@ from presswear.tools.packing import PackedArguments, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
-FIRST_PARTS = 40.0  # first step behind a touchdown, as a part of the expected contact
+FIRST_PARTS = 40.0  # expected duration of a contact over the first step after touchdown
 SAFETY = 0.9
 LEAST_FACTOR = 0.2
 GREATEST_FACTOR = 5.0
@@ -188,8 +188,8 @@ def settle_joints(address: PackedArguments, event: int, t: float) -> int:
             records.onset[k] = HELD_OPEN
         else:
             touch_down(records, k, t, rate, False)
-        part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
-        state.step = min(state.step, part)
+        first_step = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
+        state.step = min(state.step, first_step)
         events += 1
     return events
 
@@ -203,11 +203,11 @@ def first_event(
     excluded: int,
     joints: int,
 ) -> tuple[int, float]:
-    """Return the event that comes first in a trial step, and at which part of it; or -1.
+    """Return the first event in a trial step, or -1, and the fraction of the step before it.
 
-    Slopes were last evaluated at the end of the step; see ``event_value`` for the
-    events.  Those of the first ``joints`` joints count, but not ``excluded``, the one
-    on which the step ends.
+    The slopes must have been evaluated at the end of the step. Only the first
+    ``joints`` joints are searched. ``excluded`` is the event on which the step ends.
+    Numbers of events are those of ``event_value``.
     """
     (run,) = unpack(address)
     system = run.system
@@ -218,18 +218,18 @@ def first_event(
     count = system.contacts.shape[0]
     transitions = count_transitions(loads)
     event = -1
-    part = 2.0
+    fraction = 2.0
     for k in range(joints):
         if k == excluded or system.packed.joints[k].oiled:
             continue
         last = records.memory[k]
         is_closed = records.onset[k] > 0.0
         s, value, rate, _ = joint_crossing(last, system.contacts[k], is_closed, h)
-        if s < part and not is_repeated(
+        if s < fraction and not is_repeated(
             last, is_closed, s * h, value, rate, control[0].resolution
         ):
             event = k
-            part = s
+            fraction = s
     has_leader = records.nominal[0].column >= 0
     if transitions > 0 or has_leader:
         reach_end(address, classical, t, h)
@@ -237,20 +237,21 @@ def first_event(
     section = count + transitions + 2 * count
     if has_leader and excluded != section:
         s = section_crossing(records.nominal, q, v, h, 2.0 * BEHIND)
-        if s < part:
+        if s < fraction:
             event = section
-            part = s
+            fraction = s
     for k in range(transitions):
         if count + k == excluded:
             continue
-        # What goes no further behind is round-off, or comes with that on which the step
-        # ends.
+        # A smaller value is round-off, or belongs to the event on which the step ends.
         s, value, rate = load_crossing(loads, k, q, v, a, h, 2.0 * BEHIND)
-        if s < part and (s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND):
+        if s < fraction and (
+            s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND
+        ):
             event = count + k
-            part = s
+            fraction = s
     if tableau is None or not tableau.ends_at_corners or control[0].ignores_corners:
-        return event, part
+        return event, fraction
     for k in range(2 * joints):
         number = count + transitions + k
         joint = k >> 1
@@ -260,10 +261,10 @@ def first_event(
             law = system.packed.joints[joint].friction
             ahead = sense * (corner_ahead(start, sense, law) - start)
             way = sense * (end - start)
-            if way > ahead + 2.0 * BEHIND and ahead < part * way:
+            if way > ahead + 2.0 * BEHIND and ahead < fraction * way:
                 event = number
-                part = ahead / way
-    return event, part
+                fraction = ahead / way
+    return event, fraction
 
 
 @compiled
@@ -356,7 +357,9 @@ def search_event(
     if state.searches > events + (run.records.nominal[0].column >= 0):
         return False
     state.searches += 1
-    earlier, part = first_event(address, tableau, t, state.length, state.event, joints)
+    earlier, fraction = first_event(
+        address, tableau, t, state.length, state.event, joints
+    )
     if earlier < 0:
         return False
     state.event = earlier
@@ -365,7 +368,7 @@ def search_event(
     state.high = state.length
     state.extension = SHORTEST_MOVE
     state.is_last = False
-    state.length *= part
+    state.length *= fraction
     return True
 
 

@@ -23,7 +23,7 @@ from presswear.engines.exudyn_tree.kernels import (
     STAGES,
     TreeSystem,
     accept_tree_step,
-    place_start,
+    fill_start,
     stage_forces,
     stage_states,
 )
@@ -130,11 +130,11 @@ class _Tree:
         self.tree.start[:] = live[:2]
         self.tree.start_states[:] = states
         self._stage = bind(stage_forces, self.tree, self.records)
-        self._place_start = bind(place_start, self.tree, self.records)
+        self._fill_start = bind(fill_start, self.tree, self.records)
         if states.size:
             self._states = bind(stage_states, self.tree, self.state_rates)
         self.solver = self._prepare_solver(plan, recorder)
-        self._place_start(0.0)
+        self._fill_start(0.0)
         # Pins that are closed in the initial state store energy.
         self.records.memory["energy"] = self.records.contacts["energy"]
         self.stored_before = self._stored()
@@ -195,12 +195,12 @@ class _Tree:
         If the last step has failed, they are those before the step.
         """
         if not np.isfinite(self.tree.state[:2]).all():
-            self._place_start(self.solver.time)
+            self._fill_start(self.solver.time)
         return self.solver.time, self.tree.state[0].copy(), self.tree.state[1].copy()
 
     def place(self) -> None:
         """Fill the contacts of the present state."""
-        self._place_start(self.solver.time)
+        self._fill_start(self.solver.time)
 
     def ledger(self) -> Ledger:
         """Return the energies since the run began."""

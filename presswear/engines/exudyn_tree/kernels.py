@@ -1,9 +1,9 @@
-"""Compiled part of the open tree: forces of a stage, and one call per accepted step.
+"""Kernels of the open tree: forces of a stage, and accepted steps.
 
-Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step ends
-in.  Each fills a row of rates, so that work, losses, torques and wear are integrated
-with the weights of the method and at its order.  Steps end where a law of force
-changes: at predicted touchdowns, separations and changes of the laws of loads.
+Exudyn's DOPRI5 evaluates seven stages in a step, the last at the end of the step. Each
+stage fills a row of rates. Work, losses, torques and wear are the sums of these rows
+with the weights of the method, and have its order. Steps end at changes of a law of
+force: predicted touchdowns, separations, and changes of the laws of loads.
 """
 
 import math
@@ -54,15 +54,16 @@ from presswear.tools.packing import PackedArguments, unpack
 
 WEIGHTS = np.append(DOPRI5.b, 0.0)  # weights of the seven stages of DOPRI5
 STAGES = WEIGHTS.size
-GROWTH = 5.0  # a step is at most so many times the one before
-# A contact with fewer than this part of the steps of a free impact counts as
-# unresolved: its peak could be missed.  A bump of a worn surface can cut a contact
-# short, and there the error control decides.
+GROWTH = 5.0  # largest ratio of a step to the previous one
+# Least number of steps of a resolved contact, over the steps of a free impact. The peak
+# of a contact with fewer steps could be missed. It is below 1 because a bump of a worn
+# surface can shorten a contact, which the error control then resolves.
 RESOLVED = 1.0 / 3.0
-# A step that ends on a touchdown or separation goes this far behind it, m; on a change
-# of a load's law, m, rad, m/s or rad/s
+# Change of the penetration between a touchdown or separation and the end of the step, m;
+# change of a switching function of a load, m, rad, m/s or rad/s
 LANDING_DEPTH = 1e-11
-LANDING_PART = 1e-3  # ... but no further than this part of the contact's duration
+# Largest time from a touchdown to the end of the step, over the duration of the contact
+LANDING_FRACTION = 1e-3
 # Uncertainty of a predicted time, as a fraction of it, while the change of acceleration
 # is unknown
 PREDICTION_TOL = 0.05
@@ -71,13 +72,13 @@ PREDICTION_TOL = 0.05
 PACE = np.dtype(
     [
         ("longest", np.float64),  # step, s
-        ("shortest", np.float64),  # s
-        ("parts", np.float64),  # steps in a free impact, at least
-        ("reach", np.float64),  # last step that was not cut short, s
-        ("limit", np.float64),  # of the step, s
-        ("cut", np.bool_),  # an event set that limit
-        ("to_break", np.bool_),  # ... of a drive's motion
-        ("smooth", np.bool_),  # no pin has touched down or left in the last step
+        ("shortest", np.float64),  # step, s
+        ("parts", np.float64),  # least number of steps in a free impact
+        ("reach", np.float64),  # last step that no event has shortened, s
+        ("limit", np.float64),  # upper limit of the present step, s
+        ("cut", np.bool_),  # the limit is that of an event
+        ("to_break", np.bool_),  # the limit is a break in the motion of a drive
+        ("smooth", np.bool_),  # no event was in the last step
         ("evaluations", np.int64),
         ("accepted", np.int64),  # evaluations up to the last accepted step
         ("events", np.int64),
@@ -87,30 +88,32 @@ PACE = np.dtype(
 
 
 class TreeSystem(NamedTuple):
-    """Open tree as the kernels see it, with Exudyn's live state and working space."""
+    """Open tree for the kernels, with Exudyn's live state and working space."""
 
     equations: Written  # with the forces on the coordinates
-    x: Array  # Exudyn's live coordinates, rates and accelerations, (coordinates,)
-    u: Array
-    u_t: Array
-    states: Array  # of interactions, live where there are any, m, (states,)
-    force: Array  # forces that Exudyn is handed, (coordinates,)
-    # closing speed of the next step: latched, or predicted while open, m/s
+    # live arrays of Exudyn, each (coordinates,)
+    x: Array  # coordinates
+    u: Array  # rates
+    u_t: Array  # accelerations
+    states: Array  # live states of interactions, m, (states,)
+    force: Array  # forces for Exudyn, (coordinates,)
+    # closing speeds at touchdown in the next step, m/s; predicted for open joints
     expected: Array
     pace: Records  # one of PACE
-    state: Array  # q, v, a of all bodies first, (5, 3 bodies)
-    y: Array  # state for the equations, (m,)
-    # its rates in the stages and the forces on the coordinates, (7, m + coordinates)
+    state: Array  # ``Model.bodies``, (5, 3 bodies)
+    y: Array  # state vector of the equations, (m,)
+    # rates of the state vector in the stages, then forces on the coordinates, (7, m +
+    # coordinates)
     stages: Array
-    out: Array  # the same in other states
+    out: Array  # the same in one state that is no stage
     start: Array  # coordinates and rates at the start of a step, (2, coordinates)
-    start_states: Array  # states there, m, (states,)
-    layout: Layout  # places of the parts of the state
+    start_states: Array  # states of interactions at the start of a step, m, (states,)
+    layout: Layout  # of y
 
 
 @inlined
 def fill_state(y: Array, x: Array, u: Array, states: Array) -> None:
-    """Fill the state for the equations."""
+    """Fill the state vector of the equations."""
     n = x.shape[0]
     copy_to(y[:n], x)
     copy_to(y[n : 2 * n], u)
@@ -191,14 +194,14 @@ def step_to_section(records: RecorderState, smooth: bool, h: float) -> float:
 def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> float:
     """Return the step, s, no longer than ``h``, that ends on the next touchdown or separation.
 
-    Leaves the closing speeds that the stages of that step use in ``expected``.
+    Fills ``expected`` with the closing speeds that the stages of this step use.
     """
     pace = system.pace[0]
     a = system.state[2]
     for k in range(records.memory.shape[0]):
         joint = records.packed.joints[k]
         last = records.memory[k]
-        closed = records.onset[k] > 0.0
+        is_closed = records.onset[k] > 0.0
         if joint.oiled:
             system.expected[k] = records.onset[k]
             continue
@@ -212,18 +215,18 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
             (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         )
         last.acceleration = acceleration
-        if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
+        if is_closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
             last.longest_step = 2.0 * last.rate / -acceleration / pace.parts
             h = min(h, last.longest_step)
         system.expected[k] = records.onset[k]
-        sign = -1.0 if closed else 1.0
+        sign = -1.0 if is_closed else 1.0
         jerk = sign * jerk if pace.smooth else 0.0
         if sign * last.penetration >= 0.0:
             continue
         arrival, speed, uncertainty = time_to_event(
             sign * last.penetration, sign * last.rate, sign * acceleration, jerk
         )
-        if not (closed or joint.is_flat):
+        if not (is_closed or joint.is_flat):
             across, closing = time_across(records.contacts[k], joint.clearance)
             if across < arrival:
                 arrival = across
@@ -231,15 +234,15 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
                 uncertainty = PREDICTION_TOL * across
         if not arrival < 2.0 * h:
             continue
-        if not closed:
+        if not is_closed:
             system.expected[k] = max(speed, 0.0)
         if arrival <= h and speed > 0.0:
             if not pace.smooth:
                 uncertainty = max(uncertainty, PREDICTION_TOL * arrival)
             is_near = uncertainty * speed <= LANDING_DEPTH
             duration = contact_step(joint, 0.0, speed, 1.0)
-            behind = min(LANDING_DEPTH / speed, LANDING_PART * duration)
-            is_abrupt = joint.normal.abrupt and not closed
+            behind = min(LANDING_DEPTH / speed, LANDING_FRACTION * duration)
+            is_abrupt = joint.normal.abrupt and not is_closed
             h = min(h, step_to_event(arrival, uncertainty, is_near, behind, is_abrupt))
     return max(h, pace.shortest)
 
@@ -248,10 +251,13 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
 def next_tree_step(
     records: RecorderState, system: TreeSystem, t: float, h: float, events: int
 ) -> float:
-    """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
+    """Return the upper limit of the next step, s, after a step of length ``h`` to time ``t``.
+
+    The error control of Exudyn may choose a shorter step.
+    """
     pace = system.pace[0]
     if not (pace.cut and h >= 0.999 * pace.limit):
-        # A step cut short says little: what was reached before it still holds.
+        # A step that an event has shortened does not limit the growth of the next one.
         pace.reach = max(h, pace.shortest)
     for k in range(records.memory.shape[0]):
         if records.onset[k] > 0.0 and records.memory[k].steps == 1:
@@ -271,7 +277,7 @@ def next_tree_step(
 
 @compiled
 def sum_stages(system: TreeSystem, records: RecorderState, h: float) -> None:
-    """Sum energies, wear and torques of a step of length ``h``, s, from the rates of its stages."""
+    """Integrate energies, wear and torques over a step of length ``h``, s, from its stages."""
     for k in range(records.memory.shape[0]):
         records.wear_integrals[k].work = records.wear_integrals[k].pressure = 0.0
     for k in range(records.drives.shape[0]):
@@ -281,8 +287,8 @@ def sum_stages(system: TreeSystem, records: RecorderState, h: float) -> None:
     for stage in range(STAGES):
         add_rates(system, records, system.stages[stage], h * WEIGHTS[stage])
     for k in range(records.memory.shape[0]):
-        # One weight is negative: a step at the end of a contact may sum to less than
-        # nothing.
+        # The sum may be negative for a step at the end of a contact, because one weight
+        # is negative.
         integrals = records.wear_integrals[k]
         integrals.work = max(integrals.work, 0.0)
         integrals.pressure = max(integrals.pressure, 0.0)
@@ -294,24 +300,24 @@ def add_rates(
 ) -> None:
     """Add the rates of a stage, times a weight, s, to energies, wear and torques of the step."""
     layout = system.layout
-    for i in range(records.energies.shape[0]):
-        records.energies[i] += weight * rates[layout.first_energy + i]
-    place = layout.first_dose
+    for k in range(records.energies.shape[0]):
+        records.energies[k] += weight * rates[layout.first_energy + k]
+    i = layout.first_dose
     for k in range(records.memory.shape[0]):
-        records.wear_integrals[k].work += weight * rates[place + WORK]
-        records.wear_integrals[k].pressure += weight * rates[place + PRESSURE]
-        place += DOSE_COUNT
+        records.wear_integrals[k].work += weight * rates[i + WORK]
+        records.wear_integrals[k].pressure += weight * rates[i + PRESSURE]
+        i += DOSE_COUNT
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
-        drive.torque_integral += weight * rates[place + TORQUE]
-        drive.torque_square_integral += weight * rates[place + TORQUE_SQUARE]
-        drive.work += weight * rates[place + POWER]
-        drive.power_square_integral += weight * rates[place + POWER_SQUARE]
-        place += TORQUE_INTEGRALS
+        drive.torque_integral += weight * rates[i + TORQUE]
+        drive.torque_square_integral += weight * rates[i + TORQUE_SQUARE]
+        drive.work += weight * rates[i + POWER]
+        drive.power_square_integral += weight * rates[i + POWER_SQUARE]
+        i += TORQUE_INTEGRALS
 
 
 @compiled
-def place(
+def fill_motion(
     system: TreeSystem,
     records: RecorderState,
     t: float,
@@ -323,23 +329,25 @@ def place(
     fill_state(system.y, x, u, states)
     fill(system.equations, t, system.y, system.out, END)
     for k in range(records.torque.shape[0]):
-        place = system.layout.first_torque + TORQUE_INTEGRALS * k
-        records.torque[k] = system.out[place + TORQUE]
+        first = system.layout.first_torque + TORQUE_INTEGRALS * k
+        records.torque[k] = system.out[first + TORQUE]
 
 
 @compiled
-def place_start(address: PackedArguments, t: float) -> None:
+def fill_start(address: PackedArguments, t: float) -> None:
     """Fill motion, contacts and torques in the state at the start of the present step.
 
     ``address`` packs TreeSystem and RecorderState.
     """
     system, records = unpack(address)
-    place(system, records, t, system.start[0], system.start[1], system.start_states)
+    x = system.start[0]
+    u = system.start[1]
+    fill_motion(system, records, t, x, u, system.start_states)
 
 
 @compiled
 def accept_tree_step(address: PackedArguments, t: float) -> float:
-    """Account for an accepted step and choose the next, s; NaN for a broken state.
+    """Record an accepted step and return the limit of the next, s; NaN if not finite.
 
     ``address`` packs TreeSystem and RecorderState.
     """
@@ -351,7 +359,7 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     h = t - records.output[0].now
     if h > 0.0:
         sum_stages(system, records, h)
-    place(system, records, t, x, u, system.states)
+    fill_motion(system, records, t, x, u, system.states)
     copy_to(system.start[0], x)
     copy_to(system.start[1], u)
     copy_to(system.start_states, system.states)
@@ -359,7 +367,7 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
     if events > 0:
         copy_to(system.expected, records.onset)
-        place(system, records, t, x, u, system.states)
+        fill_motion(system, records, t, x, u, system.states)
     events += settle_loads(records.packed.loads, t, q, v, a)
     observe(records, t, h, q, v, a)
     return next_tree_step(records, system, t, h, events)

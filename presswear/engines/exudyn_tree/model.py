@@ -17,13 +17,17 @@ exu = exudyn_module()
 
 
 class TreeLink(NamedTuple):
-    """Link of Exudyn's kinematic tree; its frame sits in its joint, along the body or the guide."""
+    """Link of Exudyn's kinematic tree.
+
+    The origin of its axes is its joint. Their x direction is that of the body, or of the
+    guide.
+    """
 
     joint: Any  # exudyn.JointType
-    parent: int = -1  # link from which it hangs; -1: the frame, or a prescribed body
-    turn: float = 0.0  # of its joint in the frame of the parent, rad
-    offset: tuple[float, float] = (0.0, 0.0)  # m
-    centre: tuple[float, float] = (0.0, 0.0)  # mass centre in its own frame, m
+    parent: int = -1  # number of the parent; -1: the frame, or a prescribed body
+    turn: float = 0.0  # angle of its joint in the axes of the parent, rad
+    offset: tuple[float, float] = (0.0, 0.0)  # of its joint in these axes, m
+    centre: tuple[float, float] = (0.0, 0.0)  # mass centre in the axes of the link, m
     body: Body | None = None  # None: without mass
 
     @property
@@ -39,7 +43,8 @@ def _rotation(angle: float) -> Array:
 
 def tree_links(chain: Chain) -> list[TreeLink]:
     """Return the links of an open tree for Exudyn, parents before children."""
-    links, numbers = list[TreeLink](), dict[str, int]()
+    links = list[TreeLink]()
+    numbers = dict[str, int]()
     for link in chain.free:
         joint = link.branch.joint
         end = link.branch.end
@@ -47,7 +52,7 @@ def tree_links(chain: Chain) -> list[TreeLink]:
             exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body
         )
         if link.is_loose:
-            # Two links without mass carry it across the plane.
+            # Two sliding links without mass give the body its translation.
             links.append(TreeLink(exu.JointType.PrismaticX))
             links.append(TreeLink(exu.JointType.PrismaticY, len(links) - 1))
             links.append(revolute._replace(parent=len(links) - 1))
@@ -65,10 +70,11 @@ def tree_links(chain: Chain) -> list[TreeLink]:
 
 
 def _hinged(link: Link, parent: Link, revolute: TreeLink) -> TreeLink:
-    """Return a link that turns on another one, with the place of its joint there."""
+    """Return a link that turns on its parent, with the position of its joint on the parent."""
     x = link.branch.before.x - parent.branch.end.x
     y = link.branch.before.y - parent.branch.end.y
-    turn, guide = 0.0, parent.branch.joint
+    turn = 0.0
+    guide = parent.branch.joint
     if isinstance(guide, Guide):
         turn = guide.angle - guide.direction
         x, y = _rotation(turn)[:2, :2] @ (x, y)

@@ -61,7 +61,9 @@ class Articulated:
     """
 
     def __init__(self, text: Text, link: Link) -> None:
-        self.text, self.link, self.prefix = text, link, link.prefix
+        self.text = text
+        self.link = link
+        self.prefix = link.prefix
         mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
         self.mass = Mass(mass, ZERO, mass)
         self.coupling = Vector()
@@ -69,11 +71,13 @@ class Articulated:
             f"{link.prefix}_inertia", link.body.effective_inertia
         )
         self.is_leaf = True
-        # Motion of the mass centre with the coordinate of the body, and what that
-        # motion needs
-        self.way = link.guide
-        self.momentum = self.force = Vector()
-        self.moment = self.effort = self.mobility = ZERO
+        # Velocity and momentum at rate 1 of the coordinate of the body
+        self.partial_velocity = link.guide
+        self.momentum = Vector()
+        self.force = Vector()
+        self.moment = ZERO
+        self.generalized_force = ZERO  # on the coordinate
+        self.mobility = ZERO  # one over the inertia along the coordinate
 
     def add(self, child: Link, mass: Mass, force: Vector) -> None:
         """Add the mass and the force that a child presents at its hinge."""
@@ -93,7 +97,7 @@ class Articulated:
             self.inertia = total(self.inertia, arm.cross(coupling))
 
     def sum_up(self) -> None:
-        """Write the forces on the body, and its inertia once all children have added theirs."""
+        """Write forces and inertia of the body, after all children have added theirs."""
         text, prefix, link = self.text, self.prefix, self.link
         text.comment(f"{link.body.name}: forces and inertia")
         self.force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
@@ -102,9 +106,11 @@ class Articulated:
         self.coupling = text.let_vector(f"{prefix}_coupling", self.coupling)
         self.inertia = text.let(f"{prefix}_total_inertia", self.inertia)
         if link.is_guided:
-            self.momentum = self.mass.times(self.way)
-            self.effort = text.let(f"{prefix}_effort", self.way.dot(self.force))
-            self._set_mobility(link.body.mass, self.way.dot(self.momentum))
+            self.momentum = self.mass.times(self.partial_velocity)
+            self.generalized_force = text.let(
+                f"{prefix}_generalized_force", self.partial_velocity.dot(self.force)
+            )
+            self._set_mobility(link.body.mass, self.partial_velocity.dot(self.momentum))
         elif not link.is_loose:
             self._sum_about_hinge()
 
@@ -112,42 +118,48 @@ class Articulated:
         """Write moment and inertia about the hinge."""
         text, prefix, link = self.text, self.prefix, self.link
         arm = link.arm(text, link.branch.end, link.joint)
-        self.way = Vector(arm.y, negative(arm.x))
-        momentum = self.mass.times(self.way).plus(self.coupling)
+        self.partial_velocity = Vector(arm.y, negative(arm.x))
+        momentum = self.mass.times(self.partial_velocity).plus(self.coupling)
         self.momentum = text.let_vector(f"{prefix}_momentum", momentum)
-        moment = total(self.moment, self.way.dot(self.force))
-        self.effort = text.let(f"{prefix}_{link.joint}_moment", moment)
+        moment = total(self.moment, self.partial_velocity.dot(self.force))
+        self.generalized_force = text.let(f"{prefix}_{link.joint}_moment", moment)
         radius = link.branch.end.x**2 + link.branch.end.y**2
-        about = total(self.way.dot(self.momentum.plus(self.coupling)), self.inertia)
-        self._set_mobility(link.body.effective_inertia + link.body.mass * radius, about)
+        momentum = self.momentum.plus(self.coupling)
+        inertia = total(self.partial_velocity.dot(momentum), self.inertia)
+        own_inertia = link.body.effective_inertia + link.body.mass * radius
+        self._set_mobility(own_inertia, inertia)
 
-    def _set_mobility(self, alone: float, together: str) -> None:
-        """Write one over the inertia along the coordinate, which of a single body is constant."""
+    def _set_mobility(self, own_inertia: float, inertia: str) -> None:
+        """Write one over the inertia along the coordinate.
+
+        For a body without children it is a constant, from ``own_inertia``.
+        """
         name = f"{self.prefix}_mobility"
-        if self.link.drive is None:
-            self.mobility = (
-                self.text.parameter(name, 1.0 / alone)
-                if self.is_leaf
-                else self.text.let(name, quotient(ONE, together))
-            )
+        if self.link.drive is not None:
+            return
+        if self.is_leaf:
+            self.mobility = self.text.parameter(name, 1.0 / own_inertia)
+        else:
+            self.mobility = self.text.let(name, quotient(ONE, inertia))
 
     def present_to(self, parent: "Articulated") -> None:
-        """Write the mass and the force at rest at the hinge, as the parent meets them."""
+        """Write mass and force at the hinge, and add them to the parent."""
         text, prefix, link = self.text, self.prefix, self.link
         circle = centripetal(link, link.arm(text, link.branch.end, link.joint))
         circle = text.let_vector(f"{prefix}_centripetal", circle)
-        mass, yielding = self.mass, self.momentum.times(link.alpha)
+        mass = self.mass
+        yielding = self.momentum.times(link.alpha)
         if link.drive is None:
             share = text.let_vector(
                 f"{prefix}_share", self.momentum.times(self.mobility)
             )
-            yielding = share.times(self.effort)
-            less = Mass(
+            yielding = share.times(self.generalized_force)
+            correction = Mass(
                 negative(product(share.x, self.momentum.x)),
                 negative(product(share.x, self.momentum.y)),
                 negative(product(share.y, self.momentum.y)),
             )
-            mass = mass.plus(less).named(text, f"{prefix}_hinge_mass")
+            mass = mass.plus(correction).named(text, f"{prefix}_hinge_mass")
         force = self.force.minus(yielding).minus(mass.times(circle))
         parent.add(link, mass, text.let_vector(f"{prefix}_hinge_force", force))
 
@@ -155,22 +167,25 @@ class Articulated:
         """Write the acceleration of the body and those of its coordinates."""
         text, prefix, link = self.text, self.prefix, self.link
         text.comment(f"{link.body.name}: acceleration")
-        place = size + link.coordinate
+        rate = size + link.coordinate
         if link.is_loose:
             self._release_loose()
             accelerations = [*link.acceleration, link.alpha]
         elif link.is_guided:
-            along = text.let(f"{prefix}_rate", product(self.mobility, self.effort))
-            link.acceleration = text.let_vector(f"{prefix}_a", self.way.times(along))
-            accelerations = [along]
+            acceleration = product(self.mobility, self.generalized_force)
+            acceleration = text.let(f"{prefix}_acceleration", acceleration)
+            link.acceleration = text.let_vector(
+                f"{prefix}_a", self.partial_velocity.times(acceleration)
+            )
+            accelerations = [acceleration]
         else:
             self._release_hinged()
             is_relative = link.parent is not None and not link.parent.is_prescribed
             before = link.parent.alpha if link.parent and is_relative else ZERO
             accelerations = [difference(link.alpha, before)]
         for k in range(link.size):
-            text.write(f"out[{link.coordinate + k}] = y[{place + k}]")
-            text.write(f"out[{place + k}] = {accelerations[k]}")
+            text.write(f"out[{link.coordinate + k}] = y[{rate + k}]")
+            text.write(f"out[{rate + k}] = {accelerations[k]}")
 
     def _release_hinged(self) -> None:
         text, prefix, link = self.text, self.prefix, self.link
@@ -180,33 +195,33 @@ class Articulated:
         )
         carried = text.let_vector(f"{prefix}_carried", carried)
         if link.drive is None:
-            rest = difference(self.effort, self.momentum.dot(carried))
+            rest = difference(self.generalized_force, self.momentum.dot(carried))
             link.alpha = text.let(f"{prefix}_alpha", product(self.mobility, rest))
-        tangential = self.way.times(link.alpha)
+        tangential = self.partial_velocity.times(link.alpha)
         link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(tangential))
 
     def _release_loose(self) -> None:
         """Write the accelerations of a body that no ideal joint holds.
 
-        Without its turn first: what hangs from it never makes the two equations for its
-        translation singular.
+        The two equations of its translation are solved first, without its rotation,
+        because its children never make them singular.
         """
         text, prefix, link, mass = self.text, self.prefix, self.link, self.mass
         if self.is_leaf:
-            link.acceleration = text.let_vector(
-                f"{prefix}_a", Vector(*(quotient(each, mass.xx) for each in self.force))
-            )
+            ax = quotient(self.force.x, mass.xx)
+            ay = quotient(self.force.y, mass.xx)
+            link.acceleration = text.let_vector(f"{prefix}_a", Vector(ax, ay))
             if link.drive is None:
                 link.alpha = text.let(
                     f"{prefix}_alpha", quotient(self.moment, self.inertia)
                 )
             return
         determinant = difference(product(mass.xx, mass.yy), square(mass.xy))
-        part = text.let(f"{prefix}_part", quotient(ONE, determinant))
+        factor = text.let(f"{prefix}_factor", quotient(ONE, determinant))
         inverse = Mass(
-            product(part, mass.yy),
-            negative(product(part, mass.xy)),
-            product(part, mass.xx),
+            product(factor, mass.yy),
+            negative(product(factor, mass.xy)),
+            product(factor, mass.xx),
         )
         inverse = inverse.named(text, f"{prefix}_mobility")
         free = text.let_vector(f"{prefix}_free", inverse.times(self.force))
@@ -224,7 +239,7 @@ class Articulated:
         return self.force.minus(self._needed())
 
     def _needed(self) -> Vector:
-        """Return the force that the motion needs."""
+        """Return the inertia force: mass times acceleration, with the children."""
         link = self.link
         return self.mass.times(link.acceleration).plus(self.coupling.times(link.alpha))
 
@@ -236,7 +251,10 @@ class Articulated:
         )
         if link.is_loose:
             return difference(turning, self.moment)
-        return difference(total(turning, self.way.dot(self._needed())), self.effort)
+        return difference(
+            total(turning, self.partial_velocity.dot(self._needed())),
+            self.generalized_force,
+        )
 
 
 def solve_tree(text: Text, chain: Chain) -> dict[str, Articulated]:

@@ -1,4 +1,4 @@
-"""The text of equations as a function, in plain Python and compiled."""
+"""Written equations as a function, in plain Python and compiled."""
 
 import linecache
 import math
@@ -24,12 +24,10 @@ from presswear.tools.compile import Kernel, Records, call, call_entry, entry_of,
 from presswear.tools.files import digest
 from presswear.tools.packing import pack_arguments, unpack
 
+# Levels of the equations: ACCELERATIONS fills accelerations; RATES also fills rates of
+# integrals; END also fills recorded quantities
 ACCELERATIONS, RATES, END = range(3)
-"""Parts that the equations fill: accelerations, also rates of integrals, also what is recorded."""
-
-
-FORCE = 3
-"""Row of ``Model.bodies``."""
+FORCE = 3  # row of ``Model.bodies``
 
 
 class Model(NamedTuple):
@@ -40,8 +38,8 @@ class Model(NamedTuple):
     """
 
     parameters: Array
-    # Closing speeds of the joints at touchdown, m/s; 0: that of the state; below zero:
-    # held open
+    # closing speeds of the joints at touchdown, m/s; 0: use the rate of the state; below
+    # zero: the joint has no force
     onset: Array
     contacts: Array
     bodies: Array  # q, v, a, forces and axes of all bodies, (5, 3 bodies)
@@ -55,10 +53,10 @@ class Model(NamedTuple):
 
 
 class Written(NamedTuple):
-    """Equations as kernels call them."""
+    """Compiled equations and their arguments, as kernels call them."""
 
-    entry: int  # see ``tools.compile.call_entry``
-    model: int  # address of the arrays that they read and fill
+    entry: int  # address of the function, see ``tools.compile.call_entry``
+    model: int  # address of the packed Model
 
 
 _KERNELS = (
@@ -80,7 +78,7 @@ _NAMES = {
 def function_of(text: str) -> Kernel:
     """Return the text as a compiled function; its ``py_func`` is the function in plain Python.
 
-    A debugger shows the lines of the text.
+    A debugger shows the lines of the text, because ``linecache`` has them.
     """
     short = digest(text.encode())[:16]
     name = f"<equations {short}>"
@@ -88,8 +86,7 @@ def function_of(text: str) -> Kernel:
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     exec(compile(text, name, "exec"), names)
     function: Callable[..., Any] = names["equations"]
-    # Of two equal names in machine code that other processes stored, only one would be
-    # found.
+    # Each text needs a name of its own, because stored machine code is found by name.
     function.__qualname__ = f"equations_{short}"
     return Kernel(function, file=__file__)
 
@@ -103,8 +100,8 @@ def model_of(
 ) -> Model:
     """Return the arrays that the equations of a linkage read and fill.
 
-    ``contacts`` are records of CONTACT. Closed loops of prescribed bodies go on from
-    the motion that ``begin_motion`` notes in ``prescribed``.
+    ``contacts`` are records of CONTACT. The motion of prescribed bodies in closed loops
+    continues from the state that ``begin_motion`` stores in ``prescribed``.
     """
     prescribed = frozenset(link.body.name for link in equations.chain.prescribed)
     return Model(
@@ -126,10 +123,10 @@ def model_of(
 
 def written(equations: Equations, model: Model) -> Written:
     """Return equations for ``fill``."""
-    packed, y = pack_arguments(model), np.zeros(equations.layout.size)
-    return Written(
-        entry_of(function_of(equations.text), packed, 0.0, y, y, END), packed
-    )
+    packed = pack_arguments(model)
+    y = np.zeros(equations.layout.size)
+    entry = entry_of(function_of(equations.text), packed, 0.0, y, y, END)
+    return Written(entry, packed)
 
 
 @inlined

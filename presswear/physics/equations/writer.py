@@ -1,8 +1,9 @@
 """The equations of motion of a linkage as text, with the numbers that they take.
 
-The text is a Python function that fills the rates of a state y = (x, x', integrals):
-coordinates and rates of the open tree, then those of ``integrals``. Topology stands in
-the text; numbers are in one array, so that another clearance needs no other text.
+The text is a Python function that fills the rates of a state vector y: coordinates and
+rates of the open tree, states of interactions, and integrals (``layout``). The topology
+is in the text. The numbers are in an array, so that the text does not change with a
+clearance.
 """
 
 import re
@@ -39,7 +40,7 @@ class Equations:
     states : tuple of State
         States of interactions.
     layout : Layout
-        Places of the parts of the state.
+        Order of the numbers in the state vector.
     """
 
     text: str
@@ -69,9 +70,9 @@ def write_equations(
 ) -> Equations | str:
     """Return the equations of a linkage, or the reason why none can be written.
 
-    ``packed`` is the linkage for kernels, which tells whether its surfaces are round.
-    With forces, those on the coordinates follow in ``out`` behind the state; no drive
-    may turn a free body then.
+    ``packed`` is the packed linkage; the text depends on whether its surfaces are round.
+    If ``with_forces``, the generalized forces on the coordinates follow in ``out`` after
+    the rates; no drive may then prescribe the angle of a free body.
     """
     text = Text()
     chain = open_chain(linkage, text)
@@ -97,11 +98,12 @@ def write_equations(
 
 
 def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
-    """Return forces and moments of contacts, springs and loads as text, whatever holds the bodies.
+    """Return the forces and moments of contacts, springs and loads on all bodies as text.
 
-    The coordinates are those of all bodies. The function fills the row of forces in
-    ``bodies``, and in ``out`` the rates of states and integrals but for those of
-    drives. Weights and constant loads are left to ``packed.weight``.
+    The coordinates are those of all bodies, without joints and drives. The function
+    fills the row of forces in ``bodies``. In ``out`` it fills the rates of states and
+    integrals, without those of drives. Weights and constant loads are not included; they
+    are in ``packed.weight``.
     """
     text = Text()
     chain = loose_chain(linkage, text)
@@ -110,8 +112,10 @@ def write_body_forces(linkage: Linkage, packed: Packed) -> Equations:
     text.comment("forces and moments about the mass centres")
     text.write("q, v, a, force, axes = data.bodies")
     for link in chain.links:
-        for i, part in enumerate((*Vector().plus(*link.forces), total(*link.moments))):
-            text.write(f"force[{link.index + i}] = {part}")
+        force = Vector().plus(*link.forces)
+        text.write(f"force[{link.index}] = {force.x}")
+        text.write(f"force[{link.index + 1}] = {force.y}")
+        text.write(f"force[{link.index + 2}] = {total(*link.moments)}")
     if page.has_rates:
         text.write("")
         with text.block("if level >= RATES:"):
@@ -154,21 +158,24 @@ def _record(text: Text, chain: Chain, link: Link) -> None:
 
 
 def _equations(linkage: Linkage, page: Page) -> Equations:
-    """Return what is written on a page."""
-    text, states = page.text, tuple(page.states)
+    """Return the equations from a finished page."""
     return Equations(
-        _function(linkage, text), text.numbers, page.chain, states, page.layout
+        text=_function(linkage, page.text),
+        numbers=page.text.numbers,
+        chain=page.chain,
+        states=tuple(page.states),
+        layout=page.layout,
     )
 
 
 def _function(linkage: Linkage, text: Text) -> str:
-    """Return the whole function."""
-    words = re.sub(r"[^\w .,()-]", "", linkage.name)
+    """Return the text of the function with its head and its parameters."""
+    name_of_linkage = re.sub(r"[^\w .,()-]", "", linkage.name)
     lines = [
         "def equations(model, t, y, out, level):",
-        f'    """Fill the rates of the state of {words}.',
+        f'    """Fill the rates of the state of {name_of_linkage}.',
         "",
-        "    Level RATES adds powers and torques, END also what is recorded. SI units.",
+        "    Level RATES also fills powers and torques, END also recorded quantities. SI units.",
         '    """',
         "    data = unpack(model)[0]",
         "    parameters = data.parameters",

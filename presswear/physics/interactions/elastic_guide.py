@@ -15,7 +15,10 @@ from presswear.tools.arrays import Array
 
 @dataclass(frozen=True)
 class ElasticGuide:
-    """A guide with a spring, as text: F = -k z - D z' along it, with z from its point."""
+    """Spring and damper along a guide, which write themselves into the equations.
+
+    The force is F = -k z - D z', where z is the distance from the point of the guide.
+    """
 
     guide: Guide
     damping: float  # D, N s/m
@@ -31,7 +34,7 @@ class ElasticGuide:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The frame, and the body that slides."""
+        """The frame and the sliding body."""
         return GROUND, self.guide.body
 
     @classmethod
@@ -46,11 +49,12 @@ class ElasticGuide:
 
     def write(self, page: Page) -> None:
         """Write the force on the body, at its mass centre, and the power of the damper."""
-        text, guide = page.text, self.guide
+        text = page.text
+        guide = self.guide
         prefix = text.prefix(f"spring of {guide.name}")
         body = page.chain.of(guide.body)
         text.comment(f"{guide.name}: spring along the guide of {guide.body}")
-        along = Vector(
+        direction = Vector(
             text.direction(f"{prefix}_direction_x", math.cos(guide.direction)),
             text.direction(f"{prefix}_direction_y", math.sin(guide.direction)),
         )
@@ -58,15 +62,15 @@ class ElasticGuide:
             text.parameter(f"{prefix}_x", guide.x),
             text.parameter(f"{prefix}_y", guide.y),
         )
-        way = along.dot(body.position.minus(point))
-        stretch = text.let(f"{prefix}_stretch", way)
-        rate = text.let(f"{prefix}_rate", along.dot(body.velocity))
+        stretch = direction.dot(body.position.minus(point))
+        stretch = text.let(f"{prefix}_stretch", stretch)
+        rate = text.let(f"{prefix}_rate", direction.dot(body.velocity))
         stiffness = text.parameter(f"{prefix}_stiffness", guide.stiffness or 0.0)
         damping = text.parameter(f"{prefix}_damping", self.damping)
         elastic = negative(product(stiffness, stretch))
         size = difference(elastic, product(damping, rate))
         size = text.let(f"{prefix}_size", size)
-        force = text.let_vector(f"{prefix}_force", along.times(size))
+        force = text.let_vector(f"{prefix}_force", direction.times(size))
         body.add_force(Vector(), force)
         if self.damping != 0.0:
             page.add_power("load_work", negative(product(damping, rate, rate)))
@@ -75,21 +79,21 @@ class ElasticGuide:
 def stretch_of(linkage: Linkage, guide: Guide, position: Array) -> float:
     """Return the distance of a mass centre from the point of its guide, along the guide, m."""
     point, _ = ends_of(guide)
-    place = 3 * linkage.index(guide.body)
-    dx = position[place] - point.x
-    dy = position[place + 1] - point.y
+    i = 3 * linkage.index(guide.body)
+    dx = position[i] - point.x
+    dy = position[i + 1] - point.y
     return float(math.cos(guide.direction) * dx + math.sin(guide.direction) * dy)
 
 
 def damping_of(linkage: Linkage, guide: Guide) -> float:
-    """Return D = 2 zeta sqrt(k m) of a guide with a spring, N s/m, with the mass it carries."""
+    """Return D = 2 zeta sqrt(k m) of a guide with a spring, N s/m; m is the carried mass."""
     assert guide.stiffness is not None
     mass = carried_mass(linkage, guide.body)
     return 2.0 * guide.damping * math.sqrt(guide.stiffness * mass)
 
 
 def period_on(linkage: Linkage, guide: Guide) -> float:
-    """Return the period of all that a guide with a spring carries, s: 2 pi sqrt(m / k)."""
+    """Return the period of the carried mass on the spring of a guide, s: 2 pi sqrt(m / k)."""
     assert guide.stiffness is not None
     mass = carried_mass(linkage, guide.body)
     return 2.0 * math.pi * math.sqrt(mass / guide.stiffness)
@@ -97,13 +101,14 @@ def period_on(linkage: Linkage, guide: Guide) -> float:
 
 def carried_mass(linkage: Linkage, body: str) -> float:
     """Return the mass of a body with all bodies that joints connect with it, kg."""
-    joints = [bodies_of(joint) for joint in (*linkage.joints, *linkage.elastic_pins)]
-    joints += [
-        {one.bearing.body, one.pin.body} - {GROUND} for one in linkage.clearances
-    ]
+    pairs = [bodies_of(joint) for joint in (*linkage.joints, *linkage.elastic_pins)]
+    for joint in linkage.clearances:
+        pairs.append({joint.bearing.body, joint.pin.body} - {GROUND})
     carried = {body}
-    while more := {
-        name for joined in joints if joined & carried for name in joined - carried
-    }:
-        carried |= more
-    return sum(one.mass for one in linkage.bodies if one.name in carried)
+    count = 0
+    while count < len(carried):
+        count = len(carried)
+        for pair in pairs:
+            if pair & carried:
+                carried |= pair
+    return sum(link.mass for link in linkage.bodies if link.name in carried)
