@@ -1,4 +1,4 @@
-"""Runs from spread starts until they settle, in a folder from which they can be resumed."""
+"""Runs from spread starts until they settle; a folder stores them and they can be resumed."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -44,14 +44,15 @@ FILE = "settling.json"
 RUNS = "runs.npz"
 KICKS = "kicks.json"
 SCHEMA = 1
-# times the cycles that a settled motion must repeat for, until a run ends
+# Number of repeated cycles after which a run ends, over the number that a settled motion
+# needs
 WATCHED_TWICE = 2
-KICKED = 4  # final motions of most starts, which are kicked
-STARTS_SHARE = 0.9  # of the progress, for the starts
+KICKED = 4  # largest number of final motions for which kicks are tried
+STARTS_SHARE = 0.9  # share of the starts in the progress; the rest is that of kicks
 
 
 class _UntilSettled(Observer):
-    """Ends a run once it has repeated for twice as long as a settled motion must."""
+    """Observer that ends a run after it has repeated for twice the required number of cycles."""
 
     def __init__(self, signatures: Callable[[Recorder], Array]) -> None:
         self._signatures = signatures
@@ -89,22 +90,25 @@ def run_start(
     row = _row(len(linkage.clearances), len(ideal.position))
     row["eccentricity"] = starts.eccentricity[index]
     row["velocity"] = starts.velocity[index]
-    row["index"], row["cycles"] = index, len(run.recorder.cycles)
+    row["index"] = index
+    row["cycles"] = len(run.recorder.cycles)
     if run.status == "failed":
         row["settled"] = FAILED
         return row
     signatures = recorded_signatures(run.recorder, linkage)
     rest = rest_of(signatures)
     row["end"] = run.end.position, run.end.velocity
-    each = range(len(linkage.clearances))
-    force = np.array([run.recorder.each_cycle("force_max", k) for k in each])
-    contacts = np.array([run.recorder.each_cycle("contacts", k) for k in each])
+    joints = range(len(linkage.clearances))
+    force = np.array([run.recorder.each_cycle("force_max", k) for k in joints])
+    contacts = np.array([run.recorder.each_cycle("contacts", k) for k in joints])
     first = STARTUP_CYCLES if rest is None else rest.start + STARTUP_CYCLES
     row["peak_force"] = force[:, first:].mean(axis=1)
     row["contacts"] = contacts[:, first:].mean(axis=1)
     if rest is not None:
-        row["settled"], row["period"] = rest.start, rest.period
-        row["signature"], row["last"] = rest.signature, signatures[-PERIODS[-1] :]
+        row["settled"] = rest.start
+        row["period"] = rest.period
+        row["signature"] = rest.signature
+        row["last"] = signatures[-PERIODS[-1] :]
     before = force[:, STARTUP_CYCLES : None if rest is None else rest.start]
     row["irregular_cycles"] = before.shape[1]
     if before.size:
@@ -138,7 +142,7 @@ def _row(joints: int, coordinates: int) -> NDArray[Any]:
 def run_kicks(
     scene: Scene, runs: NDArray[Any], ideal: Start, report: Report
 ) -> list[Kick]:
-    """Return the least kicks of the final motion of some runs, rows of ``run_start``."""
+    """Return the smallest kicks of the final motion of some runs, rows of ``run_start``."""
     linkage = scene.linkage()
     orbit = np.concatenate([run["last"][-int(run["period"]) :] for run in runs])
     states = states_of(linkage, [Start(*run["end"]) for run in runs], ideal)
@@ -146,7 +150,7 @@ def run_kicks(
 
 
 class _Folder:
-    """Finished runs and kicks of a folder, which are written after each one."""
+    """Finished runs and kicks in a folder, which is written after each of them."""
 
     def __init__(self, folder: Path, starts: int) -> None:
         self._folder = folder
@@ -159,22 +163,21 @@ class _Folder:
             self.rows = dict(zip(keys, stored["rows"], strict=True))
         if (folder / KICKS).exists():
             document = read_json(folder / KICKS, f"{folder} has no {KICKS}", SCHEMA)
-            each = typed(document["motions"], list[_Kicked], f"{folder / KICKS}")
-            self.kicks = {(one.value, one.start): one.kicks for one in each}
+            motions = typed(document["motions"], list[_Kicked], f"{folder / KICKS}")
+            self.kicks = {(item.value, item.start): item.kicks for item in motions}
 
     def add_row(self, value: int, row: NDArray[Any]) -> None:
         """Store a finished run."""
         self.rows[value, int(row["index"][0])] = row[0]
         keys = sorted(self.rows)
-        rows = np.array([self.rows[each] for each in keys])
-        write_arrays(
-            self._folder / RUNS, {"keys": np.array(keys), "rows": rows}, np.savez
-        )
+        rows = np.array([self.rows[key] for key in keys])
+        arrays = {"keys": np.array(keys), "rows": rows}
+        write_arrays(self._folder / RUNS, arrays, np.savez)
 
     def add_kicks(self, value: int, start: int, kicks: Sequence[Kick]) -> None:
         """Store the kicks of the final motion of a start."""
         self.kicks[value, start] = tuple(kicks)
-        motions = [_Kicked(*key, each) for key, each in self.kicks.items()]
+        motions = [_Kicked(*key, stored) for key, stored in self.kicks.items()]
         write_json(self._folder / KICKS, {"schema": SCHEMA, "motions": motions})
 
     def settled(
@@ -300,27 +303,28 @@ def _run_all_kicks(
     on_progress: Callable[[str, float], None],
 ) -> None:
     work: dict[int, Any] = {}
-    places: list[tuple[int, int]] = []
+    keys: list[tuple[int, int]] = []  # value and first start of each motion
     for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
         settled = stored.settled(value, scene.clearance_joints, None)
         motions = settled.motions if settled else ()
-        for motion in [each for each in motions if each.period is not None][:KICKED]:
+        regular = [motion for motion in motions if motion.period is not None]
+        for motion in regular[:KICKED]:
             assert settled is not None
             runs = np.array(settled.runs[list(motion.runs[:STATES])])
-            place = value, int(runs["index"][0])
-            if place not in stored.kicks:
-                work[len(places)] = partial(run_kicks, scene, runs, ideal)
-                places.append(place)
+            key = value, int(runs["index"][0])
+            if key not in stored.kicks:
+                work[len(keys)] = partial(run_kicks, scene, runs, ideal)
+                keys.append(key)
     shares = dict.fromkeys(work, 0.0)
 
-    def progress(key: int, share: float, *_: Any) -> None:
-        shares[key] = 0.0 if math.isnan(share) else share
+    def progress(number: int, share: float, *_: Any) -> None:
+        shares[number] = 0.0 if math.isnan(share) else share
         done = sum(shares.values()) / len(shares)
         on_progress("kicks", STARTS_SHARE + (1.0 - STARTS_SHARE) * done)
 
-    def finish(key: int, kicks: Any) -> Mapping[int, Any]:
-        stored.add_kicks(*places[key], kicks)
-        progress(key, 1.0)
+    def finish(number: int, kicks: Any) -> Mapping[int, Any]:
+        stored.add_kicks(*keys[number], kicks)
+        progress(number, 1.0)
         return {}
 
     workers.run(work, finish, progress)
@@ -329,9 +333,10 @@ def _run_all_kicks(
 def _store_inputs(
     folder: Path, scene: Scene, watch: Watch, parameter: Parameter | None
 ) -> None:
-    """Write the inputs into a folder; raise InputError where it holds others.
+    """Write the inputs into a folder; raise InputError if it has other inputs.
 
-    Only the number of starts may differ, because more starts begin with the same ones.
+    Only the number of starts may differ, because a larger number contains the starts of
+    a smaller one.
     """
     inputs = {"scene": scene.as_dict(), "watch": watch, "parameter": parameter}
     if (folder / FILE).exists():
@@ -344,7 +349,13 @@ def _store_inputs(
 
 
 def load(folder: Path) -> FinalMotions:
-    """Return stored final motions; raise InputError if there are none or a file was altered."""
+    """Return stored final motions.
+
+    Raises
+    ------
+    InputError
+        If the folder has none, or a file was changed.
+    """
     document = _document(folder)
     scene = Scene.from_dict(document["scene"])
     watch = typed(document["watch"], Watch, f"{folder / FILE}: watch")

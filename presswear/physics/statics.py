@@ -28,18 +28,18 @@ from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import checked_arguments
 
 _INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
-# change of friction moments in the last iteration, part of the greatest
+# Largest change of friction moments in the last iteration, over the largest moment
 FRICTION_TOL = 1e-12
-MAX_ITERATIONS = 50  # of Newton's method for them
+MAX_ITERATIONS = 50  # of Newton's method for friction moments
 
 
 def needed_torques(
     linkage: Linkage, ideal: IdealMotion, time: Array, bushings: Sequence[Bushing] = ()
 ) -> Array:
-    """Return the torques of the drives, all joints closed, shape (n, drives), N m.
+    """Return the torques of the drives with all joints closed, shape (n, drives), N m.
 
-    With inertia, weights, springs and loads, and with the friction of ``bushings``: the
-    multipliers of the drives' constraint rows; see ``constraint_forces``.
+    They are the multipliers of the constraint rows of the drives, with inertia, weights,
+    springs, loads and the friction of ``bushings``; see ``forces_in_motion``.
     """
     return constraint_forces(linkage, ideal, time, bushings)[:, -len(linkage.drives) :]
 
@@ -59,21 +59,21 @@ def forces_in_motion(
 ) -> Array:
     """Return the forces and torques that hold the constraint rows, shape (n, rows), N and N m.
 
-    Laws of loads that depend on the way are followed from the first instant of
-    ``motion``, which is ``ideal`` at some instants.
+    ``motion`` is ``ideal`` at some instants. The modes of loads are followed from the
+    first of these instants on.
 
     Parameters
     ----------
     bushings : sequence of ClearanceJoint or Revolute
-        Bearings of pin joints of the same name, whose friction acts in the rigid
-        joints: a moment mu F r against the relative spin, with the joint force F, the
-        radius r of the bearing and the friction law at the sliding speed r times the
-        relative spin.
+        Bearings whose friction acts in the rigid joints of the same name. The moment
+        mu F r is opposite to the relative angular velocity; F is the joint force and r
+        the radius of the bearing. The sliding speed is r times the relative angular
+        velocity.
 
     Raises
     ------
     RunFailed
-        If friction blocks the motion, so that no forces hold it.
+        If friction blocks the motion: no forces are in equilibrium.
     """
     packed = pack(linkage)
     right = packed.mass * motion.acceleration
@@ -91,20 +91,18 @@ def forces_in_motion(
     )
     reactions = forces_of(right[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
-    return (
-        _Friction(linkage, motion, rubbing, forces_of).with_friction(reactions)
-        if rubbing
-        else reactions
-    )
+    if not rubbing:
+        return reactions
+    return _Friction(linkage, motion, rubbing, forces_of).with_friction(reactions)
 
 
 @compiled
 def fill_steady_friction(
     law: Records, sliding: Array, normal: Array, force: Array
 ) -> None:
-    """Fill the friction, N, of steady sliding at speeds, m/s, under normal forces, N; shape (n,).
+    """Fill friction forces of steady sliding at speeds, m/s, under normal forces, N; shape (n,).
 
-    LuGre's law has the deflection at which it stays: z' = 0.
+    The deflection of LuGre's law is that of z' = 0.
     """
     for i in range(sliding.shape[0]):
         if law.bristle_stiffness > 0.0:
@@ -117,25 +115,27 @@ def fill_steady_friction(
 def relative_spins(
     linkage: Linkage, motion: Motion, joints: Sequence[Bushing]
 ) -> tuple[NDArray[np.int64], Array]:
-    """Return the columns of the angles of pins and bearings, and their relative spin, rad/s.
+    """Return columns of the angles of pins and bearings, and relative angular velocities, rad/s.
 
-    Shapes (joints, 2), -1 for the frame, and (joints, n).
+    The shapes are (joints, 2), with -1 for the frame, and (joints, n).
     """
-    places = [
-        [-1 if end.body == GROUND else 3 * linkage.index(end.body) + 2 for end in ends]
-        for ends in ((joint.pin, joint.bearing) for joint in joints)
-    ]
-    columns = np.array(places, np.int64).reshape(-1, 2)
-    spins = np.concatenate([motion.velocity, np.zeros((motion.time.size, 1))], axis=1).T
-    return columns, spins[columns[:, 0]] - spins[columns[:, 1]]
+    columns = np.full((len(joints), 2), -1, np.int64)
+    for k, joint in enumerate(joints):
+        for side, end in enumerate((joint.pin, joint.bearing)):
+            if end.body != GROUND:
+                columns[k, side] = 3 * linkage.index(end.body) + 2
+    # The last column is that of the frame.
+    at_rest = np.zeros((motion.time.size, 1))
+    velocity = np.concatenate([motion.velocity, at_rest], axis=1).T
+    return columns, velocity[columns[:, 0]] - velocity[columns[:, 1]]
 
 
 class _Friction:
-    """Friction moments of rigid pin joints in the ideal motion, and the forces that they change.
+    """Friction moments of rigid pin joints in the ideal motion, and the changed joint forces.
 
-    The moments depend on the joint forces and the joint forces on the moments. Newton's
-    method solves for the moments m = c |F_0 - D m|, with the moment c of a joint force
-    of 1 N, the forces F_0 without friction, and those of unit moments D.
+    The moments depend on the joint forces, and the joint forces on the moments. Newton's
+    method solves m = c |F_0 - D m| for the moments m. c is the moment of a joint force
+    of 1 N, F_0 are the forces without friction, and D are the forces of unit moments.
     """
 
     def __init__(
@@ -150,13 +150,14 @@ class _Friction:
         columns, self._spin = relative_spins(linkage, motion, joints)
         names = [one.name for one in linkage.revolutes]
         self._rows = np.array([2 * names.index(joint.name) for joint in joints])
-        units = np.zeros((linkage_size := 3 * len(linkage.bodies), len(joints)))
+        coordinates = 3 * len(linkage.bodies)
+        units = np.zeros((coordinates, len(joints)))
         for k, (pin, bearing) in enumerate(columns):
             if pin >= 0:
                 units[pin, k] += 1.0
             if bearing >= 0:
                 units[bearing, k] -= 1.0
-        shape = (motion.time.size, linkage_size, len(joints))
+        shape = (motion.time.size, coordinates, len(joints))
         # Change of all multipliers by unit moments on the pins, (n, rows, joints)
         self._changes = forces_of(np.broadcast_to(units, shape))
 
@@ -187,7 +188,7 @@ class _Friction:
             scale = np.abs(friction).max(axis=1, initial=0.0, keepdims=True)
             if np.all(np.abs(error) <= FRICTION_TOL * scale):
                 return np.asarray(total)
-            # No direction of a force that vanishes
+            # A zero force has no direction: quotients by it are zero.
             per_force = np.divide(
                 friction, size, out=np.zeros_like(friction), where=size > 0.0
             )
@@ -214,7 +215,7 @@ def friction_corners(
 ) -> Array:
     """Return the instants at which friction in rigid joints has a corner, shape (k,), s.
 
-    The sliding speed passes a corner of the ramp, between some times, s, that resolve
+    At a corner the sliding speed passes an end of the ramp. ``time``, s, must resolve
     the motion.
     """
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
@@ -223,17 +224,18 @@ def friction_corners(
     for joint, spin in zip(rubbing, spins, strict=True):
         law = joint.friction
         for corner in (-law.upper, -law.lower, law.lower, law.upper):
-            ahead = joint.bearing_radius * spin - corner
-            k = np.flatnonzero(ahead[1:] * ahead[:-1] < 0.0)
-            instants.append(time[k] - ahead[k] * np.diff(time)[k] / np.diff(ahead)[k])
+            excess = joint.bearing_radius * spin - corner
+            k = np.flatnonzero(excess[1:] * excess[:-1] < 0.0)
+            slope = np.diff(excess)[k]
+            instants.append(time[k] - excess[k] * np.diff(time)[k] / slope)
     return np.concatenate(instants)
 
 
 def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     """Return the instants at which the table of a load has a corner in the ideal motion.
 
-    Shape (k,), s, between the first and the last of some times, s, that resolve the
-    motion.
+    The shape is (k,), s. Instants are between the first and the last of ``time``, s,
+    which must resolve the motion.
     """
     if not linkage.live_loads:
         return np.zeros(0)
@@ -265,11 +267,10 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
 def check_drives(
     linkage: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing] = ()
 ) -> None:
-    """Raise InputError where a drive needs more than its torque limit in the second cycle.
+    """Raise InputError if a drive needs more than its torque limit in the second cycle.
 
-    The limit of a motor is no fault: a servo saturates there.
-
-    Joints are rigid, with the friction of ``bushings``; see ``constraint_forces``.
+    Drives with a motor are not checked, because a servo saturates at its limit. Joints
+    are rigid, with the friction of ``bushings``; see ``forces_in_motion``.
     """
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
@@ -280,27 +281,26 @@ def check_drives(
     is_second = time >= start + ideal.period
     torques = needed_torques(linkage, ideal, time, bushings)[is_second]
     second = time[is_second]
-    for drive, item in zip(linkage.drives, torques.T, strict=True):
-        place = int(np.abs(item).argmax())
-        if (
-            drive.torque_limit is not None
-            and drive.motor is None
-            and not abs(item[place]) <= drive.torque_limit
-        ):
+    for drive, torque in zip(linkage.drives, torques.T, strict=True):
+        k = int(np.abs(torque).argmax())
+        if drive.torque_limit is None or drive.motor is not None:
+            continue
+        if not abs(torque[k]) <= drive.torque_limit:
             raise InputError(
                 f"torque_limit of {drive.body} = {written(drive.torque_limit, 'N m')}: the ideal "
-                f"motion needs {written(abs(item[place]), 'N m')}, at "
-                f"{360.0 * (second[place] - start) / ideal.period % 360.0:.4g} degrees of a cycle"
+                f"motion needs {written(abs(torque[k]), 'N m')}, at "
+                f"{360.0 * (second[k] - start) / ideal.period % 360.0:.4g} degrees of a cycle"
             )
 
 
-# Least default force for a total clearance, N, and over the weight
+# Default force for a total clearance: least value, N, and ratio to the weight
 LEAST_PULL = 100.0
 PULL_OVER_WEIGHT = 10.0
-CARRYING = 0.1  # part of the largest force by a pull, above which a joint carries it
+# Least force by a pull in a joint that carries it, over the largest force in a joint
+CARRYING = 0.1
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
-MAX_UNBALANCED = 1e-8  # part of the joint forces that a solution may leave
+MAX_UNBALANCED = 1e-8  # largest unbalanced force of a solution, over the joint force
 
 
 class Equilibrium(NamedTuple):
@@ -314,12 +314,11 @@ class Equilibrium(NamedTuple):
 class _Rest:
     """Position and unbalanced forces of a linkage as functions of the offsets in its joints.
 
-    Those are the eccentricities of the pins of clearance joints, then of elastic ones,
-    two for each, and the stretches of elastic guides.
-
-    The drives are held and the output point is pulled. The offsets are added to the
-    rows of the linkage with ideal joints, whose multipliers under all forces are
-    unbalanced in these rows.
+    Offsets are the eccentricities of the pins of clearance joints, then of elastic pins,
+    two for each, and the stretches of elastic guides. The drives are fixed and the
+    output point is pulled. The offsets are added to the constraint rows of the linkage
+    with ideal joints. The unbalanced forces are the multipliers of these rows under all
+    forces.
     """
 
     def __init__(self, linkage: Linkage, time: float, pull: float) -> None:
@@ -357,7 +356,7 @@ class _Rest:
     def move(self, offsets: Array) -> None:
         """Move all bodies to offsets in the joints, shape (joints, 2), m.
 
-        Of a guide the first is its stretch, and the second stands for nothing.
+        The first offset of a guide is its stretch; its second offset is not used.
         """
         is_row = self.offset_rows >= 0
         for _ in range(20):
@@ -371,7 +370,7 @@ class _Rest:
         self._forces(self._time, self.position, self._still)  # fills the contacts
 
     def unbalanced(self, with_contacts: bool = True) -> Array:
-        """Return the forces that push joints out of the middle, shape (joints, 2), N."""
+        """Return the unbalanced forces at the offsets, shape (joints, 2), N."""
         q = self.position
         output = self._linkage.output
         i = 3 * self._linkage.index(output.body)
@@ -389,8 +388,8 @@ class _Rest:
 def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
     """Return the constraint rows in which joints have offsets, (joints, 2); -1 for none.
 
-    The rows are those of the closed linkage: its pins come first, with the loose and
-    the elastic ones behind the others, and then the guides.
+    The rows are those of the linkage with ideal joints: rigid pins, clearance joints,
+    elastic pins, and guides, in this order.
     """
     first = 2 * len(linkage.revolutes)
     pins = len(linkage.clearances) + len(linkage.elastic_pins)
@@ -404,7 +403,7 @@ def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
 
 
 def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array]:
-    """Return the clearances of joints, and how far forces, N, press or stretch them, m."""
+    """Return clearances of joints, and their penetrations or stretches under forces, N, in m."""
     law = joints["normal"]
     elastic = linkage.elastic_joints
     stiffness = [*law["estimated_stiffness"], *(one.stiffness for one in elastic)]
@@ -414,13 +413,13 @@ def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array
 
 
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
-    """Return a linkage at rest, its drives held as at a time, s, its output point pulled, N."""
+    """Return a linkage at rest under a force on its output point, N, with fixed drives."""
     from scipy.optimize import root  # slow to import
 
     rest = _Rest(linkage, time, force)
     needed = rest.unbalanced(with_contacts=False)
     size = np.hypot(*needed.T)
-    # A joint without a force stays in the middle.
+    # A joint without a force has no offset.
     loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
     offsets = np.zeros_like(needed)
     if not loaded.any():
@@ -446,7 +445,7 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     start = offsets[unknown]
     solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
     left = float(np.abs(residual(solution.x)).max())
-    # A small penetration is known to round-off of the position only.
+    # The error of a small penetration is the round-off of the position.
     if not (left <= MAX_UNBALANCED or left * depth.max() <= rest.tolerance):
         raise RunFailed(
             f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
@@ -465,27 +464,27 @@ def _instant_of_bottom(linkage: Linkage) -> float:
 
 
 def heights_at_bottom(linkage: Linkage, forces: Sequence[float]) -> Array:
-    """Return heights at bottom dead centre under static forces, m, the drives held there."""
+    """Return heights at bottom dead centre under static forces, m, with fixed drives."""
     time = _instant_of_bottom(linkage)
     return np.array([equilibrium(linkage, time, force).height for force in forces])
 
 
 def least_pull(linkage: Linkage) -> float:
-    """Return the pull, N, above which the joints that carry it change sides at bottom dead centre.
+    """Return the pull at bottom dead centre, N, above which it determines the side of each pin.
 
-    The force of an ideal joint is that of the weight, springs and constant loads, and a
-    part of the pull. Joints that carry less than ``CARRYING`` of the largest part are
-    left out.
+    The force of an ideal joint is that of weight, springs and constant loads, plus that
+    of the pull. Joints in which a pull has less than ``CARRYING`` of its largest force
+    are left out.
     """
     time = _instant_of_bottom(linkage)
-    still, pulled = (
-        _Rest(linkage, time, pull).unbalanced(False) for pull in (0.0, 1.0)
-    )
-    part = pulled - still
-    size = np.hypot(*part.T)
+    without_pull = _Rest(linkage, time, 0.0).unbalanced(with_contacts=False)
+    with_pull = _Rest(linkage, time, 1.0).unbalanced(with_contacts=False)
+    per_pull = with_pull - without_pull  # force of a pull of 1 N
+    size = np.hypot(*per_pull.T)
     carries = size > CARRYING * float(size.max(initial=0.0))
-    along = np.abs((still * part).sum(axis=1))[carries] / size[carries] ** 2
-    return float(along.max(initial=0.0))
+    projection = np.abs((without_pull * per_pull).sum(axis=1))
+    pull = projection[carries] / size[carries] ** 2
+    return float(pull.max(initial=0.0))
 
 
 def pull_of(linkage: Linkage) -> float:
@@ -539,8 +538,7 @@ def deflection(linkage: Linkage, force: float, idle: float = 0.0) -> float:
     ``force`` and ``idle`` act on the output point along its direction, N. Without
     ``idle`` only the weight acts. Errors are those of ``total_clearance``.
     """
-    force, idle = (
-        float(_FORCE.convert(*one)) for one in (("force", force), ("idle", idle))
-    )
+    force = float(_FORCE.convert("force", force))
+    idle = float(_FORCE.convert("idle", idle))
     loaded, unloaded = heights_at_bottom(linkage, (force, idle))
     return float(loaded - unloaded)

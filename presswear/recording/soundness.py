@@ -1,7 +1,6 @@
-"""Soundness checks after each cycle: findings that make the numbers of a run worthless.
+"""Soundness checks after each cycle: findings that make the numbers of a run useless.
 
-Each limit lies far beyond the values of a sound run, so that a run ends where one is
-exceeded.
+A run ends if a limit is exceeded. Each limit is far above the values of a sound run.
 """
 
 import math
@@ -25,29 +24,35 @@ Kind = Literal[
     "state", "energy", "steps", "constraints", "penetration", "wear", "motor"
 ]
 
-# residual of the energy balance over the energy that the drives exchanged
+# Largest residual of the energy balance, over the energy exchanged by the drives
 RESIDUAL = 3e-3
-# of the energy exchanged, at the tolerances of a trajectory: the report compares with it
+# Residual at the tolerances of a trajectory, over the energy exchanged: the report
+# compares with it
 ENERGY_BOUND = 1e-6
-# Of the heat of damping and friction: wear is no more accurate than that.
+# Largest residual over the energy dissipated by damping and friction: the error of wear
+# is about as large.
 RESIDUAL_DISSIPATED = 1e-2
-# of the energy exchanged: 1e-7 for a trajectory, 2e-5 at the coarsest steps
+# Residual that is always allowed, over the energy exchanged. It is 1e-7 in an accurate
+# run, and 2e-5 with the longest steps.
 MIN_RESIDUAL = 1e-4
-# of the kinetic energy: at an instant hardly any energy is exchanged
+# Least energy exchanged, over the kinetic energy: the drives may exchange very little
 MIN_EXCHANGED = 1e-3
-MADE = 1.0  # created over dissipated energy: beyond it the contacts drive the linkage
-MIN_MADE = 1e-3  # of the energy exchanged
-# Contacts of fewer than LEAST_STEPS steps; grazing contacts are a few in a hundred.
+# Largest energy created by contacts over the energy dissipated: above it the contacts
+# drive the linkage
+MADE = 1.0
+MIN_MADE = 1e-3  # created energy that is always allowed, over the energy exchanged
+# Largest share of contacts with fewer than LEAST_STEPS steps. Grazing contacts are a few
+# per cent.
 UNRESOLVED = 0.5
-MIN_CONTACTS = 20  # of a joint, before these are judged
-DRIFT = 0.01  # error of a constraint, m or rad, of the smallest clearance
-MIN_DRIFT = 1e-7  # m or rad, which harms no linkage
-DRIFT_IDEAL = 1e-4  # m, without clearance
-# Nominal cycles in which a motor that starts must turn on
-START_CYCLES = 20
-BACKWARDS = 0.25  # of a cycle, by which it may turn back
-STALL_STEPS = 1000  # after which the progress of a run is judged
-# Least mean step, s, and as a part of a cycle; in a clearance of 1 nm it is far longer
+MIN_CONTACTS = 20  # contacts of a joint from which on this share is checked
+DRIFT = 0.01  # largest error of a constraint, m or rad, over the smallest clearance
+MIN_DRIFT = 1e-7  # error of a constraint that is always allowed, m or rad
+DRIFT_IDEAL = 1e-4  # largest error of a constraint without clearances, m or rad
+START_CYCLES = 20  # nominal cycles in which a starting motor must turn
+BACKWARDS = 0.25  # largest rotation backwards of a starting motor, in cycles
+STALL_STEPS = 1000  # number of steps between checks of the progress in time
+# Least mean step, s, and over the period of a cycle. In a clearance of 1 nm it is far
+# longer.
 STALL = 1e-12
 
 
@@ -58,7 +63,7 @@ class Finding:
     kind: Kind
     what: str  # text with values and limits
     time_s: float  # since the start of the run
-    joint: str  # nothing if no single joint is the cause
+    joint: str  # "" if the cause is not one joint
     remedy: str  # changes that may help
 
     @property
@@ -66,18 +71,18 @@ class Finding:
         """Text in one line."""
         where = f"joint {self.joint}: " if self.joint else ""
         remedy = f"; {self.remedy}" if self.remedy else ""
-        # Wear that a wear update would remove is not of a time within the run.
+        # A finding on a wear update has no time in the run.
         when = "" if self.kind == "wear" else f" (t = {self.time_s:.6g} s)"
         return f"{where}{self.what}{when}{remedy}"
 
 
 @dataclass
 class Progress:
-    """Progress of a run, which ends where time stands still."""
+    """Check of the progress in time of a run, which ends if the time does not advance."""
 
-    cycle: float  # s
-    steps: int = 0  # at the last judgement
-    time: float = 0.0  # s
+    cycle: float  # period of a cycle, s
+    steps: int = 0  # number of steps at the last check
+    time: float = 0.0  # at the last check, s
 
     def judge(self, steps: int, time: float) -> Finding | None:
         """Return a finding if the last thousand steps or more did not advance the time, s."""
@@ -97,7 +102,7 @@ class Progress:
 
 
 def check_motor(recorder: Recorder, time: float) -> Finding | None:
-    """Return a finding if the motor that leads a run has stalled, or does not start."""
+    """Return a finding if the motor of the leader has stalled, or does not start."""
     nominal = recorder.records.nominal[0]
     cycle = float(recorder.records.output["period"][0])
     more = "a motor with more torque"
@@ -132,7 +137,7 @@ class Condition:
     position: Array  # (3 bodies,)
     velocity: Array
     remedy: str  # setting that makes the steps of the engine finer
-    constraints: Constraints | None = None  # that may drift
+    constraints: Constraints | None = None  # to be checked for drift
 
 
 def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
@@ -182,8 +187,8 @@ def _check_energy(
     if ledger.drive_exchange <= 0.0:
         return None
     kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
-    # If a weight falls from rest, all energy exchanged is what its fall turns into
-    # heat.
+    # If a weight falls from rest, the drives exchange nothing: the dissipated energy is
+    # used instead.
     exchange = max(ledger.drive_exchange, ledger.dissipated, MIN_EXCHANGED * kinetic)
     heat = ledger.dissipated
     limit = min(
@@ -223,10 +228,10 @@ def _check_constraints(linkage: Linkage, now: Condition) -> Finding | None:
     return Finding("constraints", what, now.time, constraints.names[worst], remedy)
 
 
-# Times after a state, s, at which forces are evaluated. Those up to the second limit
-# are also the distances of positions and speeds to both sides of it, m, rad, m/s or
-# rad/s.
+# Times after a state at which forces are evaluated, s
 _AFTER = (0.0, *np.geomspace(1e-15, 1e-2, 53))
+# Largest of these times whose value is also a change of all coordinates and rates, in
+# both directions, m, rad, m/s or rad/s
 _BESIDE = 1e-6
 
 
@@ -235,12 +240,12 @@ def with_cause(
 ) -> Finding:
     """Return a finding with its cause.
 
-    A motor that stalls in the work does so at a depth. A state that is not finite has
-    an element whose force is not.
-    The forces are evaluated at the last finite state and close to it: along the motion
-    and, for what depends on the speed, to both sides of it. Without such an element
-    viscous damping of joints is the cause. Without both, or without a finite state, the
-    finding stays.
+    For a motor that stalls in the work the cause is the depth in the work. For a state
+    that is not finite, it is an element whose force is not finite. The forces are
+    evaluated at the last finite state and close to it, along the motion and in both
+    directions of all coordinates and rates. If no such element is found, it is the
+    viscous damping of joints. The finding does not change if there is no cause of these
+    kinds, or no finite state.
     """
     if finding.kind == "motor":
         what = f"{finding.what}{_depth_in_work(linkage, recorder)}"
@@ -250,8 +255,8 @@ def with_cause(
     one = np.ones_like(q)
     elements = _elements(linkage, recorder)
     for h in _AFTER:
-        for way in (v, one, -one) if h <= _BESIDE else (v,):
-            state = finding.time_s + h, q + h * way, v + h * way
+        for direction in (v, one, -one) if h <= _BESIDE else (v,):
+            state = finding.time_s + h, q + h * direction, v + h * direction
             for element in elements:
                 if not element.has_force(*state):
                     what = f"the force of {element.name} is not finite"
@@ -261,7 +266,7 @@ def with_cause(
         joint.name for joint in linkage.clearances if joint.normal.viscosity > 0.0
     ]
     if damped and not finding.joint:
-        # The steps follow the damper, whatever their tolerance.
+        # The damper limits the steps at any tolerance.
         return replace(
             finding, remedy=f"less viscous_damping at {', '.join(damped)} may help"
         )
@@ -269,7 +274,7 @@ def with_cause(
 
 
 def _depth_in_work(linkage: Linkage, recorder: Recorder) -> str:
-    """Return how deep a stalled motor is in the work, from the ideal motion; else nothing."""
+    """Return the depth in the work at which a motor has stalled, by the ideal motion, or ""."""
     stall = float(recorder.records.nominal["stall"][0])
     if not math.isfinite(stall):
         return ""
@@ -288,11 +293,11 @@ def _depth_in_work(linkage: Linkage, recorder: Recorder) -> str:
 
 
 class _Element(NamedTuple):
-    """A spring, a load or a joint, with its forces."""
+    """Spring, load or joint, with its forces."""
 
     name: str
     forces: BodyForces
-    joint: int | None = None  # place among the contacts
+    joint: int | None = None  # number among the contacts
 
     def has_force(self, t: float, q: Array, v: Array) -> bool:
         """Return whether its force is finite in a state."""
@@ -306,24 +311,24 @@ class _Element(NamedTuple):
 def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
     """Return all springs, loads with a law and joints in their present state."""
     records = recorder.records
-    bare = replace(linkage, springs=(), loads=(), clearances=())
+    without = replace(linkage, springs=(), loads=(), clearances=())
     elements = []
     for spring in linkage.springs:
-        alone = replace(bare, springs=(spring,))
-        elements.append(
-            _Element(f"spring {spring.name}", BodyForces(alone, pack(alone)))
-        )
+        with_spring = replace(without, springs=(spring,))
+        forces = BodyForces(with_spring, pack(with_spring))
+        elements.append(_Element(f"spring {spring.name}", forces))
     for k, load in enumerate(linkage.live_loads):
-        alone = replace(bare, loads=(load,))
+        with_load = replace(without, loads=(load,))
         loads = records.packed.loads
         assert loads is not None
-        part = loads._replace(
+        packed_load = loads._replace(
             records=loads.records[k : k + 1], modes=loads.modes[k : k + 1]
         )
         name = getattr(load, "name", "") or f"on {load.body}"
-        forces = BodyForces(alone, pack(alone)._replace(loads=part))
+        packed = pack(with_load)._replace(loads=packed_load)
+        forces = BodyForces(with_load, packed)
         elements.append(_Element(f"{type(load).__name__.lower()} {name}", forces))
-    joints = replace(bare, clearances=linkage.clearances)
+    joints = replace(without, clearances=linkage.clearances)
     forces = BodyForces(joints, records.packed._replace(loads=None), records.onset)
     for k, joint in enumerate(linkage.clearances):
         elements.append(_Element(f"joint {joint.name}", forces, k))
