@@ -31,16 +31,28 @@ class _Servo(Checked):
     """Servo motor of crank 7, which is exact without a stiffness."""
 
     stiffness: float | None = quantity(
-        *(None, "N m/rad", 0.0, MAX_STIFFNESS, "assumed"),
-        "stiffness of the servo, which then follows the angle of crank 2; default: exact",
+        None,
+        unit="N m/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text="stiffness of the servo, which then follows the angle of crank 2; default: exact",
     )
     damping: float = quantity(
-        *(0.0, "N m s/rad", 0.0, MAX_STIFFNESS, "assumed"),
-        "damping of a servo with a stiffness",
+        0.0,
+        unit="N m s/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text="damping of a servo with a stiffness",
     )
     torque_limit: float | None = quantity(
-        *(None, "N m", 1e-6, 1e12, "chosen"),
-        "torque at which a servo with a stiffness saturates; default: torque_limit",
+        None,
+        unit="N m",
+        low=1e-6,
+        high=1e12,
+        origin="chosen",
+        text="torque at which a servo with a stiffness saturates; default: torque_limit",
     )
 
     def __post_init__(self) -> None:

@@ -82,7 +82,7 @@ class _CornerText(ContactText):
         return False
 
     def _from_wall(self) -> Vector:
-        """Return the way of the corner from the point beside the middle of the guide."""
+        """Return the position of the corner from the point beside the middle of the guide."""
         return self.pin.position.plus(self.pin_arm).minus(self.bearing_arm)
 
     def _wall_normal(self) -> Vector:
@@ -125,7 +125,7 @@ class _CornerText(ContactText):
         return ZERO
 
     def _write_place(self) -> None:
-        """Write the place of the corner along the guide, from its point."""
+        """Write the position of the corner along the guide, from the point of the guide."""
         normal, side = self.vector("normal"), self.joint.side
         forwards = Vector(normal.y, negative(normal.x))
         along = forwards.times(ONE if side > 0.0 else f"-{ONE}").dot(self._from_wall())
