@@ -172,7 +172,9 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
     film, sampler = empty_film(len(linkage.bodies), count, cycle)
     moved = linkage.drives if has_leader else ()
-    turned = np.array([3 * linkage.index(one.body) + 2 for one in moved], np.int64)
+    angle_indices = np.array(
+        [3 * linkage.index(one.body) + 2 for one in moved], np.int64
+    )
     records = RecorderState(
         packed=pack(linkage, plan.wear is not None),
         motions=motions_of(linkage),
@@ -200,8 +202,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         guides=_guides_of(linkage),
         pins=_pins_of(linkage),
         stretches=np.empty((rows, len(linkage.elastic_joints))),
-        turned=turned,
-        turns=np.empty((rows, 2, turned.size)),
+        angle_indices=angle_indices,
+        turns=np.empty((rows, 2, angle_indices.size)),
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)

@@ -184,7 +184,7 @@ class RecorderState(NamedTuple):
     pins: Records  # of PIN, elastic
     # of the guides, then of the pins, in the rows of the series, m
     stretches: Array
-    turned: NDArray[np.int64]  # places in q of the angles of the drives, with a motor
+    angle_indices: NDArray[np.int64]  # of the drives in q, with a motor
     # their angles, rad, and speeds, rad/s, in the rows of the series, (rows, 2, drives)
     turns: Array
 
@@ -514,12 +514,12 @@ def place_in(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 
 @compiled
 def note_turns(
-    turned: NDArray[np.int64], turns: Array, row: int, q: Array, v: Array
+    angle_indices: NDArray[np.int64], turns: Array, row: int, q: Array, v: Array
 ) -> None:
     """Write angles and speeds of the drives of a linkage with a motor into a row."""
-    for k in range(turned.shape[0]):
-        turns[row, 0, k] = q[turned[k]]
-        turns[row, 1, k] = v[turned[k]]
+    for k in range(angle_indices.shape[0]):
+        turns[row, 0, k] = q[angle_indices[k]]
+        turns[row, 1, k] = v[angle_indices[k]]
 
 
 @inlined
@@ -537,5 +537,5 @@ def observe(
     if is_row_due(records, t):
         row = records.output[0].rows
         note_stretches(records.guides, records.pins, records.stretches, row, q)
-        note_turns(records.turned, records.turns, row, q, v)
+        note_turns(records.angle_indices, records.turns, row, q, v)
         write_row(records)

@@ -50,7 +50,7 @@ _NOT_COPIED = (
     "guides",
     "pins",
     "stretches",
-    "turned",
+    "angle_indices",
     "turns",
 )
 _COPIED = tuple(name for name in RecorderState._fields if name not in _NOT_COPIED)
