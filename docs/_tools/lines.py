@@ -44,9 +44,13 @@ MADE = {
     "my-press.toml": "new four-bar my-press.toml",
     "press.toml": "new press press.toml",
 }
-WORN_CSV = "joint,side,angle (deg),depth (um)\n" + "\n".join(
-    f"A,bearing,{10 * k},{k % 6}" for k in range(36)
-)
+# Tables of a user that command lines read
+TABLES = {
+    "worn.csv": "joint,side,angle (deg),depth (um)\n"
+    + "\n".join(f"A,bearing,{10 * k},{k % 6}" for k in range(36)),
+    "readings.csv": "joint,strokes,depth (um),error (um)\n"
+    "C,1500000,9,2\nC,3000000,14,2\nC,4500000,20,2\n",
+}
 
 
 def lines_of(text: str) -> Iterator[str]:
@@ -124,7 +128,7 @@ def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[
             writes = line.startswith("new ") or (
                 "--out" in line and "--resume" not in line
             )
-            for item in () if writes else [x for x in (*MADE, "worn.csv") if x in line]:
+            for item in () if writes else [x for x in (*MADE, *TABLES) if x in line]:
                 copy = shutil.copytree if (made / item).is_dir() else shutil.copy
                 shutil.rmtree(folder / item, ignore_errors=True)
                 (folder / item).parent.mkdir(exist_ok=True)
@@ -167,7 +171,8 @@ def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str
     os.environ["XDG_CACHE_HOME"] = cache
     with tempfile.TemporaryDirectory() as name, display():
         made = Path(name)
-        (made / "worn.csv").write_text(WORN_CSV)
+        for table, rows in TABLES.items():
+            (made / table).write_text(rows)
         needed = " ".join(
             [text, *(line for item, line in MADE.items() if item in text)]
         )
