@@ -129,7 +129,24 @@ def told(run: Run) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("name", sorted(CASES))
+# By default one engine goes on with each kind of state, and each engine with most.
+LONG = {
+    "bodies and joints, rigid joints that rub",
+    "bodies and joints, a slide that tilts",
+    "open tree, a slide that tilts",
+    "oiled pin, exudyn-joints",
+    "oiled pin, exudyn-tree",
+    "motor, servo and elastic frame, exudyn-tree",
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else [])
+        for name in sorted(CASES)
+    ],
+)
 def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) -> None:
     """From a file, as another process has it, or from the state that was kept in memory."""
     case = CASES[name]

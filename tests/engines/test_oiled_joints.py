@@ -66,7 +66,14 @@ def test_steady_rotation() -> None:
     assert ahead == pytest.approx(58.0543735, abs=1e-5)
 
 
-@pytest.mark.parametrize("engine", [IN_HOUSE, ExudynTree(), ExudynJoints()])
+@pytest.mark.parametrize(
+    "engine",
+    [
+        IN_HOUSE,
+        ExudynTree(),
+        pytest.param(ExudynJoints(), marks=pytest.mark.slow),
+    ],
+)
 def test_squeeze(engine: Engine) -> None:
     run = loaded(20e3 + 0.0j, 0.0, 67.849038761e-3, 1e12, engine=engine)
     # The pin has mass: the load reaches the film a little later.
