@@ -149,7 +149,7 @@ class Flow:
         self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array(
             [
-                not joint["oiled"] and _depends_on_onset(joint["normal"])
+                not joint["always_closed"] and _depends_on_onset(joint["normal"])
                 for joint in self.records.packed.joints
             ]
         )

@@ -135,6 +135,8 @@ class Linkage(Checked):
     @property
     def without_oil(self) -> "Linkage":
         """The linkage whose joints are dry."""
+        if all(joint.oil is None for joint in self.clearances):
+            return self
         clearances = tuple(replace(joint, oil=None) for joint in self.clearances)
         return replace(self, clearances=clearances)
 

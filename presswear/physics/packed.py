@@ -80,7 +80,8 @@ JOINT = np.dtype(
         ("wall_bin", np.float64),  # length of a bin, m
         # 1 where the corner moves along the guide with a positive sliding speed, or -1
         ("wall_sense", np.float64),
-        ("oiled", np.bool_),  # with an oil film: always closed, without events
+        # through oil: a contact without events, with the shape of new surfaces
+        ("always_closed", np.bool_),
     ]
 )
 
@@ -126,7 +127,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         record["friction"] = friction_record(joint.friction)
         record["onset_floor"] = onset_floor(joint)
         record["is_flat"] = isinstance(joint, GuideCorner)
-        record["oiled"] = joint.oil is not None
+        record["always_closed"] = joint.oil is not None
         record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":

@@ -196,7 +196,7 @@ def shorter_step(
     for k in range(contacts.shape[0] if h > least else 0):
         last = records.memory[k]
         contact = contacts[k]
-        if packed.joints[k].oiled:
+        if packed.joints[k].always_closed:
             continue
         if records.onset[k] > 0.0:
             wanted = early_separation(
@@ -229,7 +229,7 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
     for k in range(records.memory.shape[0]):
         joint = records.packed.joints[k]
         last = records.memory[k]
-        if joint.oiled:
+        if joint.always_closed:
             continue
         needed = CORNER_STEPS * parts if is_linear_corner(joint) else parts
         if records.onset[k] > 0.0 and last.steps < 2.0 * needed:
@@ -258,7 +258,7 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
         is_closed = records.onset[k] > 0.0
         depth = last.penetration
         rate = last.rate
-        if joint.oiled:
+        if joint.always_closed:
             # A force that passes through zero can grow again within the step.
             depth = max(depth, OILED_DEPTH * joint.clearance)
             wanted = contact_step(joint, depth, 0.0, steps[0].sustained)

@@ -455,7 +455,7 @@ def peak_within(
     On a foundation, a maximum far above the forces at both ends is an error of the
     extrapolated powers.
     """
-    if joint.oiled:
+    if joint.always_closed:
         return 0.0
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
     start = last.penetration
@@ -521,7 +521,7 @@ def settle(records: Any, t: float, needed: int) -> int:
     for k in range(joints.shape[0]):
         last = records.memory[k]
         contact = records.contacts[k]
-        if joints[k].oiled:
+        if joints[k].always_closed:
             if onset[k] == 0.0:
                 touch_down(records, k, t, 1.0, True)
         elif onset[k] == 0.0 and contact.penetration > 0.0:

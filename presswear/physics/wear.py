@@ -112,7 +112,7 @@ def deposit_over_arc(
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     depth_sum = joint.wear_coefficient * load_distance / bin_area
     # The film of an oiled joint, and its contact, have the shape of new surfaces.
-    if joint.surface_nodes == 0 or joint.oiled:
+    if joint.surface_nodes == 0 or joint.always_closed:
         deposit_round_arc(depth, joint, contact, zero, relative_angle, depth_sum)
     else:
         deposit_worn_arc(

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from upright_press import UP, upright_press
 
 import presswear as pw
 from presswear.engines.base import Plan, Start
@@ -13,7 +14,6 @@ from presswear.linkage.linkage import place_of
 from presswear.scene.catalog import scene_named
 from presswear.scene.settings import changed
 
-UP = 0.5 * math.pi
 L, W, C = 0.4, 0.3, 0.05e-3  # of the slide and its guide, m
 FORCE, OFFSET = 100e3, 0.06  # N, m
 CORNER = 15_002.813  # normal force of a corner, N; FORCE * OFFSET / L without tilt
@@ -31,19 +31,9 @@ SETTLED = 0.02
 
 def press_on_a_stop() -> pw.Scene:
     """Upright press that nearly stands at bottom dead centre, on a stop that bears 100 kN."""
-    bodies = [
-        pw.Bar("crank", 0.04, 60.0, 0.5),
-        pw.Bar("rod", 0.6, 50.0),
-        pw.Body("slide", 300.0),
-    ]
-    joints = [
-        pw.Pin("O", (0.0, 0.0), "crank.tail"),
-        pw.Pin("A", "crank.head", "rod.tail"),
-        pw.Pin("B", "rod.head", "slide"),
-        pw.Guide("guide", "slide", direction=UP, length=L, width=W),
-    ]
-    drives = [pw.Drive("crank", 1e-2, -UP)]
-    linkage = pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
+    guide = pw.Guide("guide", "slide", direction=UP, length=L, width=W)
+    linkage = upright_press(guide=guide)
+    linkage = linkage.changed(drives=[pw.Drive("crank", 1e-2, -UP)])
     bearing = pw.Bearing(
         clearance=C,
         contact_stiffness=STIFFNESS,

@@ -13,12 +13,14 @@ UP = 0.5 * math.pi
 SHEET = pw.Blanking(
     force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
 )
+GUIDE = pw.Guide("guide", "slide", direction=UP)
 
 
 def upright_press(
     motor: pw.Motor | None = None,
     frame: pw.Guide | None = None,
     crown: float = 600.0,
+    guide: pw.Guide = GUIDE,
 ) -> Linkage:
     """Upright slider-crank whose crank turns on the ground, or in a crown on a frame.
 
@@ -33,7 +35,7 @@ def upright_press(
         pw.Pin("O", (0.0, 0.0), "crank.tail"),
         pw.Pin("A", "crank.head", "rod.tail"),
         pw.Pin("B", "rod.head", "slide"),
-        pw.Guide("guide", "slide", direction=UP),
+        guide,
     ]
     if frame is not None:
         bodies = [pw.Body("crown", crown), *bodies]

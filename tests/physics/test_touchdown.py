@@ -288,7 +288,7 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
 
 def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
     line = _Line().start(0.0, 0.0)
-    line.packed.joints["oiled"] = True
+    line.packed.joints["always_closed"] = True
     line.steps["free"] = 1.0
     line.memory["penetration"] = 0.0
     without_force = line.wanted()

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from engines.upright_press import SHEET, UP, upright_press
 
 import presswear as pw
 from presswear.results.drives import curves_of
@@ -26,34 +27,16 @@ from presswear.show.warnings import warnings
 from presswear.sweeps.responses import available, request, responses_of
 
 TURN = 2.0 * math.pi
-SHEET = pw.Blanking(
-    force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
-)
-UP, FRAME, WEIGHT = 0.5 * math.pi, 0.5e9, 9.81 * 1010.0
+FRAME, WEIGHT = 0.5e9, 9.81 * 1010.0
 
 
 def press(
     inertia: float, on_frame: bool = False, torque: float = 20.0, **settings: Any
 ) -> pw.Result:
     """Run an upright slider-crank with a motor of 24 times a torque at a slip of 0.08."""
-    bodies = [
-        pw.Bar("crank", 0.04, 60.0, 0.5),
-        pw.Bar("rod", 0.6, 50.0),
-        pw.Body("slide", 300.0),
-    ]
-    joints = [
-        pw.Pin("O", (0.0, 0.0), "crank.tail"),
-        pw.Pin("A", "crank.head", "rod.tail"),
-        pw.Pin("B", "rod.head", "slide"),
-        pw.Guide("guide", "slide", direction=UP),
-    ]
-    if on_frame:
-        bodies = [pw.Body("crown", 600.0), *bodies]
-        frame = pw.Guide("frame", "crown", direction=UP, stiffness=FRAME, damping=0.05)
-        joints = [frame, pw.Pin("O", "crown", "crank.tail"), *joints[1:]]
+    frame = pw.Guide("frame", "crown", direction=UP, stiffness=FRAME, damping=0.05)
     motor = pw.Motor(torque, slip=0.08, ratio=24, inertia=inertia, **settings)
-    drives = [pw.Drive("crank", TURN, UP, motor=motor)]
-    linkage = pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
+    linkage = upright_press(motor, frame if on_frame else None)
     return pw.run(
         pw.Scene(linkage, process=SHEET, cycles=4, drive_torque="on"), engine="dae"
     )

@@ -176,7 +176,7 @@ def settle_joints(address: PackedArguments, event: int, t: float) -> int:
         contact = system.contacts[k]
         is_closed = records.onset[k] > 0.0
         rate = contact.rate
-        if system.packed.joints[k].oiled:
+        if system.packed.joints[k].always_closed:
             continue
         if k != event:
             is_near = abs(contact.penetration) <= state.resolution
@@ -220,7 +220,7 @@ def first_event(
     event = -1
     fraction = 2.0
     for k in range(joints):
-        if k == excluded or system.packed.joints[k].oiled:
+        if k == excluded or system.packed.joints[k].always_closed:
             continue
         last = records.memory[k]
         is_closed = records.onset[k] > 0.0

@@ -202,7 +202,7 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
         joint = records.packed.joints[k]
         last = records.memory[k]
         is_closed = records.onset[k] > 0.0
-        if joint.oiled:
+        if joint.always_closed:
             system.expected[k] = records.onset[k]
             continue
         if joint.is_flat:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.equations.text import (
@@ -72,7 +72,7 @@ class ClearanceContact:
         return [
             cls(joint, record, k)
             for k, (joint, record) in enumerate(pairs)
-            if not record["is_flat"] and not record["oiled"]
+            if joint.oil is None and not isinstance(joint, GuideCorner)
         ]
 
     @property

@@ -172,7 +172,7 @@ class OiledContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return nothing: the memory of each joint holds its elastic energy."""
+        """Return 0: the elastic energies of contacts are in the memory of the joints."""
         return 0.0
 
     def write(self, page: Page) -> None:
