@@ -23,6 +23,30 @@ class _TorqueLaw:
         return UserFunction.read(name, value, LOAD_PARAMETERS)
 
 
+def servo_stiffness(text: str) -> Any:
+    """Return the field of the stiffness of a servo."""
+    return quantity(
+        None,
+        unit="N m/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text=text,
+    )
+
+
+def servo_damping(text: str) -> Any:
+    """Return the field of the damping of a servo."""
+    return quantity(
+        0.0,
+        unit="N m s/rad",
+        low=0.0,
+        high=MAX_STIFFNESS,
+        origin="assumed",
+        text=text,
+    )
+
+
 @dataclass(frozen=True)
 class Motor(Checked):
     """Motor of a drive: a motor with slip, a servo, or a user law of the torque.
@@ -95,22 +119,8 @@ class Motor(Checked):
         origin="chosen",
         text="speed W_0 of the motor without load; default: ratio times the speed of the drive",
     )
-    stiffness: float | None = quantity(
-        None,
-        unit="N m/rad",
-        low=0.0,
-        high=MAX_STIFFNESS,
-        origin="assumed",
-        text="stiffness of a servo",
-    )
-    damping: float = quantity(
-        0.0,
-        unit="N m s/rad",
-        low=0.0,
-        high=MAX_STIFFNESS,
-        origin="assumed",
-        text="damping of a servo",
-    )
+    stiffness: float | None = servo_stiffness("stiffness of a servo")
+    damping: float = servo_damping("damping of a servo")
     law: Annotated[UserFunction | Callable[..., float] | str | None, _TorqueLaw()] = (
         None
     )

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.motion_pieces import RISES, TURN, Rise
-from presswear.linkage.motor import MAX_STIFFNESS, Motor
+from presswear.linkage.motor import Motor, servo_damping, servo_stiffness
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import choice, quantity, written
 from presswear.tools.serialize import Checked
@@ -30,22 +30,10 @@ def _servo_angle(degrees: float, text: str, low: float = -TURN) -> Any:
 class _Servo(Checked):
     """Servo motor of crank 7, which is exact without a stiffness."""
 
-    stiffness: float | None = quantity(
-        None,
-        unit="N m/rad",
-        low=0.0,
-        high=MAX_STIFFNESS,
-        origin="assumed",
-        text="stiffness of the servo, which then follows the angle of crank 2; default: exact",
+    stiffness: float | None = servo_stiffness(
+        "stiffness of the servo, which then follows the angle of crank 2; default: exact"
     )
-    damping: float = quantity(
-        0.0,
-        unit="N m s/rad",
-        low=0.0,
-        high=MAX_STIFFNESS,
-        origin="assumed",
-        text="damping of a servo with a stiffness",
-    )
+    damping: float = servo_damping("damping of a servo with a stiffness")
     torque_limit: float | None = quantity(
         None,
         unit="N m",

@@ -51,7 +51,7 @@ _LEVELS = np.array([0.025, 0.5, 0.975])
 _STROKES = 401  # even nodes of the distribution of the life
 _LEAST_ERROR = 1e-4  # of ln(strokes), below which an error is not resolved
 _SMALLEST = 1e-300  # strokes, against division by zero
-# most places of the limit relative to that of the readings, as a factor on a variance
+# Greatest part of the strokes ahead in those so far, by which the scatter may grow
 _MOST_AHEAD = 100.0
 _DOUBT = 0.01  # probability of residuals below which readings and shape disagree
 
@@ -221,8 +221,8 @@ def _predicted(scene: Scene, life: LifeResult) -> tuple[list[Limit], tuple[str, 
         if is_single or limit.name in QUANTITIES.values():
             limits.append(limit)
             continue
-        reason = "several joints change it"
-        remarks.append(f"{words_of(limit.key)} is left out, because {reason}")
+        words = words_of(limit.key)
+        remarks.append(f"{words} is left out, because several joints change it")
     if not limits:
         raise InputError(f"readings predict none of the limits: {'; '.join(remarks)}")
     ends = [life.curves[limit.key][-1, 0] < limit.value for limit in limits]

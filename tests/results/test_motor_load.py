@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engines.upright_press import SHEET, UP, upright_press
+from upright_press import SHEET, UP, upright_press
 
 import presswear as pw
 from presswear.results.drives import curves_of
