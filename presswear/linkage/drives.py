@@ -229,3 +229,11 @@ class Drive(_Motion):
         mean = self.mean_speed
         deviation, deviation_rate, acceleration = series(self, self.base, time)
         return self.angle + mean * time + deviation, mean + deviation_rate, acceleration
+
+
+def leader_of(drives: Sequence[Drive]) -> Drive | None:
+    """Return the first drive with a motor that is no servo, if there is one."""
+    for drive in drives:
+        if drive.motor is not None and not drive.motor.is_servo:
+            return drive
+    return None

@@ -7,60 +7,39 @@ mass centre and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the order of
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from fractions import Fraction
-from functools import partial
-from itertools import permutations
-from typing import Annotated, Any, ClassVar
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar
 
-from presswear.linkage.drives import Drive, Follow
+from presswear.linkage.cycle import check_cycle, common_period
+from presswear.linkage.drives import Drive, Follow, leader_of
 from presswear.linkage.elements import (
-    ANGLE,
     GROUND,
-    MIN_INERTIA,
     Attachment,
     Bar,
     Body,
     Bushing,
     ClearanceJoint,
-    End,
     Guide,
     GuideCorner,
     Joint,
     OutputPoint,
     Pin,
     Revolute,
-    angle,
-    ends_of,
 )
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
-from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, count, quantity, written
+from presswear.linkage.part_checks import (
+    check_drawing,
+    check_inertias,
+    check_joint_names,
+    check_motors,
+    check_names,
+)
+from presswear.linkage.parts import Parts, Placing, cycle, gravity, run_up
+from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
-# Shortest and longest cycle, s. A pin at rest in its bearing takes some 1e4 steps in a
-# second of the motion, so that a longer cycle takes too long to compute.
-MIN_CYCLE = 1e-5
-MAX_CYCLE = 1e3
-# distance of the points of a joint in the drawing, relative to its size
-DRAWING_TOL = 1e-6
-MAX_TURNS = 1000  # of a drive in a cycle
-MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
-_SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
-_FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
 _RELEASED = "elastic_pins", "elastic_guides", "is_turned_by_motors"
-
-# Fields of data classes; without a cycle its time follows from the drives.
-run_up = partial(
-    count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest"
-)
-cycle = partial(
-    quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
-)
-gravity = partial(
-    quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y"
-)
 
 
 @dataclass(frozen=True)
@@ -217,10 +196,7 @@ class Linkage(Checked):
         tau = (angle - its start) / nominal speed is the time of the ideal motion at
         which the leader has this angle. Without a leader tau is the time.
         """
-        for drive in self.drives:
-            if drive.motor is not None and not drive.motor.is_servo:
-                return drive
-        return None
+        return leader_of(self.drives)
 
     @property
     def motor_drives(self) -> tuple[Drive, ...]:
@@ -289,40 +265,11 @@ class Linkage(Checked):
     @property
     def period(self) -> float:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
-        label = f"cycle of {self.name}, in which all drives make whole turns,"
-        speeds = [
-            (drive.name, speed) for drive in self.drives for speed in drive.frequencies
-        ]
-        period = (
-            self._common_period([w for _, w in speeds])
-            if self.cycle is None
-            else self.cycle
-        )
-        Quantity("s", MIN_CYCLE, MAX_CYCLE).check(label, period)
-        for name, speed in speeds:
-            turns = speed * period / (2.0 * math.pi)
-            if turns > MAX_TURNS:
-                fault = f"{name} turns {turns:.6g} times in it, with {written(speed, 'rad/s')}"
-                allowed = f"allowed are {MAX_TURNS} times at most"
-                raise InputError(f"{label} = {period:g} s: {fault}; {allowed}")
+        period = self.cycle
+        if period is None:
+            period = common_period(self.drives, self.name)
+        check_cycle(period, self.drives, self.name)
         return period
-
-    def _common_period(self, speeds: Sequence[float]) -> float:
-        if not speeds:
-            raise InputError(
-                f"cycle of {self.name}: no drive turns; add one, or specify cycle, s"
-            )
-        turns = 1
-        for speed in speeds:
-            ratio = Fraction(speed / speeds[0]).limit_denominator(MAX_COMMON_TURNS)
-            if abs(float(ratio) * speeds[0] / speed - 1.0) > 1e-9:
-                raise InputError(
-                    f"cycle of {self.name}: speeds of {written(speeds[0], 'rad/s')} and "
-                    f"{written(speed, 'rad/s')} have no common cycle of {MAX_COMMON_TURNS} turns "
-                    "or less; specify cycle, s"
-                )
-            turns = math.lcm(turns, ratio.denominator)
-        return 2.0 * math.pi * turns / speeds[0]
 
     @property
     def phase(self) -> str:
@@ -349,24 +296,6 @@ class Linkage(Checked):
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""
         return {"kind": self.kind, **plain(_parts_of(self))}
-
-
-@dataclass(frozen=True)
-class _Parts(Checked):
-    """Arguments of ``assemble``; points are given by name where they have one."""
-
-    output: End | OutputPoint
-    name: str
-    direction: float | None = angle("of the output point", None)
-    guess: Mapping[str, Annotated[float, ANGLE]] = field(default_factory=dict)
-    cycle: float | None = cycle()
-    run_up: int = run_up()
-    gravity: float = gravity()
-    bodies: Sequence[Body] = ()
-    joints: Sequence[Pin | Revolute | Guide] = ()
-    drives: Sequence[Drive] = ()
-    springs: Sequence[Spring] = ()
-    loads: Sequence[Load | Force | Moment] = ()
 
 
 @checked_arguments
@@ -424,11 +353,11 @@ def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
         raise InputError("bodies: at least one is needed")
     end = output or getattr(rows[-1], "name", "")
     tables = rows, joints, drives, springs, loads
-    convert: Any = _Parts  # takes texts for numbers
-    parts: _Parts = convert(
+    convert: Any = Parts  # takes texts for numbers
+    parts: Parts = convert(
         end, name, direction, dict(guess), cycle, run_up, gravity, *tables
     )
-    placing = _Placing(parts)
+    placing = Placing(parts)
     for body in parts.guess:
         placing.check_body(body, "guess")
     linkage = Linkage(
@@ -446,106 +375,11 @@ def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
         clearances=tuple(clearances),
     )
     _check(linkage)
-    _check_drawing(linkage)
     return linkage
 
 
-class _Placing:
-    """Bodies by name, on which joints, drives, springs and loads get their points."""
-
-    def __init__(self, parts: _Parts) -> None:
-        self.bodies = {body.name: body for body in parts.bodies}
-        guides = (joint for joint in parts.joints if isinstance(joint, Guide))
-        self.guide_directions = {guide.body: guide.direction for guide in guides}
-
-    def check_body(self, body: str, where: str) -> None:
-        """Raise InputError where no body has a name."""
-        if body not in self.bodies:
-            raise unknown(f"body in {where}", body, self.bodies)
-
-    def point(self, end: End, where: str) -> Attachment:
-        """Return a point by its name or its place."""
-        if isinstance(end, tuple):
-            return Attachment(GROUND, *end)
-        if isinstance(end, Attachment):
-            if end.body != GROUND:
-                self.check_body(end.body, where)
-            return end
-        body, dot, name = end.partition(".")
-        self.check_body(body, where)
-        points = dict(self.bodies[body].points) | {"centre": (0.0, 0.0)}
-        name = name if dot else "centre"
-        if name not in points:
-            raise unknown(f"point of {body} in {where}", name, points)
-        return Attachment(body, *points[name])
-
-    def output(
-        self, end: OutputPoint | End, where: str, direction: float | None
-    ) -> OutputPoint:
-        """Return a point that is observed along a direction, by default that of its guide."""
-        at = end if isinstance(end, OutputPoint) else self.point(end, where)
-        self.check_body(at.body, where)
-        if isinstance(at, OutputPoint):
-            return at
-        if direction is None:
-            direction = self.guide_directions.get(at.body, 0.0)
-        return OutputPoint(at.body, direction, at.x, at.y)
-
-    def joint(self, joint: Pin | Revolute | Guide) -> Joint:
-        """Return a joint between two points, or a guide through the slide as it is drawn."""
-        if isinstance(joint, Guide):
-            return self._guide(joint)
-        where = f"joint {joint.name}"
-        first, second = self.point(joint.first, where), self.point(joint.second, where)
-        if isinstance(joint, Revolute):
-            return replace(joint, first=first, second=second)
-        return Revolute(
-            joint.name,
-            first,
-            second,
-            stiffness=joint.stiffness,
-            damping_ratio=joint.damping_ratio,
-        )
-
-    def _guide(self, guide: Guide) -> Guide:
-        self.check_body(guide.body, f"guide {guide.name}")
-        x, y = self.bodies[guide.body].drawn_at or (0.0, 0.0)
-        if guide.x is not None:
-            x = guide.x
-        if guide.y is not None:
-            y = guide.y
-        return replace(guide, x=x, y=y)
-
-    def drive(self, drive: Drive) -> Drive:
-        """Return a drive; the point that follows a curve has a direction."""
-        self.check_body(drive.body, "drives")
-        follow = drive.follow
-        if follow is None:
-            return drive
-        at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
-        return replace(drive, follow=replace(follow, point=at, direction=at.direction))
-
-    def spring(self, spring: Spring) -> Spring:
-        """Return a spring between points of two bodies."""
-        where = f"spring {spring.name}"
-        first = self.point(spring.first, where)
-        second = self.point(spring.second, where)
-        if first.body == second.body:
-            raise InputError(
-                f"{where}: both ends are on {first.body}, allowed are two bodies"
-            )
-        return replace(spring, first=first, second=second)
-
-    def load(self, load: AnyLoad) -> AnyLoad:
-        """Return a load; a force acts on a point, the others on a body."""
-        if isinstance(load, Force):
-            return replace(load, point=self.point(load.point, "loads"))
-        self.check_body(load.body, "loads")
-        return load
-
-
 def _check(linkage: Linkage) -> None:
-    """Raise InputError for names that stand twice and for bodies without inertia that can turn."""
+    """Raise InputError where parts do not fit each other."""
     joints = [joint.name for joint in (*linkage.joints, *linkage.clearances)]
     names = {
         "body": [GROUND, *(body.name for body in linkage.bodies)],
@@ -553,117 +387,17 @@ def _check(linkage: Linkage) -> None:
         "spring": [spring.name for spring in linkage.springs],
         "drive of": [drive.body for drive in linkage.drives],
     }
-    for what, name in ((what, name) for what, row in names.items() for name in row):
-        if (
-            not name.isprintable()
-            or name != name.strip()
-            or not name
-            or set(name) & _SIGNS
-        ):
-            signs = " ".join(sorted(_SIGNS))
-            raise InputError(
-                f"name of a {what} = {name!r}: a text without {signs} is expected"
-            )
-        if name.startswith(_FORMULA):
-            fault = (
-                "must not begin with + - or @, which begin formulas in a spreadsheet"
-            )
-            raise InputError(f"name of a {what} = {name!r}: {fault}")
-        if names[what].count(name) > 1:
-            raise InputError(f"{what} {name}: the name is used twice")
-    for one, longer in permutations(joints, 2):
-        if longer.startswith(f"{one}_"):
-            fault = f"must not begin with {one}_, because {one} is a joint too"
-            raise InputError(f"name of a joint = {longer!r}: {fault}")
+    check_names(names)
+    check_joint_names(joints)
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
-    _check_motors(linkage)
-    fixed = {guide.body for guide in linkage.guides}
-    fixed |= {
-        drive.body
-        for drive in linkage.drives
-        if drive.is_at_rest and drive.motor is None
-    }
-    for body in linkage.bodies:
-        if body.inertia < MIN_INERTIA and not (
-            body.inertia == 0.0 and body.name in fixed
-        ):
-            holds = "a guide, or a drive at rest, keeps from turning"
-            exception = f"0 is allowed for a body that {holds}"
-            allowed = f"must be {MIN_INERTIA:g} kg m^2 or more; {exception}"
-            raise InputError(
-                f"inertia of {body.name} = {body.inertia:g} kg m^2: {allowed}"
-            )
+    check_motors(linkage.drives)
+    check_inertias(linkage.bodies, linkage.guides, linkage.drives)
+    check_drawing(linkage.bodies, linkage.joints, linkage.drives, dict(linkage.guess))
 
 
-def _check_motors(linkage: Linkage) -> None:
-    """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
-    leader = linkage.leader
-    moving = [
-        drive
-        for drive in linkage.drives
-        if drive.motor is None and not drive.is_at_rest
-    ]
-    if leader is None:
-        servos = [drive for drive in linkage.drives if drive.motor is not None]
-        if servos and moving:
-            raise InputError(
-                f"motor of {servos[0].body}: a servo follows the angle of a motor, and "
-                f"{moving[0].body} has none; give it one, motor = {{torque, inertia}}, or leave "
-                f"out the servo, and {servos[0].body} follows its motion exactly"
-            )
-        return
-    if leader.speed == 0.0:
-        raise InputError(
-            f"speed of {leader.body} = 0 rad/s: cycles are counted by the angle of this drive, the "
-            "first with a motor; a nominal speed is needed"
-        )
-    for drive in moving:
-        raise InputError(
-            f"{drive.name}: its motion follows the time, but the motor of {leader.body} does "
-            "not; give it a servo, motor = {stiffness, damping}, which follows the angle of "
-            f"{leader.body}"
-        )
-
-
-def _check_drawing(linkage: Linkage) -> None:
-    """Raise InputError where points of a joint do not coincide in the drawing.
-
-    Bodies that are drawn in a frame of their own have another angle at the start.
-    """
-    angles = dict(linkage.guess) | {one.body: one.angle for one in linkage.guides}
-    angles |= {drive.body: drive.angle for drive in linkage.drives}
-    places = {GROUND: (0.0, 0.0)}
-    for body in linkage.bodies:
-        if body.drawn_at is not None and not angles.get(body.name):
-            places[body.name] = body.drawn_at
-    ends = [ends_of(joint) for joint in linkage.joints]
-    size = max((math.hypot(one.x, one.y) for pair in ends for one in pair), default=0.0)
-    for joint, pair in zip(linkage.joints, ends, strict=True):
-        drawn = [(places[one.body], one) for one in pair if one.body in places]
-        if len(drawn) < len(pair):
-            continue
-        (x0, y0), (x1, y1) = ((x + one.x, y + one.y) for (x, y), one in drawn)
-        across, up = x1 - x0, y1 - y0
-        if isinstance(joint, Guide):  # along the line any place is allowed
-            off = up * math.cos(joint.direction) - across * math.sin(joint.direction)
-            across, up = off, 0.0
-        distance = math.hypot(across, up)
-        if distance > DRAWING_TOL * size:
-            first, second = (
-                f"{'the line' if isinstance(joint, Guide) and one.body == GROUND else one.body} "
-                f"({1e3 * x:.6g}, {1e3 * y:.6g}) mm"
-                for one, x, y in ((pair[0], x0, y0), (pair[1], x1, y1))
-            )
-            raise InputError(
-                f"joint {joint.name}: its points lie {written(distance, 'm')} apart in the "
-                f"drawing, {first} and {second}; allowed is {written(DRAWING_TOL * size, 'm')}. "
-                "Without centre, points are counted from the mass centre of their body"
-            )
-
-
-def _parts_of(linkage: Linkage) -> _Parts:
+def _parts_of(linkage: Linkage) -> Parts:
     """Return the arguments of ``assemble`` that make a linkage."""
 
     def named(part: Any) -> Any:
@@ -689,7 +423,7 @@ def _parts_of(linkage: Linkage) -> _Parts:
             **{item.name: named(getattr(part, item.name)) for item in fields(part)}
         )
 
-    return _Parts(
+    return Parts(
         named(linkage.output),
         linkage.name,
         linkage.output.direction,

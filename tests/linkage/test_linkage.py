@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from presswear.linkage.cycle import MAX_TURNS
 from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.elements import (
     GROUND,
@@ -23,7 +24,7 @@ from presswear.linkage.elements import (
     OutputPoint,
     Pin,
 )
-from presswear.linkage.linkage import MAX_TURNS, Linkage, assemble, linkage_from
+from presswear.linkage.linkage import Linkage, assemble, linkage_from
 from presswear.linkage.loads import (
     Blanking,
     Coining,

@@ -1,0 +1,157 @@
+"""Checks of the parts of a linkage against each other; messages name the part."""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import permutations
+
+from presswear.linkage.drives import Drive, leader_of
+from presswear.linkage.elements import (
+    GROUND,
+    MIN_INERTIA,
+    Attachment,
+    Body,
+    Guide,
+    Joint,
+    ends_of,
+)
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+
+# distance of the points of a joint in the drawing, relative to its size
+DRAWING_TOL = 1e-6
+_SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
+_FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
+
+
+def check_names(names: Mapping[str, Sequence[str]]) -> None:
+    """Raise InputError for names by kind of part that stand twice or cannot be written."""
+    for kind, row in names.items():
+        for name in row:
+            _check_name(kind, name)
+            if row.count(name) > 1:
+                raise InputError(f"{kind} {name}: the name is used twice")
+
+
+def _check_name(kind: str, name: str) -> None:
+    is_clean = name.isprintable() and name == name.strip() and not set(name) & _SIGNS
+    if not (name and is_clean):
+        signs = " ".join(sorted(_SIGNS))
+        raise InputError(
+            f"name of a {kind} = {name!r}: a text without {signs} is expected"
+        )
+    if name.startswith(_FORMULA):
+        raise InputError(
+            f"name of a {kind} = {name!r}: must not begin with + - or @, which begin "
+            "formulas in a spreadsheet"
+        )
+
+
+def check_joint_names(joints: Sequence[str]) -> None:
+    """Raise InputError where a name begins with that of another joint and ``_``."""
+    for one, longer in permutations(joints, 2):
+        if longer.startswith(f"{one}_"):
+            raise InputError(
+                f"name of a joint = {longer!r}: must not begin with {one}_, because {one} is "
+                "a joint too"
+            )
+
+
+def check_inertias(
+    bodies: Sequence[Body], guides: Sequence[Guide], drives: Sequence[Drive]
+) -> None:
+    """Raise InputError for a body without inertia that can turn."""
+    fixed = {guide.body for guide in guides}
+    fixed |= {
+        drive.body for drive in drives if drive.is_at_rest and drive.motor is None
+    }
+    for body in bodies:
+        if body.inertia >= MIN_INERTIA or (body.inertia == 0.0 and body.name in fixed):
+            continue
+        raise InputError(
+            f"inertia of {body.name} = {body.inertia:g} kg m^2: must be {MIN_INERTIA:g} kg m^2 "
+            "or more; 0 is allowed for a body that a guide, or a drive at rest, keeps from "
+            "turning"
+        )
+
+
+def check_motors(drives: Sequence[Drive]) -> None:
+    """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
+    leader = leader_of(drives)
+    moving = [one for one in drives if one.motor is None and not one.is_at_rest]
+    if leader is None:
+        servos = [drive for drive in drives if drive.motor is not None]
+        if servos and moving:
+            raise InputError(
+                f"motor of {servos[0].body}: a servo follows the angle of a motor, and "
+                f"{moving[0].body} has none; give it one, motor = {{torque, inertia}}, or leave "
+                f"out the servo, and {servos[0].body} follows its motion exactly"
+            )
+        return
+    if leader.speed == 0.0:
+        raise InputError(
+            f"speed of {leader.body} = 0 rad/s: cycles are counted by the angle of this drive, the "
+            "first with a motor; a nominal speed is needed"
+        )
+    if moving:
+        raise InputError(
+            f"{moving[0].name}: its motion follows the time, but the motor of {leader.body} does "
+            "not; give it a servo, motor = {stiffness, damping}, which follows the angle of "
+            f"{leader.body}"
+        )
+
+
+def check_drawing(
+    bodies: Sequence[Body],
+    joints: Sequence[Joint],
+    drives: Sequence[Drive],
+    guess: Mapping[str, float],
+) -> None:
+    """Raise InputError where points of a joint do not coincide in the drawing.
+
+    Bodies that are drawn in a frame of their own have another angle at the start.
+    """
+    angles = dict(guess)
+    angles |= {one.body: one.angle for one in joints if isinstance(one, Guide)}
+    angles |= {drive.body: drive.angle for drive in drives}
+    places = {GROUND: (0.0, 0.0)}
+    for body in bodies:
+        if body.drawn_at is not None and not angles.get(body.name):
+            places[body.name] = body.drawn_at
+    ends = [ends_of(joint) for joint in joints]
+    size = max((math.hypot(one.x, one.y) for pair in ends for one in pair), default=0.0)
+    for joint, (first, second) in zip(joints, ends, strict=True):
+        if first.body in places and second.body in places:
+            start = _drawn(first, places)
+            end = _drawn(second, places)
+            _check_distance(joint, start, end, DRAWING_TOL * size)
+
+
+def _drawn(
+    point: Attachment, places: Mapping[str, tuple[float, float]]
+) -> tuple[float, float]:
+    """Return the place of a point in the drawing, m."""
+    x, y = places[point.body]
+    return x + point.x, y + point.y
+
+
+def _check_distance(
+    joint: Joint, start: tuple[float, float], end: tuple[float, float], allowed: float
+) -> None:
+    """Raise InputError where the points of a joint are further apart than allowed, m."""
+    x = end[0] - start[0]
+    y = end[1] - start[1]
+    distance = math.hypot(x, y)
+    if isinstance(joint, Guide):  # along the line any place is allowed
+        distance = abs(y * math.cos(joint.direction) - x * math.sin(joint.direction))
+    if distance <= allowed:
+        return
+    places = []
+    for end_of_joint, place in zip(ends_of(joint), (start, end), strict=True):
+        is_line = isinstance(joint, Guide) and end_of_joint.body == GROUND
+        label = "the line" if is_line else end_of_joint.body
+        places.append(f"{label} ({1e3 * place[0]:.6g}, {1e3 * place[1]:.6g}) mm")
+    raise InputError(
+        f"joint {joint.name}: its points lie {written(distance, 'm')} apart in the "
+        f"drawing, {places[0]} and {places[1]}; allowed is {written(allowed, 'm')}. "
+        "Without centre, points are counted from the mass centre of their body"
+    )

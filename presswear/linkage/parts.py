@@ -1,0 +1,149 @@
+"""Parts of a linkage as a user or a file names them, and the places of their points."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Annotated
+
+from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import (
+    ANGLE,
+    GROUND,
+    Attachment,
+    Body,
+    End,
+    Guide,
+    Joint,
+    OutputPoint,
+    Pin,
+    Revolute,
+    angle,
+)
+from presswear.linkage.loads import AnyLoad, Force, Load, Moment, Spring
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import count, quantity
+from presswear.tools.serialize import Checked
+
+# Fields of data classes; without a cycle its time follows from the drives.
+run_up = partial(
+    count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest"
+)
+cycle = partial(
+    quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
+)
+gravity = partial(
+    quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y"
+)
+
+
+@dataclass(frozen=True)
+class Parts(Checked):
+    """Arguments of ``assemble``; points are given by name where they have one."""
+
+    output: End | OutputPoint
+    name: str
+    direction: float | None = angle("of the output point", None)
+    guess: Mapping[str, Annotated[float, ANGLE]] = field(default_factory=dict)
+    cycle: float | None = cycle()
+    run_up: int = run_up()
+    gravity: float = gravity()
+    bodies: Sequence[Body] = ()
+    joints: Sequence[Pin | Revolute | Guide] = ()
+    drives: Sequence[Drive] = ()
+    springs: Sequence[Spring] = ()
+    loads: Sequence[Load | Force | Moment] = ()
+
+
+class Placing:
+    """Bodies by name, on which joints, drives, springs and loads get their points."""
+
+    def __init__(self, parts: Parts) -> None:
+        self.bodies = {body.name: body for body in parts.bodies}
+        guides = (joint for joint in parts.joints if isinstance(joint, Guide))
+        self.guide_directions = {guide.body: guide.direction for guide in guides}
+
+    def check_body(self, body: str, where: str) -> None:
+        """Raise InputError where no body has a name."""
+        if body not in self.bodies:
+            raise unknown(f"body in {where}", body, self.bodies)
+
+    def point(self, end: End, where: str) -> Attachment:
+        """Return a point by its name or its place."""
+        if isinstance(end, tuple):
+            return Attachment(GROUND, *end)
+        if isinstance(end, Attachment):
+            if end.body != GROUND:
+                self.check_body(end.body, where)
+            return end
+        body, dot, name = end.partition(".")
+        self.check_body(body, where)
+        points = dict(self.bodies[body].points) | {"centre": (0.0, 0.0)}
+        name = name if dot else "centre"
+        if name not in points:
+            raise unknown(f"point of {body} in {where}", name, points)
+        return Attachment(body, *points[name])
+
+    def output(
+        self, end: OutputPoint | End, where: str, direction: float | None
+    ) -> OutputPoint:
+        """Return a point that is observed along a direction, by default that of its guide."""
+        at = end if isinstance(end, OutputPoint) else self.point(end, where)
+        self.check_body(at.body, where)
+        if isinstance(at, OutputPoint):
+            return at
+        if direction is None:
+            direction = self.guide_directions.get(at.body, 0.0)
+        return OutputPoint(at.body, direction, at.x, at.y)
+
+    def joint(self, joint: Pin | Revolute | Guide) -> Joint:
+        """Return a joint between two points, or a guide through the slide as it is drawn."""
+        if isinstance(joint, Guide):
+            return self._guide(joint)
+        where = f"joint {joint.name}"
+        first, second = self.point(joint.first, where), self.point(joint.second, where)
+        if isinstance(joint, Revolute):
+            return replace(joint, first=first, second=second)
+        return Revolute(
+            joint.name,
+            first,
+            second,
+            stiffness=joint.stiffness,
+            damping_ratio=joint.damping_ratio,
+        )
+
+    def _guide(self, guide: Guide) -> Guide:
+        self.check_body(guide.body, f"guide {guide.name}")
+        x, y = self.bodies[guide.body].drawn_at or (0.0, 0.0)
+        if guide.x is not None:
+            x = guide.x
+        if guide.y is not None:
+            y = guide.y
+        return replace(guide, x=x, y=y)
+
+    def drive(self, drive: Drive) -> Drive:
+        """Return a drive; the point that follows a curve has a direction."""
+        self.check_body(drive.body, "drives")
+        follow = drive.follow
+        if follow is None:
+            return drive
+        at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
+        return replace(drive, follow=replace(follow, point=at, direction=at.direction))
+
+    def spring(self, spring: Spring) -> Spring:
+        """Return a spring between points of two bodies."""
+        where = f"spring {spring.name}"
+        first = self.point(spring.first, where)
+        second = self.point(spring.second, where)
+        if first.body == second.body:
+            raise InputError(
+                f"{where}: both ends are on {first.body}, allowed are two bodies"
+            )
+        return replace(spring, first=first, second=second)
+
+    def load(self, load: AnyLoad) -> AnyLoad:
+        """Return a load; a force acts on a point, the others on a body."""
+        if isinstance(load, Force):
+            return replace(load, point=self.point(load.point, "loads"))
+        self.check_body(load.body, "loads")
+        return load
