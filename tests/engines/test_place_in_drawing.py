@@ -14,7 +14,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.validation.cases import contacts_of, guarded, run_sound
-from presswear.validation.hard_cases import twins
+from presswear.validation.hard_impacts import twins
 
 Place = tuple[float, float]  # of the origin of the drawing, m
 

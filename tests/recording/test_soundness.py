@@ -30,7 +30,7 @@ from presswear.scene.catalog import scene_named
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.validation.hard_cases import twins
+from presswear.validation.hard_impacts import twins
 
 SCENE = scene_named("wear-times")
 LINKAGE = SCENE.linkage()

@@ -8,7 +8,7 @@ from typing import Any, cast
 import pytest
 
 import presswear as pw
-from presswear.validation import cases, hard_cases, reference_problems
+from presswear.validation import cases, hard_cases, hard_impacts, reference_problems
 
 HARD = list(hard_cases.hard_cases())
 CASES = [*reference_problems.reference_cases(), *HARD]
@@ -54,13 +54,13 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     ]
     assert "restitution, nominal 0.9, dae" in missed
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
-    checks = hard_cases.strikes(coarse, 8e-4, 0.25, 8e-4, 0.9)
+    checks = hard_impacts.strikes(coarse, 8e-4, 0.25, 8e-4, 0.9)
     assert [check.passed for check in checks] == [False, False]
 
 
 def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hard_cases, "ONSET_SPEED_FLOOR", 2e-6)
-    assert not next(iter(hard_cases.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
+    monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
+    assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
     monkeypatch.setattr(
         reference_problems, "FRICTION", pw.FrictionLaw(0.1001, 1e-4, 1e-3)
     )
@@ -68,12 +68,12 @@ def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
         0.0, GRAVITY, pw.FrictionLaw(0.1, 1e-4, 1e-3), 0.0
     )
     monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
-    assert not next(iter(hard_cases.creeps(TIGHT, 0.05))).passed
+    assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed
 
 
 def test_lost_energy_contacts_and_numbers_miss() -> None:
     plan = cases.guarded(0.01)
-    run = cases.run_sound(*hard_cases.twins(), TIGHT, plan)
+    run = cases.run_sound(*hard_impacts.twins(), TIGHT, plan)
     run.diagnostics["drive_exchange_J"] = 1.0
     run.diagnostics["energy_residual_J"] = -1e-5
     assert not cases.energy_check(run, "dae").passed
