@@ -110,7 +110,7 @@ def run(
     """
     if not observers and sys.stderr.isatty() and parent_process() is None:
         # Imported here, because commands are in a higher layer.
-        with import_module("presswear.cli.run").late_bar(scene) as bar:
+        with import_module("presswear.cli.run_observer").late_bar(scene) as bar:
             return run(scene, folder, engine, jobs, (bar,), check, interval)
     check_jobs(jobs)
     scene = with_engine(scene, engine)

@@ -15,8 +15,9 @@ from rich.console import Console
 from presswear.campaign import campaign as campaigns
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
-from presswear.cli import run as cli_run
-from presswear.cli.run import RunObserver
+from presswear.cli import run_observer
+from presswear.cli.life import announcing
+from presswear.cli.run_observer import RunObserver
 from presswear.cli.terminal import progress_bar
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -652,7 +653,7 @@ def test_a_long_life_is_announced_and_confirmed(
     bar = progress_bar(console)
     scene = replace(LIFE, tolerance=0.1)
     use(FakeEngine(exponential))
-    monkeypatch.setattr(cli_run, "LONG_LIFE", 0.0)
+    monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
     monkeypatch.setattr("builtins.input", lambda question: answer)
     watched = Noted(bar, scene, False)
@@ -680,10 +681,10 @@ def test_compared_lives_are_announced_and_confirmed_once(
         return answer
 
     use(FakeEngine(exponential))
-    monkeypatch.setattr(cli_run, "LONG_LIFE", 0.0)
+    monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
     monkeypatch.setattr("builtins.input", answering)
-    announce = cli_run._announcing(progress_bar(console), 2.0, False)
+    announce = announcing(progress_bar(console), 2.0, False)
     lives = {"plain": scene, "other": replace(scene, seed=1)}
     run_lives = partial(
         campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce

@@ -18,8 +18,9 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.campaign.wear_update import refinement_spec
-from presswear.cli import run
-from presswear.cli.run import RunObserver, step_text
+from presswear.cli import run_observer
+from presswear.cli.run_observer import RunObserver, step_text
+from presswear.cli.several_runs import several_runs
 from presswear.cli.terminal import (
     load_result,
     named_progress,
@@ -45,7 +46,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
-    monkeypatch.setattr(run, "clock", clock)
+    monkeypatch.setattr(run_observer, "clock", clock)
     return clock
 
 
@@ -152,7 +153,8 @@ def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
 def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
-        "import presswear as pw\nfrom presswear.cli import run\nrun.BAR_DELAY = 0.0\n"
+        "import presswear as pw\nfrom presswear.cli import run_observer\n"
+        "run_observer.BAR_DELAY = 0.0\n"
         "if __name__ == '__main__':\n"
         "    pw.run(pw.scenes.ideal(cycles=2, engine='dae'), jobs=1)\n    print('end')\n"
     )
@@ -164,7 +166,7 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
 
 def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> None:
     console = console_of(80, clock)
-    with run._several_runs(console, "improve", tmp_path, 2) as (show, _):
+    with several_runs(console, "improve", tmp_path, 2) as (show, _):
         show(
             "bush replaced_ A@2500000, B@4000000",
             0.5,

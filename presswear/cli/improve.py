@@ -1,0 +1,39 @@
+"""``presswear improve``: each joint changed in one way at a time."""
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from presswear.cli import terminal
+from presswear.scene.settings import changed
+
+if TYPE_CHECKING:
+    pass
+
+from presswear.cli.several_runs import several_runs
+
+
+def improve(arguments: argparse.Namespace, console: Console) -> int:
+    """Change each joint in one way at a time, and rank the changes."""
+    from presswear.show.figures import save
+    from presswear.sweeps.improve import changes_of, improve
+
+    scene = terminal.load_scene(arguments.scene)
+    options = {"engine": arguments.engine, "cycles": arguments.cycles}
+    settings = terminal.parse_settings(arguments.set)
+    scene = changed(scene, terminal.merge_options(settings, options))
+    folder = terminal.output_folder(arguments, f"{scene.name}-improve")
+    with several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as (
+        show,
+        _,
+    ):
+        improvement = improve(scene, folder, arguments.jobs, show)
+    for key, items in improvement.effects.items():
+        lines = (f"  {item}" for item in items)
+        terminal.print_lines(console, f"{improvement.heading(key)}:", *lines)
+    for change, reason in improvement.failures.items():
+        terminal.print_lines(console, f"{change}: the run fails: {reason}")
+    terminal.print_lines(console, *improvement.sentences)
+    terminal.print_lines(console, f"picture in {save(improvement.draw(), folder)}")
+    return 0

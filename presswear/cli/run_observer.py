@@ -1,0 +1,187 @@
+"""Progress of a run, and what it prints at the end of each stage."""
+
+import logging
+import sys
+import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.progress import Progress as ProgressBar
+
+from presswear.cli import terminal
+from presswear.recording.observer import COMPILING, Observer, Progress
+from presswear.recording.statistics import Estimate
+from presswear.scene.scene import Scene
+from presswear.tools.numbers import counted, large, lasting, unit_scale
+from presswear.tools.processes import check_stopped
+
+if TYPE_CHECKING:
+    from presswear.results.life import LifeResult
+    from presswear.results.stage import StageResult
+
+LOGGER = logging.getLogger(__name__)
+LINE_INTERVAL = 60.0  # between lines with the progress where there is no terminal, s
+LONG_LIFE = 600.0  # s, from which a user is asked before a service life goes on
+BAR_DELAY = 3.0  # of the bar of a run in Python, s
+SHOWN_JOINTS = 3  # in the lines of a stage
+LIFE = "life,"  # start of the description of a step that follows a service life
+
+
+class RunObserver(Observer):
+    """Observer that shows the progress of a run and prints each finished stage."""
+
+    def __init__(
+        self, bar: ProgressBar, scene: Scene, is_confirmed: bool = True
+    ) -> None:
+        self._bar = bar
+        self._scene = scene
+        self._is_confirmed = is_confirmed
+        self._compile_time = 0.0  # within this stage, s
+        self._compiled = 0.0  # of all stages, s, with the time before the first report
+        self._compile_start: float | None = None
+        # completed part at the first report, of a resumed run
+        self._start: float | None = None
+        self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
+        self._printed = clock.perf_counter()
+
+    def on_progress(self, progress: Progress) -> None:
+        """Update the progress bar; raise KeyboardInterrupt after a signal.
+
+        The time in which kernels are compiled does not count as computing time.
+        """
+        if progress.word == COMPILING:
+            self._compile_start = self._compile_start or clock.perf_counter()
+            self._bar.update(self._task, description="compiling, once")
+            return
+        check_stopped()
+        text = step_text(self._scene, progress.stage, progress.word)
+        if self._compile_start is not None:
+            took = clock.perf_counter() - self._compile_start
+            self._compiled += took
+            # The time of a stage does not include the wear update after it.
+            if not text.startswith("applying"):
+                self._compile_time += took
+            self._compile_start = None
+        done = progress.whole
+        share = progress.estimate or progress.whole
+        if self._start is None:
+            self._start, self._compiled = share, clock.perf_counter() - self._printed
+        fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
+        self._bar.update(self._task, description=text, completed=done, **fields)
+        if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
+            self._printed = clock.perf_counter()
+            left = terminal.time_left(self._bar.tasks[self._task])
+            terminal.print_lines(
+                self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip()
+            )
+
+    def on_life_start(self, cycles: float, seconds: float) -> None:
+        """Print what a life will take; ask a user at a terminal before a long one."""
+        terminal.print_lines(self._bar.console, f"the life {needed(cycles, seconds)}")
+        started = clock.perf_counter()
+        if not self._is_confirmed:
+            confirm(self._bar, seconds)
+        self._compiled += clock.perf_counter() - started
+
+    def on_life(self, life: "LifeResult") -> None:
+        """Print the service life."""
+        terminal.print_lines(self._bar.console, f"{life}")
+        self._compile_time = 0.0  # it belongs to no stage
+
+    def on_stage(self, stage: "StageResult") -> None:
+        """Print the cost of a stage, and peak forces and wear of the joints most loaded."""
+        model = stage.diagnostics["model"]
+        solver = stage.diagnostics["solver"]
+        LOGGER.info("%s: %s. %s", stage.name, model, solver)
+        wall = stage.wall_s - self._compile_time
+        speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
+        cycles = f"{counted(stage.statistics.cycles, 'cycle')} of all replicates"
+        lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
+        joints = stage.statistics.joints.items()
+        forces = {name: joint.peak_force_per_cycle for name, joint in joints}
+        per_million = 1e6 / stage.cycles_per_update
+        volumes = {
+            name: joint.wear_volume.scaled(per_million)
+            for name, joint in joints
+            if not joint.is_unworn
+        }
+        lines += _largest("mean peak force", "N", forces)
+        wear = _largest("wear per 10⁶ strokes", "m^3", volumes)
+        remark = self._scene.bin_remark
+        lines += [f"{line} ({remark})" if remark else line for line in wear]
+        terminal.print_lines(self._bar.console, *lines)
+        self._compile_time = 0.0
+
+
+@contextmanager
+def late_bar(scene: Scene) -> Iterator[Observer]:
+    """Yield an observer that shows a progress bar while a run lasts, after a few seconds."""
+    bar = terminal.progress_bar(Console(stderr=True))
+    bar.live.transient = True
+    inner = RunObserver(bar, scene)
+    start = clock.perf_counter()
+
+    class Late(Observer):
+        def on_progress(self, progress: Progress) -> None:
+            inner.on_progress(progress)
+            if clock.perf_counter() > start + BAR_DELAY:
+                bar.start()
+
+    try:
+        yield Late()
+    finally:
+        bar.stop()
+
+
+def step_text(scene: Scene, stage: int, step: str) -> str:
+    """Return a description of the present step of a run, from ``Progress.word``."""
+    if step.startswith(LIFE):
+        return step
+    if step.startswith(scene.stage_name(stage + 1)):
+        return f"applying the {step}"
+    name = f"after the {scene.stage_name(stage)}" if stage else scene.stage_name(stage)
+    return f"{name}: {step}" if step else name
+
+
+def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
+    """Return a line with the largest of the values of joints; none if all are zero."""
+    names = sorted(values, key=lambda name: -values[name].mean)
+    if not names or not values[names[0]].mean:
+        return []
+    factor, display = unit_scale(unit, values[names[0]].mean)
+    texts = [f"{name} {values[name].scaled(factor)}" for name in names[:SHOWN_JOINTS]]
+    more = f", {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
+    return [f"  {words}, {display}: {', '.join(texts)}{more}"]
+
+
+def needed(cycles: float, seconds: float) -> str:
+    """Return what a life will still take, in words."""
+    count = large(cycles, digits=2)
+    return f"needs about {count} cycles of all replicates, {lasting(seconds)} more"
+
+
+def least_needed(cycles: float) -> str:
+    """Return what a life takes at least, in words, before anything has run."""
+    count = large(cycles, digits=1)
+    text = f"needs at least about {count} cycles of all replicates"
+    return f"{text}; after its first strokes follow a closer number and the time"
+
+
+def confirm(bar: ProgressBar, seconds: float) -> bool:
+    """Ask a user at a terminal before a long life goes on, and return whether it was asked.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If the answer is no.
+    """
+    if not (bar.console.is_terminal and sys.stdin.isatty()) or seconds <= LONG_LIFE:
+        return False
+    bar.stop()
+    answer = input("continue? [y/N] (--yes: do not ask) ")
+    if answer.strip().lower() not in ("y", "yes"):
+        raise KeyboardInterrupt
+    bar.start()
+    return True

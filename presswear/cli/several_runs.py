@@ -1,0 +1,40 @@
+"""Progress of several runs in one folder."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import Progress as ProgressBar
+
+from presswear.cli import terminal
+from presswear.tools.processes import check_stopped
+
+if TYPE_CHECKING:
+    pass
+
+
+@contextmanager
+def several_runs(
+    console: Console, name: str, folder: Path, count: int
+) -> Iterator[tuple[Callable[[str, float, str], None], ProgressBar]]:
+    """Show the progress of several runs in a folder; yield a function for ``run_scenes``."""
+    shares: dict[str, float] = {}
+    command = f"the same command with --resume --out {folder} continues"
+    with (
+        terminal.resumable(command, folder, lambda: "finished runs are stored"),
+        terminal.progress_bar(console) as bar,
+    ):
+        task = bar.add_task(name, total=1.0)
+
+        def show(run: str, share: float, words: str) -> None:
+            check_stopped()
+            shares[run] = share
+            finished = sum(share == 1.0 for share in shares.values())
+            text = f"{name}: {finished} of {count} finished"
+            bar.update(task, description=text, completed=sum(shares.values()) / count)
+            if share == 1.0:
+                terminal.print_lines(console, f"finished {run}: {words}")
+
+        yield show, bar
