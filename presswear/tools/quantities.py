@@ -245,9 +245,9 @@ def _six_digits(value: float, rounding: str) -> str:
 def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     """Return a number, SI, from a text with its unit, and check its range.
 
-    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres. ``m
-    or rad`` has the units of both. A unit that the table lacks is the only one of its
-    dimension.
+    A quantity with a dimension needs its unit, except for 0: 0.8 could be metres or
+    millimetres. ``m or rad`` has the units of both. A unit that the table lacks is the
+    only one of its dimension.
 
     Raises
     ------
@@ -276,9 +276,11 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value, symbol = value * math.pi, symbol[2:].strip()
     if meaning.unit and not symbol:
-        raise InputError(
-            f"{label} has no unit; known are {', '.join(units)}; {allowed}"
-        )
+        if value != 0.0:
+            raise InputError(
+                f"{label} has no unit; known are {', '.join(units)}; {allowed}"
+            )
+        symbol = next(iter(units))
     if symbol not in units:
         pure = f"a pure number{', or one in %,' * (not meaning.whole)} is expected"
         fault = f"unknown unit {shown(symbol)}; known are {', '.join(units)}"

@@ -142,7 +142,7 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
     [
         ("", ": it has no rows; a header such as joint,side,angle (deg),depth (um)"),
         (HEADER, ": it has no rows"),
-        ("joint,side,angle,depth (um)\nA,pin,0,1", ", line 2: angle = '0' has no unit"),
+        ("joint,side,angle,depth (um)\nA,pin,5,1", ", line 2: angle = '5' has no unit"),
         (
             "joint,side,angle (turn),depth (um)\nA,pin,0,1",
             "line 2: angle = '0 turn': unknown unit",

@@ -57,6 +57,7 @@ def _read(text: str, unit: str) -> float:
         ("N m", 2e3, ["2kNm", "2e6 N mm"]),
         ("", 0.05, ["5 %", "0.05", "5 percent"]),
         ("", -1e-3, ["-1e-3"]),
+        ("N m", 0.0, ["0", "0.0", "-0", "0 kN m"]),
     ],
 )
 def test_a_text_with_its_unit_is_read(
