@@ -27,7 +27,7 @@ from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.show import page
-from presswear.show.figures import drawings, first_drawings
+from presswear.show.figures import drawings, first_drawings, remove_others
 from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import stage_names
 from presswear.show.key_numbers import key_numbers
@@ -65,15 +65,18 @@ def write_report(
 ) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
-    ``notify`` is called with the number of figures before they are drawn. With
-    ``has_all_figures`` = False the page has the figures of ``first_drawings`` and states
-    the command that draws the others.
+    Figures of an earlier report that are not drawn again are removed. ``notify`` is
+    called with the number of figures before they are drawn. With ``has_all_figures`` =
+    False the page has the figures of ``first_drawings`` and states the command that
+    draws the others.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     notify(len(sheets))
-    figures = page.illustrated(sheets, inside(result.path, "figures"))
+    folder = inside(result.path, "figures")
+    figures = page.illustrated(sheets, folder)
+    remove_others(folder, [figure.file for figure in figures])
     command = (
         "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
     )

@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 
 from presswear.scene.catalog import title_of
 from presswear.show import page
-from presswear.show.figures import style
+from presswear.show.figures import remove_others, style
 from presswear.show.figures.style import LINES, Drawing, Pen, finished
 from presswear.show.page import NOTHING, Section
 from presswear.sweeps.parameters import Column, Display
@@ -122,6 +122,7 @@ def write_report(
     numbers = []
     for number, (name, part) in enumerate(_parts(table, plan).items()):
         into = inside(folder, "figures", *([f"{number}"] if name else []))
+        files = []
         for column in table.responses:
             if not np.isfinite(part.values[:, part.index(column.key)]).any():
                 continue
@@ -134,10 +135,12 @@ def write_report(
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
                 drawn = page.illustrated(drawings(analysis), into)
+            files += [figure.file for figure in drawn]
             texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
             sections.append(
                 Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS)
             )
+        remove_others(into, files)
     figures = [figure for section in sections for figure in section.figures]
     write_bytes(folder / ROWS_FILE, table.csv().encode())
     count = whole(len(table.errors))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
 from made_up_result import altered, grown, lived, made_up, not_passed
+from PIL import Image
 from test_page import Page
 
 import presswear as pw
@@ -55,6 +56,19 @@ def test_a_short_report_states_the_command_that_draws_the_other_figures(
     assert f"This command adds the others: presswear report '{folder}'" in page.text
     assert page.row("first wear")
     assert "adds the others" not in Page(write_report(result).read_text()).text
+
+
+def test_figures_that_are_not_drawn_again_are_removed(tmp_path: Path) -> None:
+    result = replace(made_up(made.BOTH, 2), path=tmp_path)
+    write_report(result)
+    figures = tmp_path / "figures"
+    for name in ("photograph.png", "notes.png", "wear-depth.svg"):
+        (figures / name).write_bytes(b"not drawn by the program")
+    Image.new("RGB", (2, 2)).save(figures / "photograph.png")
+    write_report(result, has_all_figures=False)
+    names = {path.name for path in figures.iterdir()}
+    assert {"mechanism.png", "photograph.png", "notes.png", "wear-depth.svg"} < names
+    assert len(names) == 3 + 4
 
 
 def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() -> None:

@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from importlib import import_module
 from itertools import chain, islice
 from pathlib import Path
@@ -12,6 +12,7 @@ import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from presswear.results.result import Result
 from presswear.results.sampled_cycles import has_motion
@@ -43,6 +44,7 @@ __all__ = [
     "drawings",
     "first_drawings",
     "plot",
+    "remove_others",
     "rendered",
     "save",
     "write",
@@ -84,6 +86,7 @@ FIRST = (
 FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones
 _PYPLOT = "matplotlib.pyplot"
+_PROGRAM = "presswear"  # that a figure names in its file
 
 
 def drawings(
@@ -198,5 +201,23 @@ def write(image: Image.Image, path: Path) -> Path:
     few = image.convert("RGB").quantize(
         256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
     )
-    write_whole(path, lambda file: few.save(file, format="png"))
+    info = PngInfo()
+    info.add_text("Software", _PROGRAM)
+    write_whole(path, lambda file: few.save(file, format="png", pnginfo=info))
     return path
+
+
+def remove_others(folder: Path, names: Collection[str]) -> None:
+    """Remove the figures of earlier reports from a folder, except for some names."""
+    for path in folder.glob("*.png"):
+        if path.name not in names and _is_written_here(path):
+            path.unlink()
+
+
+def _is_written_here(path: Path) -> bool:
+    """Return whether this program has written an image."""
+    try:
+        with Image.open(path) as image:
+            return image.info.get("Software") == _PROGRAM
+    except OSError:  # also of a file that is no image
+        return False
