@@ -229,8 +229,17 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
 
 
 def spring_period(linkage: Linkage) -> float:
-    """Return the shortest period of a body on a spring or elastic joint, s: 2 pi sqrt(m / k)."""
+    """Return the shortest period of a body on a spring, elastic joint or servo, s.
+
+    It is 2 pi sqrt(m / k), or 2 pi sqrt(I / k) with the inertia of a servo's body.
+    """
+    bodies = {body.name: body for body in linkage.bodies}
     shortest = math.inf
+    for drive in linkage.drives:
+        if drive.motor and drive.motor.stiffness and not linkage.prescribes(drive):
+            inertia = bodies[drive.body].effective_inertia
+            ratio = inertia / drive.motor.stiffness
+            shortest = min(shortest, 2.0 * math.pi * math.sqrt(ratio))
     springs: list[Spring | Joint] = [*linkage.springs, *linkage.elastic_joints]
     for spring in springs:
         if spring.stiffness:
