@@ -27,7 +27,7 @@ from presswear.results.rigid_joints import ideal_forces
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import percent, readable
 
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
 WIDEST_CLEARANCE = (
@@ -242,11 +242,6 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
             "nearest for which its formulas hold."
         )
     return text
-
-
-def percent(share: float) -> str:
-    """Return a share in per cent."""
-    return f"{readable(100.0 * share)} %"
 
 
 def _verdict(film: JointFilm) -> str:

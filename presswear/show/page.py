@@ -20,7 +20,13 @@ from PIL.Image import Image
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
-from presswear.tools.numbers import readable, unit_factor, unit_scale, whole
+from presswear.tools.numbers import (
+    is_resolved,
+    readable,
+    unit_factor,
+    unit_scale,
+    whole,
+)
 
 NOTHING = "–"
 # a space is never part of a figure's data
@@ -75,11 +81,12 @@ def text_of(value: Any, unit: str = "", digits: int = 3) -> str:
         case str():
             return value
         case Estimate():
-            return str(value.scaled(factor))
+            return str(value.scaled(factor)) if is_resolved(value.mean, unit) else "0"
         case int() if factor == 1.0:
             return whole(value)
         case _:
-            return readable(factor * float(value), digits)
+            shown = factor * float(value) if is_resolved(value, unit) else 0.0
+            return readable(shown, digits)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from presswear.recording.statistics import Estimate
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, guide_tilts
 from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
-from presswear.results.oil_film import percent
 from presswear.results.run_film import run_films
 from presswear.results.stage import BottomStatistics, StageResult
 from presswear.results.tonnage import tonnage_of
@@ -70,8 +69,10 @@ def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         force = numbers.quantity_text(load.force.mean, "N")
         text = f"Stretch of {name} at its greatest force, {force}."
         if load.reverse_fraction is not None:
-            part = numbers.readable(100.0 * load.reverse_fraction.mean, 2)
-            text += f" The reverse force after the fracture is {part} % of it; press makers "
+            part = numbers.percent(load.reverse_fraction.mean, 2)
+            text += (
+                f" The reverse force after the fracture is {part} of it; press makers "
+            )
             text += f"allow {100.0 * ALLOWED_REVERSE:.0f} %."
         result.append(measured("Stretch of the frame", load.stretch, "m", text))
     return result
@@ -109,7 +110,7 @@ def _film_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     film = films[joint]
     roughness = numbers.quantity_text(film.roughness, "m")
     text = f"At joint {joint}, in the last recorded cycle; the roughness of both surfaces is "
-    text += f"{roughness}. Full film for {percent(film.time_shares[0])} of the cycle."
+    text += f"{roughness}. Full film for {numbers.percent(film.time_shares[0])} of the cycle."
     value = numbers.quantity_text(thinnest[joint], "m")
     return [KeyNumber("Least oil film", value, "", text)]
 
@@ -121,12 +122,12 @@ def motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         return []
     text = "Strokes a minute, on average."
     if speed.drop is not None:
-        part = numbers.readable(100.0 * speed.drop.mean, 2)
-        text += f" The work slows the motor by {part} %; press makers allow "
+        part = numbers.percent(speed.drop.mean, 2)
+        text += f" The work slows the motor by {part}; press makers allow "
         text += f"{100.0 * ALLOWED_DROP:.0f} %."
     for body, load in motor_loads(scene, stage).items():
-        part = numbers.readable(100.0 * load.rms_fraction.mean, 3)
-        text += f" The rms torque of the motor of {body} is {part} % of the rated one."
+        part = numbers.percent(load.rms_fraction.mean)
+        text += f" The rms torque of the motor of {body} is {part} of the rated one."
     rate = speed.stroke_rate.scaled(60.0)
     return [measured("Speed reached", rate, "strokes a minute", text)]
 

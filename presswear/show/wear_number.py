@@ -80,7 +80,7 @@ def _oil_text(scene: Scene, joint: str) -> str:
         text += " Asperities wear, which touch through the oil film of the run."
     if films := oil_films(scene):
         shares = ", ".join(
-            f"{numbers.readable(100.0 * film.full_share)} % of the cycle at {name}"
+            f"{numbers.percent(film.full_share)} of the cycle at {name}"
             for name, film in films.items()
         )
         text += (

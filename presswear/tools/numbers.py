@@ -9,6 +9,8 @@ _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its inte
 _SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
 # below it the powers of ten that a number is divided by have no digits left
 _MIN_VALUE = 1e-300
+# Shares below it are not printed with their digits
+_LEAST_SHARE = 1e-4
 
 # SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display
 # unit.
@@ -43,6 +45,11 @@ DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
 }
 
 
+# Least magnitudes of SI units that are not printed as 0: a smaller length or load distance
+# is round-off, and a smaller volume less than an atom
+_LEAST_VALUES = {"m": 1e-18, "m^3": 1e-30, "N m": 1e-15}
+
+
 def _decimals(value: float, digits: int) -> int:
     """Return the decimals of some significant digits; negative left of the point."""
     return digits - 1 - math.floor(math.log10(abs(value)))
@@ -66,6 +73,13 @@ def readable(value: float | None, digits: int = 3) -> str:
         power = 3 * math.floor(math.log10(abs(rounded)) / 3.0)
         rounded /= 10.0**power
     return _written(f"{rounded:,.{max(_decimals(rounded, digits), 0)}f}", power)
+
+
+def percent(share: float, digits: int = 3) -> str:
+    """Return a share in per cent, without digits below 0.01 %."""
+    if 0.0 < abs(share) < _LEAST_SHARE:
+        return f"less than {100.0 * _LEAST_SHARE:g} %"
+    return f"{readable(100.0 * share, digits)} %"
 
 
 def lasting(seconds: float) -> str:
@@ -126,6 +140,12 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
         return f"{readable(mean, 4)}\u00a0± {readable(half_width, 2)}"
     pair = (f"{round(n, decimals):,.{max(decimals, 0)}f}" for n in (mean, half_width))
     return "\u00a0± ".join(map(_written, pair))
+
+
+def is_resolved(value: float, unit: str) -> bool:
+    """Return whether an SI value, shown in a display unit, is more than round-off."""
+    si_unit = DISPLAY_UNITS.get(unit, (unit, 1.0, 0.0))[0]
+    return not abs(value) < _LEAST_VALUES.get(si_unit, 0.0)
 
 
 def unit_factor(unit: str) -> float:

@@ -164,3 +164,13 @@ def test_figures_come_in_order(tmp_path: Path) -> None:
         page.illustrated(numbered(5, 6), tmp_path)
     with pytest.raises(InputError, match="there is no third"):
         page.illustrated(numbered(3, 2), tmp_path)
+
+
+def test_wear_below_round_off_is_zero() -> None:
+    """An asperity far below an oil film wears by 1e-48 m, of a pressure by 1e-20 1/Pa."""
+    wear = Estimate.symmetric(1e-48, 1e-49)
+    assert [page.text_of(one, "µm") for one in (1e-48, wear)] == ["0", "0"]
+    assert page.text_of(1e-40, "mm³") == page.text_of(1e-45, "N m") == "0"
+    assert page.text_of(2.5e-9, "µm") == "2.50·10⁻³"
+    assert page.text_of(1e-20, "1/Pa") == "10.0·10⁻²¹"
+    assert page.text_of(float("nan"), "µm") == page.NOTHING

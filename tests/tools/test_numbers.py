@@ -7,6 +7,7 @@ import pytest
 from presswear.tools.numbers import (
     large,
     lasting,
+    percent,
     readable,
     short_number,
     whole,
@@ -40,6 +41,15 @@ from presswear.tools.numbers import (
                 999999.0: "1 million",
                 1.234e9: "1.23 billion",
                 0.0: "0",
+            },
+        ),
+        (
+            percent,
+            {
+                0.0: "0 %",
+                3.7e-6: "less than 0.01 %",
+                -1e-3: "−0.100 %",
+                0.126: "12.6 %",
             },
         ),
         (whole, {258195: "258\u202f195", None: "–"}),
