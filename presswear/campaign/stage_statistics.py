@@ -35,7 +35,7 @@ from presswear.campaign.wear_update import (
 )
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import worn_volume
-from presswear.recording.columns import CYCLE, JOINT_CYCLE
+from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
     Estimate,
@@ -176,7 +176,8 @@ def _joint_statistics(
     volume = worn_volume(joint, added_depth)
     counters = np.array([recorder.records.counters[k] for recorder in recorders])
     contacts = int(counters["contacts"].sum())
-    means = declared_means(mean_peak, recorders, alone, JOINT_CYCLE, k)
+    columns = JOINT_CYCLE if joint.oil is None else (*JOINT_CYCLE, *FILM_CYCLE)
+    means = declared_means(mean_peak, recorders, alone, columns, k)
     half = None
     if len(maps) > 1:
         volumes = np.array([worn_volume(joint, depth) for depth in maps])

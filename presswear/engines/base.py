@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
@@ -23,10 +24,12 @@ from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wall_wear import wall_maps_shape
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import (
+    FILM_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
     LEADER_SERIES_COUNT,
     SERIES_COUNT,
     cycle_columns,
+    first_film_column,
 )
 from presswear.recording.film import empty_film
 from presswear.recording.nominal_time import nominal_of
@@ -190,8 +193,12 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         film=film,
         sampler=sampler,
         nominal=nominal_of(linkage),
-        cycle=np.zeros(cycle_columns(count, drives, has_leader)),
+        cycle=np.zeros(
+            cycle_columns(count, drives, has_leader, len(linkage.oiled_joints))
+        ),
         depth=np.zeros(shape),
+        film_columns=_film_columns(linkage),
+        film_losses=np.zeros(count),
         walls=np.zeros(wall_maps_shape(linkage)),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros(shape[1:]),
@@ -216,6 +223,14 @@ def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:
     periods = [period_on(linkage, guide) for guide in linkage.elastic_guides]
     needed = math.ceil(FRAME_ROWS * plan.cycle / min(periods, default=math.inf))
     return max(plan.rows_per_cycle, min(needed, ROWS_AT_MOST // 2))
+
+
+def _film_columns(linkage: Linkage) -> NDArray[np.int64]:
+    """Return the first columns of the films in a cycle's row, by joint; -1 without a film."""
+    is_oiled = np.array([joint.oil is not None for joint in linkage.clearances], bool)
+    first = first_film_column(len(linkage.clearances), linkage.leader is not None)
+    films = np.cumsum(is_oiled) - 1
+    return np.where(is_oiled, first + FILM_CYCLE_COUNT * films, -1)
 
 
 def _guides_of(linkage: Linkage) -> Records:

@@ -112,6 +112,11 @@ class Linkage(Checked):
         return tuple(dict.fromkeys(corner.guide for corner in self.corners))
 
     @property
+    def oiled_joints(self) -> tuple[ClearanceJoint, ...]:
+        """The joints with clearance in which an oil film acts."""
+        return tuple(joint for joint in self.clearances if joint.oil is not None)
+
+    @property
     def without_oil(self) -> "Linkage":
         """The linkage whose joints are dry."""
         if all(joint.oil is None for joint in self.clearances):

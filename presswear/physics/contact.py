@@ -58,6 +58,7 @@ CONTACT = np.dtype(
         *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
         *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
         *floats("normal", "tangential"),  # forces, N, zero while open
+        ("film_loss", np.float64),  # power that an oil film and its asperities take, W
     ]
 )
 

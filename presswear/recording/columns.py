@@ -152,6 +152,26 @@ DURATION, LEADER_SPEED_MEAN, LEADER_SPEED_MIN, LEADER_SPEED_MAX = range(
     len(LEADER_CYCLE)
 )
 LEADER_CYCLE_COUNT = len(LEADER_CYCLE)
+# Numbers of each cycle of a joint with an oil film in the run, behind those of the
+# leader
+FILM_CYCLE = (
+    Column(
+        "least_film",
+        "m",
+        "least thickness of the oil film",
+        mean_label="least oil film",
+        mean_unit="µm",
+    ),
+    Column(
+        "film_loss",
+        "J",
+        "energy that the oil and the asperities take",
+        mean_label="loss in the oil film",
+        mean_unit="J",
+    ),
+)
+LEAST_FILM, FILM_LOSS = range(len(FILM_CYCLE))
+FILM_CYCLE_COUNT = len(FILM_CYCLE)
 # Last series of a linkage with a motor
 LEADER_SERIES = (
     Column("nominal_time", "s", "at which the ideal motion has the leader's angle"),
@@ -173,15 +193,22 @@ SECTION_JOINT_NAMES = (
 )
 
 
-def cycle_columns(joints: int, drives: int, has_leader: bool = False) -> int:
+def cycle_columns(
+    joints: int, drives: int, has_leader: bool = False, films: int = 0
+) -> int:
     """Return the number of columns in a cycle's row."""
-    first = first_leader_column(joints) + LEADER_CYCLE_COUNT * has_leader
+    first = first_film_column(joints, has_leader) + FILM_CYCLE_COUNT * films
     return first + DRIVE_CYCLE_COUNT * drives
 
 
 def first_leader_column(joints: int) -> int:
     """Return the first column of LEADER_CYCLE in a cycle's row."""
     return CYCLE_COUNT + JOINT_CYCLE_COUNT * joints
+
+
+def first_film_column(joints: int, has_leader: bool) -> int:
+    """Return the first column of FILM_CYCLE in a cycle's row."""
+    return first_leader_column(joints) + LEADER_CYCLE_COUNT * has_leader
 
 
 def cycle_column(name: str, joint: int | None = None) -> int:

@@ -29,6 +29,7 @@ from presswear.recording.columns import (
     DRIVE_CYCLE_COUNT,
     ECCENTRICITY_X,
     ECCENTRICITY_Y,
+    FILM_LOSS,
     FORCE_MAX,
     GIVEN,
     JOINT_CYCLE_COUNT,
@@ -36,6 +37,7 @@ from presswear.recording.columns import (
     LEADER_SERIES_COUNT,
     LEADER_SPEED_MAX,
     LEADER_SPEED_MIN,
+    LEAST_FILM,
     LOAD_DISTANCE,
     NORMAL,
     PENETRATION,
@@ -170,6 +172,9 @@ class RecorderState(NamedTuple):
     cycle: Array  # row of the present cycle, see ``cycle_columns``
     # depth that the present cycle added, m, (joints, 2, m), see ``map_shape``
     depth: Array
+    # first columns of FILM_CYCLE in this row, of each joint; -1 without a film
+    film_columns: NDArray[np.int64]
+    film_losses: Array  # power in the last accepted state, W, of each joint
     # depth that it added to the walls of guides, m, (walls, bins), see ``wall_maps_shape``
     walls: Array
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
@@ -407,6 +412,23 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
 
 
 @inlined
+def note_film(records: RecorderState, k: int, h: float) -> None:
+    """Add the film of a joint in a step of length ``h``, s, to the cycle.
+
+    The loss is integrated by the trapezoidal rule.
+    """
+    column = records.film_columns[k]
+    if column < 0:
+        return
+    contact = records.contacts[k]
+    row = records.cycle[column:]
+    place = math.hypot(contact.eccentricity_x, contact.eccentricity_y)
+    row[LEAST_FILM] = min(row[LEAST_FILM], records.packed.joints[k].clearance - place)
+    row[FILM_LOSS] += 0.5 * h * (records.film_losses[k] + contact.film_loss)
+    records.film_losses[k] = contact.film_loss
+
+
+@inlined
 def note_wear(records: RecorderState, k: int, h: float) -> None:
     """Add the wear of a joint in a step to the maps of the cycle."""
     integrals = records.wear_integrals[k]
@@ -531,6 +553,7 @@ def observe(
     note_drives(records, h, v)
     for k in range(records.contacts.shape[0]):
         note_joint(records, k, t, h)
+        note_film(records, k, h)
         note_wear(records, k, h)
     time = records.nominal[0].now
     take_frame(records.film, records.sampler, records.contacts, records.memory, time, q)

@@ -16,6 +16,7 @@ from presswear.recording.columns import (
     DURATION,
     END_X,
     END_Y,
+    FILM_CYCLE,
     JOINT_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
     LEADER_CYCLE,
@@ -23,6 +24,7 @@ from presswear.recording.columns import (
     LEADER_SPEED_MAX,
     LEADER_SPEED_MEAN,
     LEADER_SPEED_MIN,
+    LEAST_FILM,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     SERIES_COUNT,
@@ -52,6 +54,7 @@ _NOT_COPIED = (
     "stretches",
     "angle_indices",
     "turns",
+    "film_columns",
 )
 _COPIED = tuple(name for name in RecorderState._fields if name not in _NOT_COPIED)
 
@@ -64,7 +67,8 @@ class Recorder:
     maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
     wall_maps: MapBatches  # depth that they added to the walls of guides, m
     sections_per_cycle: int = 0
-    # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE and DRIVE_CYCLE
+    # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE, LEADER_CYCLE, FILM_CYCLE and
+    # DRIVE_CYCLE
     cycles: Array = field(init=False)
     # Largest added depth and largest depth of bearing and pin after each cycle, m, shape
     # (cycles, 2, joints, 2); no rows if the surfaces do not wear during the run
@@ -136,6 +140,9 @@ class Recorder:
         if self.has_leader and name in names_of(LEADER_CYCLE):
             column = self._leader_column + names_of(LEADER_CYCLE).index(name)
             return self.cycles[:, column]
+        if joint is not None and name in names_of(FILM_CYCLE):
+            first = self.records.film_columns[joint]
+            return self.cycles[:, first + names_of(FILM_CYCLE).index(name)]
         return self.cycles[:, cycle_column(name, joint)]
 
     @property
@@ -201,6 +208,8 @@ class Recorder:
         records.cycle[:] = 0.0
         records.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
         records.cycle[VELOCITY_MIN] = math.inf
+        films = records.film_columns[records.film_columns >= 0]
+        records.cycle[films + LEAST_FILM] = math.inf
         if self.has_leader:
             leader = records.cycle[self._leader_column :]
             nominal = records.nominal[0]

@@ -12,7 +12,6 @@ from presswear.results.oil_film import (
     ASSUMES,
     JointFilm,
     film_text,
-    percent,
     shear_power,
 )
 from presswear.results.stage import StageResult
@@ -20,6 +19,7 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import NotStored
+from presswear.tools.numbers import percent
 
 _ROUND_OFF = 1e-9  # of a cycle, by which the series ends earlier than the cycle
 
@@ -58,14 +58,15 @@ def _film(
     """Return the film of a joint; an event stores two rows at one instant."""
     joint, bearing = stage.joints[pin.name], scene.bearing(pin.name)
     rows = rows[np.append(True, np.diff(stage.time[rows]) > 0.0)]
-    time, period = stage.time[rows], scene.mechanism.period
+    time, clock = stage.time[rows], stage.clock[rows]
     place = joint.eccentricity[rows] @ np.array([1.0, 1.0j]) / bearing.clearance
     orbit = FilmOrbit(1.0 - np.abs(place), place, is_closed=True)
-    power = _power(scene, pin, orbit, time)
+    speeds = stage.nominal_rate[rows] * _speed_sum(scene, pin, time)
+    power = _power(bearing, orbit, clock, speeds)
     power += shear_power(bearing, orbit, joint.sliding[rows] / bearing.bearing_radius)
-    mean = float(np.trapezoid(power, time) / (time[-1] - time[0]))
+    mean = float(np.trapezoid(power, clock) / (clock[-1] - clock[0]))
     return JointFilm(
-        360.0 * (time - time[0]) / period,
+        360.0 * (time - time[0]) / scene.mechanism.period,
         joint.series("normal")[rows],
         orbit,
         bearing.clearance,
@@ -74,29 +75,31 @@ def _film(
     )
 
 
-def _power(scene: Scene, pin: Revolute, orbit: FilmOrbit, time: Array) -> Array:
+def _speed_sum(scene: Scene, pin: Revolute, time: Array) -> Array:
+    """Return the speeds of pin and bearing in the linkage without clearance, rad/s, shape (n,)."""
+    linkage, velocity = scene.loaded, scene.ideal.at(time).velocity
+    speeds = [
+        velocity[:, 3 * linkage.index(end.body) + 2]
+        for end in pin.ends
+        if end.body != GROUND
+    ]
+    return np.sum(speeds, axis=0)
+
+
+def _power(bearing: Bearing, orbit: FilmOrbit, time: Array, speeds: Array) -> Array:
     """Return the power that wedge and squeeze take in one of parallel rods, W.
 
-    The speeds of both bodies are those of the linkage without clearance.
+    ``speeds`` are those of pin and bearing together, rad/s.
     """
-    bearing, linkage = scene.bearing(pin.name), scene.loaded
-    velocity = scene.ideal.at(time).velocity
-    first, second = (
-        np.zeros(time.size)
-        if end.body == GROUND
-        else velocity[:, 3 * linkage.index(end.body) + 2]
-        for end in pin.ends
-    )
     size, rate = np.abs(orbit.place), np.gradient(orbit.place, time)
     direction = np.divide(
         orbit.place, size, out=np.ones_like(orbit.place), where=size > 0.0
     )
     on_film = rate * direction.conj()
     turning = np.divide(on_film.imag, size, out=np.zeros(time.size), where=size > 0.0)
-    wedge_speed = first + second - 2.0 * turning
     film = _film_of(bearing)
     power = np.zeros(time.size)
-    rows = zip(orbit.gap, on_film.real, wedge_speed, strict=True)
+    rows = zip(orbit.gap, on_film.real, speeds - 2.0 * turning, strict=True)
     for i, (gap, closing, speed) in enumerate(rows):
         along, across = film_force(float(gap), float(closing), float(speed), film)
         power[i] = 0.5 * across * (1.0 - gap) * speed - along * closing

@@ -11,6 +11,8 @@ from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.columns import (
     CYCLE_COUNT,
+    FILM_CYCLE,
+    FILM_CYCLE_COUNT,
     JOINT_ARRAYS,
     JOINT_CYCLE,
     JOINT_CYCLE_COUNT,
@@ -19,6 +21,7 @@ from presswear.recording.columns import (
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
     cycle_column,
+    first_film_column,
     first_leader_column,
     index_of,
     names_of,
@@ -136,8 +139,14 @@ class JointStatistics:
     wear_peaks: Mapping[str, WearPeak]
     """By ``bearing``, ``pin`` and, if the maps do not turn, ``both``; empty if noise hides them."""
     bumps: Bumps | None = None  # None: no jump before, one replicate, or no contact
-    # over cycles, of the columns of ``JOINT_CYCLE`` that declare a mean, by name; SI
+    # over cycles, of the columns of ``JOINT_CYCLE``, and of ``FILM_CYCLE`` with a film in the
+    # run, that declare a mean, by name; SI
     means: Mapping[str, Estimate] = field(default_factory=dict)
+
+    @property
+    def has_film(self) -> bool:
+        """True if an oil film acted in the run."""
+        return FILM_CYCLE[0].name in self.means
 
     @property
     def is_unworn(self) -> bool:
@@ -278,8 +287,14 @@ class JointResult:
         return self.arrays["contacts"][:, place]
 
     def each_cycle(self, name: str) -> Array:
-        """Return a quantity of each cycle, by a name of ``JOINT_CYCLE``, shape (cycles,); SI."""
-        place = index_of("quantity of a joint's cycle", name, names_of(JOINT_CYCLE))
+        """Return a quantity of each cycle, shape (cycles,); SI.
+
+        Its name is of ``JOINT_CYCLE``, or of ``FILM_CYCLE`` with an oil film in the run.
+        """
+        columns = JOINT_CYCLE
+        if self.arrays["cycles"].shape[1] > JOINT_CYCLE_COUNT:
+            columns += FILM_CYCLE
+        place = index_of("quantity of a joint's cycle", name, names_of(columns))
         return self.arrays["cycles"][:, place]
 
     def depth(self, side: str) -> Array:
@@ -471,9 +486,16 @@ class StageResult:
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
         joints = Joints[JointResult]()
+        cycles = self.arrays["cycles"]
+        oiled = [name for name, one in self.statistics.joints.items() if one.has_film]
+        first_film = first_film_column(len(self.joint_names), self.has_clock)
         for k, name in enumerate(self.joint_names):
             prefix = f"{name}_"
             first = CYCLE_COUNT + JOINT_CYCLE_COUNT * k
+            columns = [*range(first, first + JOINT_CYCLE_COUNT)]
+            if name in oiled:
+                film = first_film + FILM_CYCLE_COUNT * oiled.index(name)
+                columns += range(film, film + FILM_CYCLE_COUNT)
             parts = {
                 key.removeprefix(prefix): array
                 for key, array in self.arrays.items()
@@ -481,9 +503,7 @@ class StageResult:
             }
             source = getattr(self.arrays, "source", self.name)
             arrays = Arrays(parts, f"{source}, joint {name}")
-            arrays["cycles"] = self.arrays["cycles"][
-                :, first : first + JOINT_CYCLE_COUNT
-            ]
+            arrays["cycles"] = cycles[:, columns]
             joints[name] = JointResult(name, self.statistics.joints.get(name), arrays)
         return joints
 

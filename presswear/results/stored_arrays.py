@@ -49,7 +49,8 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
     bins = max((joint.bins for joint in linkage.clearances), default=0)
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
-    width = cycle_columns(joints, drives, linkage.leader is not None)
+    has_leader, films = linkage.leader is not None, len(linkage.oiled_joints)
+    width = cycle_columns(joints, drives, has_leader, films)
     width += sections + 8 + joints * (1 + 2 * bins)
     walls = 3 * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
@@ -64,8 +65,10 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     joints = linkage.clearances
     drives = len(linkage.drives)
     section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
-    columns = cycle_columns(len(joints), drives, linkage.leader is not None)
-    if linkage.leader is not None:
+    has_leader = linkage.leader is not None
+    films = len(linkage.oiled_joints)
+    columns = cycle_columns(len(joints), drives, has_leader, films)
+    if has_leader:
         arrays["clock"], arrays["nominal_rate"]
     shapes: dict[str, tuple[str | int, ...]] = {
         "time": ("time",),

@@ -14,7 +14,7 @@ from presswear.analysis.contact_modes import MODES
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
 from presswear.physics.wall_wear import WALLS
-from presswear.recording.columns import CYCLE, JOINT_CYCLE, with_mean
+from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.soundness import ENERGY_BOUND, RESIDUAL
 from presswear.results.frame_load import ALLOWED_REVERSE
 from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, STATES
@@ -78,7 +78,7 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "sides": sides,
         "modes": MODES,
         "means": with_mean(CYCLE),
-        "joint_means": with_mean(JOINT_CYCLE),
+        "joint_means": with_mean((*JOINT_CYCLE, *FILM_CYCLE)),
     }
     return _parsed(_TABLES.render(content | names))
 

@@ -27,6 +27,7 @@ from presswear.cli.terminal import parse_settings
 from presswear.recording.columns import (
     CYCLE,
     DRIVE_CYCLE,
+    FILM_CYCLE,
     JOINT_CYCLE,
     LEADER_CYCLE,
     with_mean,
@@ -252,7 +253,8 @@ def test_rows_of_a_report_have_a_formula() -> None:
         for part in re.split(r"…|, |: | \(|\)", label)
     }
     known = {part for part in parts if len(part) > 2}
-    known |= {column.mean_label for column in with_mean((*CYCLE, *JOINT_CYCLE))}
+    tables = (*CYCLE, *JOINT_CYCLE, *FILM_CYCLE)
+    known |= {column.mean_label for column in with_mean(tables)}
     assert len(known) > 60
     assert [part for part in sorted(known) if part not in numbers_explained()] == []
 
@@ -323,7 +325,7 @@ def test_arrays_on_the_page_are_those_of_a_stage() -> None:
                 expected = int(word) if word.isdigit() else sizes.setdefault(word, size)
                 assert size == expected or word == "columns", f"{name}: {word}"
     assert listed == set(stage.arrays)
-    tables = (*CYCLE, *JOINT_CYCLE, *LEADER_CYCLE, *DRIVE_CYCLE)
+    tables = (*CYCLE, *JOINT_CYCLE, *LEADER_CYCLE, *FILM_CYCLE, *DRIVE_CYCLE)
     names = {column.name for column in tables}
     assert names <= set(
         re.findall(r"`(\w+)`", page[page.index("The columns of `cycles`") :])

@@ -45,6 +45,36 @@ def test_loss_of_the_films_is_that_of_the_ledger(oiled: pw.Result) -> None:
     assert sum(film.loss for film in films) == pytest.approx(lost / 3.0, rel=0.02)
 
 
+def test_films_of_each_cycle_are_those_of_series_and_ledger(oiled: pw.Result) -> None:
+    (stage,) = oiled.stages
+    lost = 0.0
+    for name, film in run_films(oiled.scene, stage).items():
+        joint = stage.joints[name]
+        least, losses = map(joint.each_cycle, ("least_film", "film_loss"))
+        assert least[-1] == pytest.approx(film.thickness.min(), rel=1e-3)
+        assert losses[-1] == pytest.approx(film.loss * 1.0, rel=0.02)
+        assert joint.statistics.means["least_film"].mean == least[-1]
+        lost += losses.sum()
+    ledger = sum(
+        float(stage.diagnostics[key] or 0.0)
+        for key in ("contact_loss_J", "friction_loss_J")
+    )
+    assert lost == pytest.approx(ledger, rel=1e-3)
+
+
+def test_loss_of_a_film_beside_a_motor_is_by_the_clock() -> None:
+    """The motor makes 59 of 60 strokes a minute, and turns slower in the work."""
+    press = pw.scene_from(SCENARIOS / "press-250kN.toml")
+    oil = {"viscosity": "0.1 Pa s", "film": "run", "frame_stiffness": "none"}
+    light = {"motor.inertia": "0.05 kg m^2", "motor.torque": "25 N m"}
+    result = pw.run(pw.changed(press, {**oil, **light, "replicates": 1, "cycles": 3}))
+    (stage,) = result.stages
+    seconds = stage.each_cycle("duration")[-1]
+    for name, film in run_films(result.scene, stage).items():
+        loss = stage.joints[name].each_cycle("film_loss")[-1]
+        assert film.loss * seconds == pytest.approx(loss, rel=0.01)
+
+
 def test_asperities_far_below_the_film_do_not_wear() -> None:
     """Their load distance is 1e-45 N m, of which 1e46 strokes would wear something."""
     oil = {"clearance": "30 um", "viscosity": "0.1 Pa s", "film": "run"}

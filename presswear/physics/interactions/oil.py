@@ -194,12 +194,14 @@ class OiledContact:
         text.write(f"{rates.x}, {rates.y}, {prefix}_rough = {call}")
         for i, rate in zip(axes, rates, strict=True):
             text.write(f"out[{i}] = {rate}")
-        moment = self._write_friction(page, prefix, f"{film.dot(film)}")
+        moment, rubbed = self._write_friction(page, prefix, f"{film.dot(film)}")
         self._add_forces(page, prefix, place, force, moment)
-        loss = f"film_loss(({film.x}, {film.y}), ({rates.x}, {rates.y}), "
-        page.add_power("contact_loss", f"{loss}({force.x}, {force.y}), {speeds})")
+        vectors = ", ".join(f"({one.x}, {one.y})" for one in (film, rates, force))
+        loss = f"film_loss({vectors}, {speeds})"
+        page.add_power("contact_loss", loss)
+        page.add_power("friction_loss", rubbed)
         with text.block("if level == END:"):
-            self._write_record(page, prefix, film, rates)
+            self._write_record(page, prefix, film, rates, total(loss, rubbed))
 
     def _declare_film(self, page: Page, prefix: str) -> list[int]:
         """Declare the place on the film; return the places of its coordinates in ``y``."""
@@ -264,8 +266,11 @@ class OiledContact:
         ]
         return f"OiledBearing(OilFilm({names[0]}, {names[1]}), {', '.join(names[2:])})"
 
-    def _write_friction(self, page: Page, prefix: str, square: str) -> str:
-        """Write shear and friction of asperities; return the moment on the pin."""
+    def _write_friction(self, page: Page, prefix: str, square: str) -> tuple[str, str]:
+        """Write shear and friction of asperities.
+
+        Returns the moment on the pin, and the power that both take.
+        """
         text, joint, oil = page.text, self.joint, self.joint.oil
         assert oil is not None
         pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
@@ -278,20 +283,19 @@ class OiledContact:
         sizes = f"({width}, {radius}, {clearance})"
         call = f"shear_moment({gap}, {spin}, {viscosity}, {sizes})"
         shear = text.let(f"{prefix}_shear", call)
-        page.add_power("friction_loss", product(shear, spin))
         sliding = text.let(f"{prefix}_sliding", product(radius, spin))
         if joint.wear is not None:
             page.set_dose(self.number, "work", f"{prefix}_rough * abs({sliding})")
         if joint.friction.coefficient == 0.0:
             text.write(f"{prefix}_friction = {ZERO}")
-            return f"-{shear}"
+            return f"-{shear}", product(shear, spin)
         law = FrictionWithoutState(
             page, prefix, joint.friction, self.record["friction"]
         )
         law.write_state(sliding, ONE)
         friction = text.let(f"{prefix}_friction", law.force(f"{prefix}_rough"))
-        page.add_power("friction_loss", negative(product(friction, sliding)))
-        return text.let(f"{prefix}_moment", f"{radius} * {friction} - {shear}")
+        moment = text.let(f"{prefix}_moment", f"{radius} * {friction} - {shear}")
+        return moment, difference(product(shear, spin), product(friction, sliding))
 
     def _write_record(
         self,
@@ -299,9 +303,11 @@ class OiledContact:
         prefix: str,
         film: Vector,
         rate: Vector,
+        loss: str,
     ) -> None:
         """Write the contact for the recorder: the eccentricity is that on the rigid film.
 
+        ``loss`` is the power that oil and asperities take, W.
         Asperities bear where the film is least, over the arc of the elastic contact. As
         in a dry joint, its length follows from the clearance and the penetration.
         """
@@ -322,6 +328,7 @@ class OiledContact:
             "energy": f"{prefix}_energy",
             "normal": f"{prefix}_elastic",
             "tangential": f"{prefix}_friction",
+            "film_loss": loss,
         }
         for end, link in (
             ("bearing", page.chain.of(joint.bearing.body)),
