@@ -23,7 +23,10 @@ from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.options import Numerics
 from presswear.tools.arrays import Array
 
-CLEARANCE, WIDTH, FRICTION, COEFFICIENT = 1e-3, 0.02, 0.05, 1e-15
+CLEARANCE = 1e-3
+WIDTH = 0.02
+FRICTION = 0.05
+COEFFICIENT = 1e-15
 SPEED = 100.0 * math.pi
 CYCLE = 2.0 * math.pi / SPEED
 ENGINES: dict[str, Any] = {

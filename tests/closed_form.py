@@ -58,17 +58,16 @@ def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point
     position = (
         p.position + (along + 1j * side * np.sqrt(from_p**2 - along**2)) * base / length
     )
-    a, b = position - p.position, position - q.position
+    a = position - p.position
+    b = position - q.position
 
     def solve(of_a: Array, of_b: Array) -> Complex:
         """Return the vectors whose scalar products with both links are these."""
         return np.asarray(1j * (a * of_b - b * of_a) / (a.conjugate() * b).imag)
 
     velocity = solve(_dot(a, p.velocity), _dot(b, q.velocity))
-    spin_p, spin_q = (
-        np.abs(velocity - p.velocity) ** 2,
-        np.abs(velocity - q.velocity) ** 2,
-    )
+    spin_p = np.abs(velocity - p.velocity) ** 2
+    spin_q = np.abs(velocity - q.velocity) ** 2
     acceleration = solve(
         _dot(a, p.acceleration) - spin_p, _dot(b, q.acceleration) - spin_q
     )
@@ -162,10 +161,8 @@ def press_motion(
     turning_2: Turning = (CRANK_2_START - turn, -press.speed, 0.0)
     turning_7 = turning_7 or (CRANK_7_START + turn, press.speed, 0.0)
     if rates is not None:
-        turning_2, turning_7 = (
-            (turning_2[0], rates[0], 0.0),
-            (turning_7[0], rates[1], 0.0),
-        )
+        turning_2 = (turning_2[0], rates[0], 0.0)
+        turning_7 = (turning_7[0], rates[1], 0.0)
     o2 = fixed(geometry.hx, geometry.hy, time.size)
     o7 = fixed(0.0, 0.0, time.size)
     a = crank(o2, -press.length_2, turning_2)
@@ -189,7 +186,8 @@ def needed_by_virtual_work(
     press: Press, time: Array, upwards: Array, turning_7: Turning | None = None
 ) -> Array:
     """Torques of cranks 2 and 7 under a force on the slider, N, joints closed, (n, 2), N m."""
-    linkage, motion = press.linkage(), press_motion(press, time, None, turning_7)
+    linkage = press.linkage()
+    motion = press_motion(press, time, None, turning_7)
     mass = np.array(
         [[body.mass, body.mass, body.inertia] for body in linkage.bodies]
     ).ravel()

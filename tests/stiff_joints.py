@@ -18,11 +18,10 @@ def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, floa
         **joint, friction=0.0, wear_updates=0, cycles=3, **changes
     )
     result = pw.run(scene, engine="dae")
-    time, ideal = result.stages[0].time, scene.ideal
-    rows, needed = (
-        time > 2.0 * ideal.period,
-        constraint_forces(scene.loaded, ideal, time),
-    )
+    time = result.stages[0].time
+    ideal = scene.ideal
+    rows = time > 2.0 * ideal.period
+    needed = constraint_forces(scene.loaded, ideal, time)
     places = {joint.name: 2 * k for k, joint in enumerate(scene.loaded.revolutes)}
     path = ideal.at(time).output(scene.linkage())[:, 0] - scene.bottom
     numbers = {"bottom (m)": result.stages[0].bdc.error.mean}
@@ -37,7 +36,8 @@ def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, floa
             np.trapezoid(force - without, time[rows]) / ideal.period
         )
     for name, drive in result.drives(0).items():
-        duty, without = drive.duty.torque, drive.ideal.torque
+        duty = drive.duty.torque
+        without = drive.ideal.torque
         numbers[f"{name} peak (N m)"] = abs(duty.peak) - abs(without.peak)
         numbers[f"{name} rms (N m)"] = duty.rms - without.rms
     return numbers

@@ -142,7 +142,8 @@ class Pair:
 
 
 def turned(angle: float, x: float, y: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     return np.array([c * x - s * y, s * x + c * y])
 
 

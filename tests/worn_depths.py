@@ -13,7 +13,8 @@ TURN = 2.0 * math.pi
 
 def periodic(surface: Surface) -> CubicHermiteSpline:
     """Return the depth of a map over three turns from -2 pi."""
-    depth, slope = surface.depth, surface.slope
+    depth = surface.depth
+    slope = surface.slope
     angles = (np.arange(3 * depth.size) - depth.size + 0.5) * TURN / depth.size
     return CubicHermiteSpline(angles, np.tile(depth, 3), np.tile(slope, 3))
 

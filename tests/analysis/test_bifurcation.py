@@ -101,7 +101,8 @@ def test_periods_of_two_clearances(tmp_path: Path) -> None:
     for direction in bifurcation.DIRECTIONS:
         branch = diagram.branches[direction]
         periods = dict(zip(branch.value, diagram.periods(direction), strict=True))
-        small, large = periods[1e-5], periods[3e-4]
+        small = periods[1e-5]
+        large = periods[3e-4]
         assert small is not None
         assert large is not None
         assert (small.period, large.period) == (1, None)

@@ -44,7 +44,8 @@ def test_modes_follow_each_other() -> None:
 
 def test_shares_transitions_and_visits() -> None:
     line = made()
-    shares, counts = line.shares, line.transitions
+    shares = line.shares
+    counts = line.transitions
     assert sum(shares.values()) == pytest.approx(1.0, rel=1e-12)
     assert shares["impact"] == pytest.approx(0.04 / 8.0, rel=1e-9)
     assert shares["sustained contact"] == pytest.approx(1.0 / 8.0, rel=1e-9)
@@ -117,7 +118,8 @@ def result() -> Result:
 
 def test_shares_are_those_of_the_penetration(result: Result) -> None:
     """Time with penetration above 0, by the rows, is the time that is no free flight."""
-    scene, stage = result.scene, result.stages[0]
+    scene = result.scene
+    stage = result.stages[0]
     own = timeline_of(scene, stage, "B")
     begin, end = sampled_span(scene, stage)
     assert own.edges[[0, -1]] == pytest.approx([begin, end], rel=1e-3)
@@ -132,7 +134,8 @@ def test_shares_are_those_of_the_penetration(result: Result) -> None:
 
 def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None:
     """At the ends of the cycles, to the straight lines between rows."""
-    scene, stage = result.scene, result.stages[0]
+    scene = result.scene
+    stage = result.stages[0]
     kept, phase = section_of(scene, stage, "B")
     assert phase == 1.0
     eccentricity = stage.joints["B"].eccentricity
@@ -145,12 +148,14 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
 
 def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> None:
     """Where it rises through 0, and as fast as the pin then moves away from the centre."""
-    scene, stage = result.scene, result.stages[0]
+    scene = result.scene
+    stage = result.stages[0]
     phase, speed = impacts_of(scene, stage, "B")
     begin, end = sampled_span(scene, stage)
     time, kept = np.unique(stage.time, return_index=True)
     own = stage.joints["B"]
-    overlap, away = own.penetration[kept], np.hypot(*own.eccentricity[kept].T)
+    overlap = own.penetration[kept]
+    away = np.hypot(*own.eccentricity[kept].T)
     inside = (time[:-1] > begin) & (time[1:] < end)
     (k,) = np.nonzero(inside & (overlap[:-1] < 0.0) & (overlap[1:] > 0.0))
     part = overlap[k] / (overlap[k] - overlap[k + 1])

@@ -101,8 +101,10 @@ def test_shares_have_exact_intervals() -> None:
 
 def rows_of(settled: list[int], place: list[float]) -> Runs:
     rows = np.concatenate([empty_row(1, 3) for _ in settled])
-    rows["index"], rows["settled"] = np.arange(len(settled)), settled
-    rows["cycles"], rows["period"] = 40, [1 if one >= 0 else 0 for one in settled]
+    rows["index"] = np.arange(len(settled))
+    rows["settled"] = settled
+    rows["cycles"] = 40
+    rows["period"] = [1 if one >= 0 else 0 for one in settled]
     rows["signature"][:, 0] = place
     rows["peak_force"][:, 0] = 100.0 + np.array(place)
     return rows.view(np.recarray)
@@ -130,7 +132,8 @@ def test_shares_of_known_basins() -> None:
 
 
 def test_starts_fill_the_phase_space_of_the_clearance() -> None:
-    linkage, ideal = SCENE.linkage(), start_of(SCENE)
+    linkage = SCENE.linkage()
+    ideal = start_of(SCENE)
     starts = spread_starts(SCENE, 256)
     # The largest acceleration of a centre of mass is that of the slider at its outer
     # dead centre.
@@ -165,8 +168,10 @@ def test_starts_fill_the_phase_space_of_the_clearance() -> None:
 
 def pin_velocity(start: Start) -> Array:
     """Return the velocity of the slider minus that of the end of the rod, m/s."""
-    rod, slider = SCENE.linkage().index("rod"), SCENE.linkage().index("slider")
-    angle, spin = start.position[3 * rod + 2], start.velocity[3 * rod + 2]
+    rod = SCENE.linkage().index("rod")
+    slider = SCENE.linkage().index("slider")
+    angle = start.position[3 * rod + 2]
+    spin = start.velocity[3 * rod + 2]
     arm = 0.5 * 0.12 * spin * np.array([-math.sin(angle), math.cos(angle)])
     return np.asarray(
         start.velocity[3 * slider : 3 * slider + 2]
@@ -176,10 +181,8 @@ def pin_velocity(start: Start) -> Array:
 
 
 def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
-    linkage, start = (
-        SCENE.linkage(),
-        spread_starts(SCENE, 1).start(0, SCENE.linkage(), start_of(SCENE)),
-    )
+    linkage = SCENE.linkage()
+    start = spread_starts(SCENE, 1).start(0, SCENE.linkage(), start_of(SCENE))
     change = np.array([[0.03, -0.02]])
     kicked = kick_pins(linkage, start, change)
     np.testing.assert_allclose(
@@ -249,7 +252,8 @@ def test_a_slider_crank_comes_to_rest(
 
 
 def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
-    scene, watch = pw.scenes.slider_crank(), Watch(3, 14)
+    scene = pw.scenes.slider_crank()
+    watch = Watch(3, 14)
     whole = settle.compute(scene, watch, tmp_path / "whole", start_of, jobs=1)
 
     def stop(step: str, share: float) -> None:

@@ -79,7 +79,9 @@ def test_bad_input_is_refused() -> None:
 
 
 SCENE = pw.scenes.slider_crank()
-LINKAGE, START, CYCLE = SCENE.linkage(), start_of(SCENE), SCENE.mechanism.period
+LINKAGE = SCENE.linkage()
+START = start_of(SCENE)
+CYCLE = SCENE.mechanism.period
 SUSTAINED = changed(SCENE, {"clearance": "20 um"})
 
 
@@ -96,7 +98,8 @@ class Oscillator:
     """
 
     def __init__(self, w: float) -> None:
-        self.w, self.period = w, 2.0 * math.pi / w
+        self.w = w
+        self.period = 2.0 * math.pi / w
 
     def free(self, s: float) -> Array:
         return np.array([[math.cos(s), math.sin(s)], [-math.sin(s), math.cos(s)]])
@@ -122,7 +125,8 @@ class Oscillator:
 
     def after(self, state: Array, t: float, duration: float) -> tuple[Array, Array]:
         """Return the state after a duration, and the map of small differences."""
-        differences, end = np.eye(2), t + duration
+        differences = np.eye(2)
+        end = t + duration
         while True:
             off = state - self.forced(t)
 
@@ -138,7 +142,8 @@ class Oscillator:
             if landed.size:
                 k = landed[0]
                 step = brentq(x, grid[k - 1], grid[k], xtol=1e-15) if k else grid[0]
-            t, differences = t + step, self.free(step) @ differences
+            t = t + step
+            differences = self.free(step) @ differences
             state = self.forced(t) + self.free(step) @ off
             if not landed.size:
                 return state, differences
@@ -171,20 +176,22 @@ def test_periodic_oscillator_with_a_wall(frequency: float) -> None:
 
 def test_pairs_grow_as_the_tangent_flow() -> None:
     """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
-    oscillator, count = Oscillator(2.8), 1500
-    period, (t, v, _) = oscillator.period, oscillator.periodic()
+    oscillator = Oscillator(2.8)
+    count = 1500
+    period = oscillator.period
+    t, v, _ = oscillator.periodic()
     pairs = oscillator.growth(1.001, period, count, 1e-8)
-    state, t = (
-        oscillator.after(np.array([0.0, -1.001 * R * v]), t, 0.35 * period)[0],
-        t + 0.35 * period,
-    )
-    direction, tangent = np.full(2, math.sqrt(0.5)), np.zeros(count)
+    state = oscillator.after(np.array([0.0, -1.001 * R * v]), t, 0.35 * period)[0]
+    t = t + 0.35 * period
+    direction = np.full(2, math.sqrt(0.5))
+    tangent = np.zeros(count)
     for k in range(count):
         state, differences = oscillator.after(state, t, period)
         t += period
         direction = differences @ direction
         size = float(np.linalg.norm(direction))
-        tangent[k], direction = math.log(size), direction / size
+        tangent[k] = math.log(size)
+        direction = direction / size
     exponent, expected = (
         exponent_from_growth(each, period) for each in (pairs, tangent)
     )
@@ -219,7 +226,9 @@ def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
 
     Two runs without rescaling keep their distance as well.
     """
-    linkage, period, cycles = SUSTAINED.linkage(), SUSTAINED.mechanism.period, 60
+    linkage = SUSTAINED.linkage()
+    period = SUSTAINED.mechanism.period
+    cycles = 60
     exponent = scene_exponent(SUSTAINED, cycles)
     assert abs(exponent.mean) < exponent.half_width < 1.0
     plan = Plan(period, cycles, 1, sections=(1.0,))

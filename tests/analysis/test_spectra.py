@@ -67,7 +67,8 @@ def test_less_than_a_cycle_is_refused() -> None:
 
 def test_the_logistic_map_repeats_itself_after_four_and_never() -> None:
     def orbit(r: float) -> Periodicity:
-        x, rows = 0.3, []
+        x = 0.3
+        rows = []
         for _ in range(1200):
             x = r * x * (1.0 - x)
             rows.append([x])

@@ -28,21 +28,21 @@ DEPTH, RATE, NORMAL, TANGENTIAL, SLIDING, TURNING, EX, EY = range(8)
 CONTACT_COLUMNS = 8
 # Integrals in the state, behind coordinates and rates; load and pressure dose of each
 # joint, and of each drive torque and power with their squares
-LOAD, DOSE, CONTACT_LOSS, FRICTION_LOSS, WORK, EXCHANGE, DRIVES = (
-    8,
-    10,
-    12,
-    13,
-    14,
-    15,
-    16,
-)
+LOAD = 8
+DOSE = 10
+CONTACT_LOSS = 12
+FRICTION_LOSS = 13
+WORK = 14
+EXCHANGE = 15
+DRIVES = 16
 WIDTH = DRIVES + 8
 # Row of a cycle; of each joint the peak force, load distance and contacts that ended
 HIGHEST, SLOWEST, FASTEST, ACCELERATION, STEPS, JOINTS = range(6)
 PEAK, DISTANCE, CONTACTS = range(3)
 ROW = JOINTS + 6
-BODIES, FILM_JOINT, SERIES_JOINT = 6, 6, 6
+BODIES = 6
+FILM_JOINT = 6
+SERIES_JOINT = 6
 
 
 class Accounts(NamedTuple):
@@ -64,7 +64,8 @@ def accounts_for(period: float, cycles: int, recorded: int, start: float) -> Acc
     film = np.zeros((cycles * FRAMES + 2, 1 + 3 * BODIES + 2 * FILM_JOINT))
     series = np.empty((recorded * ROOM, 4 + 2 * SERIES_JOINT))
     due = np.array([0.0, -math.inf, period / FRAMES, period / ROWS, start])
-    counts, largest = np.array([0, 0, len(series)]), np.zeros(2)
+    counts = np.array([0, 0, len(series)])
+    largest = np.zeros(2)
     accounts = Accounts(
         np.zeros((2, 2, BINS)), np.zeros(ROW), film, series, counts, due, largest
     )
@@ -82,12 +83,16 @@ def clear(accounts: Accounts) -> None:
 
 def stored_energy(press: Records, t: float, y: Array, contacts: Array) -> float:
     """Return kinetic, potential and elastic energy of plate, rods and slider, J."""
-    p, frame = press.view(np.recarray)[0], np.zeros(1 + 3 * BODIES + 2 * FILM_JOINT)
+    p = press.view(np.recarray)[0]
+    frame = np.zeros(1 + 3 * BODIES + 2 * FILM_JOINT)
     take_frame(press, frame[np.newaxis], 0, t, y, contacts)
     at = cranks(press, t)
-    rod_3, plate, rod_5 = frame[4:6], frame[7:9], frame[10:12]
+    rod_3 = frame[4:6]
+    plate = frame[7:9]
+    rod_5 = frame[10:12]
     b = rod_3 - 0.5 * p.length_3 * np.array([math.cos(y[1]), math.sin(y[1])])
-    d, d_t = np.array([at.x, at.y]), np.array([at.vx, at.vy])
+    d = np.array([at.x, at.y])
+    d_t = np.array([at.vx, at.vy])
     plate_t = d_t + y[4] * turned(plate - d)
     rod_3_t = d_t + y[4] * turned(b - d) + y[5] * turned(rod_3 - b)
     rod_5_t = np.array([0.0, y[6]]) + y[7] * turned(rod_5 - [p.o2_x, y[2]])
@@ -128,20 +133,22 @@ def torques(
     force_x = p.mass_4 * gx + p.mass_3 * rx - one.x + two.x
     force_y = p.mass_4 * (gy + p.gravity) + p.mass_3 * (ry + p.gravity) - one.y + two.y
     seven = at.x * force_y - at.y * force_x + 0.5 * p.mass_7 * p.gravity * at.x
-    x, y = one.at_x - p.o2_x, one.at_y - p.o2_y
+    x = one.at_x - p.o2_x
+    y = one.at_y - p.o2_y
     two_ = x * one.y - y * one.x + 0.5 * p.mass_2 * p.gravity * (at.pin_x - p.o2_x)
     return two_, seven
 
 
 @compiled
 def note_contact(row: Array, push: Push) -> None:
-    row[DEPTH], row[RATE], row[NORMAL] = push.depth, push.rate, push.normal
-    row[TANGENTIAL], row[SLIDING], row[TURNING] = (
-        push.tangential,
-        push.sliding,
-        push.turning,
-    )
-    row[EX], row[EY] = push.ex, push.ey
+    row[DEPTH] = push.depth
+    row[RATE] = push.rate
+    row[NORMAL] = push.normal
+    row[TANGENTIAL] = push.tangential
+    row[SLIDING] = push.sliding
+    row[TURNING] = push.turning
+    row[EX] = push.ex
+    row[EY] = push.ey
 
 
 @compiled
@@ -149,10 +156,13 @@ def deposit(maps: Array, joint: Records, contact: Array, dose: float, h: float) 
     """Spread the depth of a dose, N/m, over the bins that the contact crosses in a step."""
     end = math.atan2(contact[EY], contact[EX]) * (BINS / (2.0 * math.pi))
     start = end - h * contact[TURNING] * (BINS / (2.0 * math.pi))
-    low, high = min(start, end), max(start, end)
-    first, last = math.floor(low), math.floor(high)
+    low = min(start, end)
+    high = max(start, end)
+    first = math.floor(low)
+    last = math.floor(high)
     depth = joint.wear_coefficient * dose
-    bearing, pin = joint.bearing_share * depth, (1.0 - joint.bearing_share) * depth
+    bearing = joint.bearing_share * depth
+    pin = (1.0 - joint.bearing_share) * depth
     if first == last:
         maps[0, first % BINS] += bearing
         maps[1, first % BINS] += pin
@@ -169,8 +179,10 @@ def force_and_slope(
 ) -> tuple[float, float]:
     """Return the normal force, N, and its slope's sign at a part of a step, on a cubic."""
     rise = now[DEPTH] - before[DEPTH]
-    a, b = h * before[RATE], h * now[RATE]
-    curve, twist = 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
+    a = h * before[RATE]
+    b = h * now[RATE]
+    curve = 3.0 * rise - 2.0 * a - b
+    twist = a + b - 2.0 * rise
     depth = before[DEPTH] + s * (a + s * (curve + s * twist))
     rate = a + s * (2.0 * curve + s * 3.0 * twist)
     bend = 2.0 * curve + 6.0 * s * twist
@@ -192,7 +204,9 @@ def peak_within(
         return 0.0
     if force_and_slope(joint, closing, h, before, now, 1.0)[1] >= 0.0:
         return 0.0
-    low, high, force = 0.0, 1.0, 0.0
+    low = 0.0
+    high = 1.0
+    force = 0.0
     for _ in range(PEAK_STEPS):
         middle = 0.5 * (low + high)
         force, slope = force_and_slope(joint, closing, h, before, now, middle)
@@ -208,26 +222,42 @@ def take_frame(
     press: Records, film: Array, frame: int, t: float, y: Array, now: Array
 ) -> None:
     """Fill the frame of a film: mass centres and angles of the bodies, and the contacts."""
-    p, row, at = press[0], film[frame], cranks(press, t)
-    cosine, sine = math.cos(y[0]), math.sin(y[0])
-    bx, by = cosine * p.b_x - sine * p.b_y, sine * p.b_x + cosine * p.b_y
-    rx, ry = p.length_3 * math.cos(y[1]), p.length_3 * math.sin(y[1])
+    p = press[0]
+    row = film[frame]
+    at = cranks(press, t)
+    cosine = math.cos(y[0])
+    sine = math.sin(y[0])
+    bx = cosine * p.b_x - sine * p.b_y
+    by = sine * p.b_x + cosine * p.b_y
+    rx = p.length_3 * math.cos(y[1])
+    ry = p.length_3 * math.sin(y[1])
     row[0] = t
-    row[1], row[2] = 0.5 * (at.pin_x + p.o2_x), 0.5 * (at.pin_y + p.o2_y)
+    row[1] = 0.5 * (at.pin_x + p.o2_x)
+    row[2] = 0.5 * (at.pin_y + p.o2_y)
     row[3] = p.start_2 - p.speed * t
-    row[4], row[5], row[6] = at.x + bx + 0.5 * rx, at.y + by + 0.5 * ry, y[1]
+    row[4] = at.x + bx + 0.5 * rx
+    row[5] = at.y + by + 0.5 * ry
+    row[6] = y[1]
     row[7] = at.x + cosine * p.centre_x - sine * p.centre_y
-    row[8], row[9] = at.y + sine * p.centre_x + cosine * p.centre_y, y[0]
+    row[8] = at.y + sine * p.centre_x + cosine * p.centre_y
+    row[9] = y[0]
     row[10] = p.o2_x + 0.5 * p.length_5 * math.cos(y[3])
-    row[11], row[12] = y[2] + 0.5 * p.length_5 * math.sin(y[3]), y[3]
-    row[13], row[14], row[15] = p.o2_x, y[2], 0.5 * math.pi
-    row[16], row[17], row[18] = 0.5 * at.x, 0.5 * at.y, p.start_7 + p.speed * t
+    row[11] = y[2] + 0.5 * p.length_5 * math.sin(y[3])
+    row[12] = y[3]
+    row[13] = p.o2_x
+    row[14] = y[2]
+    row[15] = 0.5 * math.pi
+    row[16] = 0.5 * at.x
+    row[17] = 0.5 * at.y
+    row[18] = p.start_7 + p.speed * t
     for k in range(2):
         base = 1 + 3 * BODIES + FILM_JOINT * k
         length = math.sqrt(now[k, EX] * now[k, EX] + now[k, EY] * now[k, EY])
-        row[base], row[base + 1] = now[k, NORMAL], now[k, TANGENTIAL]
+        row[base] = now[k, NORMAL]
+        row[base + 1] = now[k, TANGENTIAL]
         if length > 0.0:
-            row[base + 2], row[base + 3] = now[k, EX] / length, now[k, EY] / length
+            row[base + 2] = now[k, EX] / length
+            row[base + 3] = now[k, EY] / length
         row[base + 4] = now[k, DEPTH]
 
 
@@ -236,7 +266,9 @@ def write_row(
     accounts: Accounts, t: float, y: Array, slopes: Array, now: Array
 ) -> None:
     """Write a row of the series if one is due."""
-    due, counts, row = accounts.due, accounts.counts, accounts.counts[1]
+    due = accounts.due
+    counts = accounts.counts
+    row = accounts.counts[1]
     is_due = t - due[1] >= due[3]
     if not is_due:
         for k in range(2):
@@ -245,15 +277,17 @@ def write_row(
     if not is_due:
         return
     target = accounts.series[row]
-    target[0], target[1], target[2], target[3] = t, y[2] - due[4], y[6], slopes[6]
+    target[0] = t
+    target[1] = y[2] - due[4]
+    target[2] = y[6]
+    target[3] = slopes[6]
     for k in range(2):
         base = 4 + SERIES_JOINT * k
-        target[base], target[base + 1], target[base + 2] = (
-            now[k, EX],
-            now[k, EY],
-            now[k, DEPTH],
-        )
-        target[base + 3], target[base + 4] = now[k, NORMAL], now[k, TANGENTIAL]
+        target[base] = now[k, EX]
+        target[base + 1] = now[k, EY]
+        target[base + 2] = now[k, DEPTH]
+        target[base + 3] = now[k, NORMAL]
+        target[base + 4] = now[k, TANGENTIAL]
         target[base + 5] = now[k, SLIDING]
     counts[1] += 1
     due[1] = t
@@ -271,8 +305,11 @@ def note_step(
     contacts: Array,
 ) -> None:
     """Account for a step; ``contacts`` are those at both ends, (2, 2, CONTACT_COLUMNS)."""
-    cycle, due, counts = accounts.cycle, accounts.due, accounts.counts
-    before, now = contacts[0], contacts[1]
+    cycle = accounts.cycle
+    due = accounts.due
+    counts = accounts.counts
+    before = contacts[0]
+    now = contacts[1]
     cycle[HIGHEST] = max(cycle[HIGHEST], y[2] - due[4])
     cycle[SLOWEST] = min(cycle[SLOWEST], y[6])
     cycle[FASTEST] = max(cycle[FASTEST], y[6])
@@ -290,7 +327,8 @@ def note_step(
         cycle[base + DISTANCE] += y[LOAD + k]
         if y[DOSE + k] > 0.0:
             deposit(accounts.maps[k], joint, now[k], y[DOSE + k], h)
-        y[LOAD + k], y[DOSE + k] = 0.0, 0.0
+        y[LOAD + k] = 0.0
+        y[DOSE + k] = 0.0
     if t >= due[0]:
         take_frame(press, accounts.film, frame, t, y, now)
         while due[0] <= t:

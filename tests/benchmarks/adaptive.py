@@ -61,7 +61,8 @@ NEAR = 1e-14  # m, penetration at which a touchdown or a separation is located
 @compiled
 def rates(press: Records, t: float, y: Array, onset: Array, out: Array) -> None:
     """Fill the rates of coordinates and velocities."""
-    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    x = (y[0], y[1], y[2], y[3])
+    u = (y[4], y[5], y[6], y[7])
     a, _, _, _, _ = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
         out[i], out[4 + i] = u[i], a[i]
@@ -72,22 +73,31 @@ def all_rates(
     press: Records, t: float, y: Array, onset: Array, out: Array, now: Array
 ) -> None:
     """Fill the rates of the whole state, and the contacts, shape (2, CONTACT_COLUMNS)."""
-    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    x = (y[0], y[1], y[2], y[3])
+    u = (y[4], y[5], y[6], y[7])
     at = cranks(press, t)
     a, _, one, two, levers = accelerations(press, at, onset, x, u)
     for i in range(4):
         out[i], out[4 + i] = u[i], a[i]
-    out[LOAD], out[LOAD + 1] = one.load, two.load
-    out[DOSE], out[DOSE + 1] = one.pressure_load, two.pressure_load
+    out[LOAD] = one.load
+    out[LOAD + 1] = two.load
+    out[DOSE] = one.pressure_load
+    out[DOSE + 1] = two.pressure_load
     out[CONTACT_LOSS] = one.contact_loss + two.contact_loss
     out[FRICTION_LOSS] = one.friction_loss + two.friction_loss
     torque_2, torque_7 = torques(press, at, u, a, levers, one, two)
-    power_2, power_7 = -press[0].speed * torque_2, press[0].speed * torque_7
-    out[WORK], out[EXCHANGE] = power_2 + power_7, abs(power_2 + power_7)
-    out[DRIVES], out[DRIVES + 1] = torque_2, torque_2 * torque_2
-    out[DRIVES + 2], out[DRIVES + 3] = power_2, power_2 * power_2
-    out[DRIVES + 4], out[DRIVES + 5] = torque_7, torque_7 * torque_7
-    out[DRIVES + 6], out[DRIVES + 7] = power_7, power_7 * power_7
+    power_2 = -press[0].speed * torque_2
+    power_7 = press[0].speed * torque_7
+    out[WORK] = power_2 + power_7
+    out[EXCHANGE] = abs(power_2 + power_7)
+    out[DRIVES] = torque_2
+    out[DRIVES + 1] = torque_2 * torque_2
+    out[DRIVES + 2] = power_2
+    out[DRIVES + 3] = power_2 * power_2
+    out[DRIVES + 4] = torque_7
+    out[DRIVES + 5] = torque_7 * torque_7
+    out[DRIVES + 6] = power_7
+    out[DRIVES + 7] = power_7 * power_7
     note_contact(now[0], one)
     note_contact(now[1], two)
 
@@ -104,7 +114,8 @@ def step(
     tolerance: float,
 ) -> float:
     """Step from ``y``, whose rates are ``work[0]``, to the last row; return its relative error."""
-    k, z = work[:STAGES], work[STAGES]
+    k = work[:STAGES]
+    z = work[STAGES]
     for i in range(SIZE):
         z[i] = y[i] + h * 0.2 * k[0, i]
     rates(press, t + 0.2 * h, z, onset, k[1])  # its weight is zero
@@ -137,7 +148,8 @@ def step(
 @compiled
 def crossing(h: float, before: Array, after: Array) -> float:
     """Return the part of a step at which a penetration is zero, from a cubic through both ends."""
-    low, high = 0.0, 1.0
+    low = 0.0
+    high = 1.0
     if before[DEPTH] * after[DEPTH] >= 0.0:
         return 1.0
     for _ in range(50):
@@ -174,7 +186,10 @@ def march(
 ) -> None:
     """Integrate to the end; steps end on touchdowns and separations."""
     y, onset, work, contacts, steps = loop
-    k, z, before, now = work[:STAGES], work[STAGES], contacts[0], contacts[1]
+    k = work[:STAGES]
+    z = work[STAGES]
+    before = contacts[0]
+    now = contacts[1]
     h = steps[0]
     all_rates(press, t, y, onset, k[0], before)
     while t < end:
@@ -189,12 +204,14 @@ def march(
             h *= max(0.2, 0.9 * error**-0.2)
             continue
         following = h * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-        part, joint = 2.0, -1
+        part = 2.0
+        joint = -1
         for i in range(2):
             if (now[i, DEPTH] > 0.0) != (onset[i] >= 0.0):
                 at = crossing(h, before[i], now[i])
                 if at < part:
-                    part, joint = at, i
+                    part = at
+                    joint = i
         if joint >= 0 and part < 1.0:
             is_last = False
             h *= part
@@ -247,7 +264,10 @@ def run(
     contacts = np.zeros((2, 2, CONTACT_COLUMNS))
     loop = Loop(y, np.full(2, OPEN), work, contacts, np.array([1e-6, 0.0, 0.0]))
     accounts = accounts_for(ends[0], len(ends), recorded, float(start[2]))
-    states, rows, maps, t = [], [], np.zeros_like(accounts.maps), 0.0
+    states = []
+    rows = []
+    maps = np.zeros_like(accounts.maps)
+    t = 0.0
     stored = stored_energy(press, t, y, contacts[0])
     started = clock.process_time()
     for number, end in enumerate(ends):

@@ -109,18 +109,22 @@ class Cranks(NamedTuple):
 
 def parameters(scene: Scene) -> Records:
     """Return the parameters of a scene with round surfaces as one record of PRESS."""
-    press, linkage = scene.mechanism, scene.linkage()
+    press = scene.mechanism
+    linkage = scene.linkage()
     assert isinstance(press, Press)
     corner = press.plate_corners()
     start = corner["D"].x, corner["D"].y
     record = np.zeros(1, PRESS)
     for name in _GIVEN:
         record[name] = getattr(press, name)
-    record["o2_x"], record["o2_y"] = press.geometry.hx, press.geometry.hy
-    record["centre_x"], record["centre_y"] = -start[0], -start[1]
+    record["o2_x"] = press.geometry.hx
+    record["o2_y"] = press.geometry.hy
+    record["centre_x"] = -start[0]
+    record["centre_y"] = -start[1]
     for name in ("b", "c"):
         end = corner[name.upper()]
-        record[f"{name}_x"], record[f"{name}_y"] = end.x - start[0], end.y - start[1]
+        record[f"{name}_x"] = end.x - start[0]
+        record[f"{name}_y"] = end.y - start[1]
     record["plate_inertia"] = (
         press.inertia_4
         + press.mass_4 * math.hypot(*start) ** 2
@@ -132,9 +136,11 @@ def parameters(scene: Scene) -> Records:
     record["rod_5_inertia"] = (
         press.inertia_5 + press.mass_5 * (0.5 * press.length_5) ** 2
     )
-    record["start_2"], record["start_7"] = CRANK_2_START, CRANK_7_START
+    record["start_2"] = CRANK_2_START
+    record["start_7"] = CRANK_7_START
     for joint in linkage.clearances:
-        normal, friction = joint.normal, joint.friction
+        normal = joint.normal
+        friction = joint.friction
         record[joint.name.lower()] = (
             *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
             *(friction.coefficient, friction.lower, friction.upper, joint.width),
@@ -150,9 +156,12 @@ def parameters(scene: Scene) -> Records:
 @compiled
 def cranks(press: Records, t: float) -> Cranks:
     p = press[0]
-    seven, two = p.start_7 + p.speed * t, p.start_2 - p.speed * t
-    x, y = p.length_7 * math.cos(seven), p.length_7 * math.sin(seven)
-    back_x, back_y = -p.length_2 * math.cos(two), -p.length_2 * math.sin(two)
+    seven = p.start_7 + p.speed * t
+    two = p.start_2 - p.speed * t
+    x = p.length_7 * math.cos(seven)
+    y = p.length_7 * math.sin(seven)
+    back_x = -p.length_2 * math.cos(two)
+    back_y = -p.length_2 * math.sin(two)
     w = p.speed
     return Cranks(
         *(x, y, -w * y, w * x),
@@ -178,7 +187,8 @@ def push(
     depth = distance - joint.clearance
     if distance == 0.0:
         return no_push(pin_x, pin_y, depth, 0.0, ex, ey)
-    nx, ny = ex / distance, ey / distance
+    nx = ex / distance
+    ny = ey / distance
     rate = vx * nx + vy * ny
     if depth <= 0.0:
         return no_push(pin_x, pin_y, depth, rate, ex, ey)
@@ -228,15 +238,18 @@ def accelerations(
     plate, rod_3, slider, rod_5 = x
     plate_t, rod_3_t, slider_t, rod_5_t = u
     p = press[0]
-    cosine, sine = math.cos(plate), math.sin(plate)
-    gx, gy = (
-        cosine * p.centre_x - sine * p.centre_y,
-        sine * p.centre_x + cosine * p.centre_y,
-    )
-    bx, by = cosine * p.b_x - sine * p.b_y, sine * p.b_x + cosine * p.b_y
-    cx, cy = cosine * p.c_x - sine * p.c_y, sine * p.c_x + cosine * p.c_y
-    rx, ry = p.length_3 * math.cos(rod_3), p.length_3 * math.sin(rod_3)
-    sx, sy = p.length_5 * math.cos(rod_5), p.length_5 * math.sin(rod_5)
+    cosine = math.cos(plate)
+    sine = math.sin(plate)
+    gx = cosine * p.centre_x - sine * p.centre_y
+    gy = sine * p.centre_x + cosine * p.centre_y
+    bx = cosine * p.b_x - sine * p.b_y
+    by = sine * p.b_x + cosine * p.b_y
+    cx = cosine * p.c_x - sine * p.c_y
+    cy = sine * p.c_x + cosine * p.c_y
+    rx = p.length_3 * math.cos(rod_3)
+    ry = p.length_3 * math.sin(rod_3)
+    sx = p.length_5 * math.cos(rod_5)
+    sy = p.length_5 * math.sin(rod_5)
     one = push(
         *(p.a, onset[0], at.pin_x, at.pin_y),
         *(at.pin_x - at.x - bx - rx, at.pin_y - at.y - by - ry),
@@ -259,9 +272,12 @@ def accelerations(
     force_4 = (two.at_x - p.o2_x) * two.y - (two.at_y - slider) * two.x
     # All that hangs from D feels its acceleration, -w^2 D, and gravity.
     square = p.speed * p.speed
-    ax, ay = square * at.x, square * at.y - p.gravity
-    hx, hy = 0.5 * rx, 0.5 * ry
-    mx, my = p.mass_4 * gx + p.mass_3 * bx, p.mass_4 * gy + p.mass_3 * by
+    ax = square * at.x
+    ay = square * at.y - p.gravity
+    hx = 0.5 * rx
+    hy = 0.5 * ry
+    mx = p.mass_4 * gx + p.mass_3 * bx
+    my = p.mass_4 * gy + p.mass_3 * by
     m12 = p.mass_3 * (bx * hx + by * hy)
     turn = p.mass_3 * (bx * hy - by * hx)
     right_1 = force_1 + mx * ay - my * ax + rod_3_t * rod_3_t * turn
@@ -291,12 +307,15 @@ def evaluate(
     press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array
 ) -> None:
     """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
-    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    x = (y[0], y[1], y[2], y[3])
+    u = (y[4], y[5], y[6], y[7])
     a, forces, one, two, _ = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
         out[i], out[4 + i], out[8 + i] = u[i], a[i], forces[i]
-    gaps[0, 0], gaps[0, 1] = one.depth, one.rate
-    gaps[1, 0], gaps[1, 1] = two.depth, two.rate
+    gaps[0, 0] = one.depth
+    gaps[0, 1] = one.rate
+    gaps[1, 0] = two.depth
+    gaps[1, 1] = two.rate
 
 
 @compiled
@@ -316,12 +335,21 @@ def relative_forces(
     height of slider 6 and the angle of rod 5.
     """
     y = work[:8]
-    y[0], y[1], y[2], y[3] = q[0] + q[1], q[0] + q[1] + q[2], q[3], q[4]
-    y[4], y[5], y[6], y[7] = v[0] + v[1], v[0] + v[1] + v[2], v[3], v[4]
+    y[0] = q[0] + q[1]
+    y[1] = q[0] + q[1] + q[2]
+    y[2] = q[3]
+    y[3] = q[4]
+    y[4] = v[0] + v[1]
+    y[5] = v[0] + v[1] + v[2]
+    y[6] = v[3]
+    y[7] = v[4]
     evaluate(press, t, y, onset, work[8:], gaps)
     force = work[16:]
-    out[0], out[1], out[2] = 0.0, force[0] + force[1], force[1]
-    out[3], out[4] = force[2], force[3]
+    out[0] = 0.0
+    out[1] = force[0] + force[1]
+    out[2] = force[1]
+    out[3] = force[2]
+    out[4] = force[3]
 
 
 @compiled
@@ -333,7 +361,8 @@ def land(onset: Array, before: Array, now: Array) -> bool:
     """
     changed = False
     for k in range(2):
-        depth, rate = before[k, 0], before[k, 1]
+        depth = before[k, 0]
+        rate = before[k, 1]
         if (now[k, 0] > 0.0) != (onset[k] >= 0.0):
             changed = True
             onset[k] = OPEN

@@ -59,7 +59,9 @@ def solve(
     longest: float,
 ) -> Outcome:
     """Integrate with a code of ``solve_ivp``, which ends its steps at touchdowns."""
-    onset, out, gaps = np.full(2, OPEN), np.zeros(12), np.zeros((2, 2))
+    onset = np.full(2, OPEN)
+    out = np.zeros(12)
+    gaps = np.zeros((2, 2))
     kernel = specialised(evaluate, press, 0.0, start, onset, out, gaps)
 
     def rates(t: float, y: Array) -> Array:
@@ -83,7 +85,9 @@ def solve(
     }
 
     def run() -> Array:
-        t, y, stops = 0.0, start.copy(), 0
+        t = 0.0
+        y = start.copy()
+        stops = 0
         while t < end:
             for k, event in enumerate(events):
                 vars(event)["direction"] = -1.0 if onset[k] >= 0.0 else 1.0
@@ -91,7 +95,8 @@ def solve(
             stops = 0 if part.t[-1] > t else stops + 1
             if part.status < 0 or stops > MAX_STOPS:
                 raise RunFailed(f"{code} at {tolerance:g}: stops at {t:g} s")
-            t, y = float(part.t[-1]), part.y[:, -1].copy()
+            t = float(part.t[-1])
+            y = part.y[:, -1].copy()
             kernel(press, t, y, onset, out, gaps)
             for k in (k for k in (0, 1) if part.t_events[k].size):
                 onset[k] = OPEN if onset[k] >= 0.0 else max(gaps[k, 1], 0.0)
@@ -106,7 +111,8 @@ def initial_states(scene: Scene, count: int) -> list[Start]:
     One state alone may be lucky: the position of a touchdown between two steps makes
     the error.
     """
-    linkage, start = scene.linkage(), start_of(scene)
+    linkage = scene.linkage()
+    start = start_of(scene)
     free = null_space(
         constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
     )
@@ -120,7 +126,9 @@ def initial_states(scene: Scene, count: int) -> list[Start]:
 
 def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
     """Return the settings of each method, coarse to fine, and a function that runs it."""
-    press, linkage, period = parameters(scene), scene.linkage(), scene.mechanism.period
+    press = parameters(scene)
+    linkage = scene.linkage()
+    period = scene.mechanism.period
     numerics = scene.numerics.resolved("trajectory")
 
     def engine(make: Callable[[float], Engine]) -> Method:
@@ -221,7 +229,8 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     scene = wear_times()
-    press, starts = parameters(scene), initial_states(scene, arguments.repeats)
+    press = parameters(scene)
+    starts = initial_states(scene, arguments.repeats)
     table = methods(scene)
     exact = InHouse(integration_tolerance=1e-12, coordinates="all")
     plan = Plan(END, 1, 1, torques=False)

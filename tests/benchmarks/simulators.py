@@ -28,7 +28,8 @@ class _Contacts:
     """Generalized forces on JOINTS, and the closing speeds stored between steps."""
 
     def __init__(self, press: Records, start: Array):
-        y, p = start, press[0]
+        y = start
+        p = press[0]
         self.q = np.array([p["start_7"], y[0] - p["start_7"], y[1] - y[0], y[2], y[3]])
         self.v = np.array([p["speed"], y[4] - p["speed"], y[5] - y[4], y[6], y[7]])
         self.onset, self.gaps = contact_store()
@@ -56,10 +57,12 @@ def _bodies(
     p = press[0]
     plate = p["plate_inertia"] - p["mass_3"] * (p["b_x"] ** 2 + p["b_y"] ** 2)
     plate -= p["mass_4"] * (p["centre_x"] ** 2 + p["centre_y"] ** 2)
-    half_3, half_5 = 0.5 * p["length_3"], 0.5 * p["length_5"]
+    half_3 = 0.5 * p["length_3"]
+    half_5 = 0.5 * p["length_5"]
     rod_3 = p["rod_3_inertia"] - p["mass_3"] * half_3**2
     rod_5 = p["rod_5_inertia"] - p["mass_5"] * half_5**2
-    centre, corner = (p["centre_x"], p["centre_y"]), (p["b_x"], p["b_y"])
+    centre = (p["centre_x"], p["centre_y"])
+    corner = (p["b_x"], p["b_y"])
     return {
         "crank 7": ("", 0.0, 0.0, 0.0, 0.0, 1.0, HEAVY),
         "plate 4": ("crank 7", p["length_7"], 0.0, *centre, p["mass_4"], plate),
@@ -95,9 +98,13 @@ def mujoco(
         f"<worldbody>{''.join(element(root) for root in JOINTS if not bodies[root][0])}</worldbody>"
         "</mujoco>"
     )
-    data, contacts = mj.MjData(model), _Contacts(press, start)
-    data.qpos[:], data.qvel[:] = contacts.q, contacts.v
-    q, v, passive = data.qpos, data.qvel, data.qfrc_passive
+    data = mj.MjData(model)
+    contacts = _Contacts(press, start)
+    data.qpos[:] = contacts.q
+    data.qvel[:] = contacts.v
+    q = data.qpos
+    v = data.qvel
+    passive = data.qfrc_passive
 
     def push(model: Any, data: Any) -> None:
         passive[:] = contacts.forces(data.time, q, v)
@@ -145,13 +152,16 @@ def drake(
         place = RigidTransform([x, y, 0.0])
         before = links[parent].body_frame()
         frame = plant.AddFrame(FixedOffsetFrame(f"hinge of {name}", before, place))
-        kind, axis = RevoluteJoint, [0.0, 0.0, 1.0]
+        kind = RevoluteJoint
+        axis = [0.0, 0.0, 1.0]
         if name == "slider 6":
-            kind, axis = PrismaticJoint, [0.0, 1.0, 0.0]
+            kind = PrismaticJoint
+            axis = [0.0, 1.0, 0.0]
         plant.AddJoint(kind(name, frame, links[name].body_frame(), axis))
     plant.Finalize()
     order = [plant.GetJointByName(name).velocity_start() for name in JOINTS]
-    forces, state = np.zeros(5), np.zeros(10)
+    forces = np.zeros(5)
+    state = np.zeros(10)
 
     class Pushes(LeafSystem):  # type: ignore[misc]  # Drake may not be installed: its class is unknown
         def __init__(self) -> None:

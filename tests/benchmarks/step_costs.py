@@ -126,7 +126,8 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     paper, refined = (wear_times(conventions=name) for name in ("paper", "refined"))
-    worn, cycles = worn_surfaces(refined), arguments.cycles
+    worn = worn_surfaces(refined)
+    cycles = arguments.cycles
     runs: dict[str, Callable[[], Cost]] = {
         LOOP: partial(loop_step, paper, cycles),
         "dae, radial": partial(engine_step, paper, cycles),

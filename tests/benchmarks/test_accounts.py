@@ -67,7 +67,8 @@ def test_the_wear_maps_are_equal(loop: Outcome, engine: Run) -> None:
 
 
 def test_the_balance_of_energy_closes(loop: Outcome, engine: Run) -> None:
-    exchanged, numbers = loop.states[0, EXCHANGE], engine.diagnostics
+    exchanged = loop.states[0, EXCHANGE]
+    numbers = engine.diagnostics
     assert abs(loop.residual) < 1e-9 * exchanged
     # A step in which the power changes its sign makes an error in the integral of its
     # magnitude.
@@ -88,14 +89,17 @@ def test_the_drives_are_equal(loop: Outcome, engine: Run) -> None:
 
 def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run) -> None:
     frames, rows = (int(count) for count in loop.accounts.counts[:2])
-    film, recorder = loop.accounts.film[:frames], engine.recorder
-    ours, theirs = film[:, 0], recorder.film.time
+    film = loop.accounts.film[:frames]
+    recorder = engine.recorder
+    ours = film[:, 0]
+    theirs = recorder.film.time
     between = (ours > theirs[0]) & (ours < theirs[-1])
     for body in range(18):
         # Between frames of the engine, whose cubic is not drawn: 1.2e-3 s apart at
         # most.
         position = np.interp(ours[between], theirs, recorder.film.position[:, body])
         np.testing.assert_allclose(film[between, 1 + body], position, atol=3e-5)
-    series, force = loop.accounts.series[:rows], recorder.series("normal", 0)
+    series = loop.accounts.series[:rows]
+    force = recorder.series("normal", 0)
     assert series[:, 3 + 4].max() == pytest.approx(force.max(), rel=5e-3)
     assert loop.cycles[0, HIGHEST] <= recorder.each_cycle("displacement_max")[0]

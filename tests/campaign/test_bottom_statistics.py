@@ -28,7 +28,8 @@ from presswear.show.stage_tables import stage_tables
 
 def strokes_of(scene: Scene, seed: int, off: float = 0.0, scatter: float = 4e-5) -> Any:
     """Return a recorder of twelve strokes about 0.7 mm too low, 2 ms early."""
-    draw, bottom = np.random.default_rng(seed), bottom_of(scene.ideal)
+    draw = np.random.default_rng(seed)
+    bottom = bottom_of(scene.ideal)
     height = bottom.height - 7e-4 + off + scatter * draw.normal(size=12)
     time = bottom.time - 2e-3 + 1e-3 * draw.normal(size=12)
     time += scene.run_up + scene.mechanism.period * np.arange(12)
@@ -41,7 +42,8 @@ def strokes_of(scene: Scene, seed: int, off: float = 0.0, scatter: float = 4e-5)
 def test_statistics_of_known_strokes() -> None:
     scene = wear_times()
     runs = [strokes_of(scene, seed) for seed in range(4)]
-    statistics, bottom = bottom_statistics(scene, runs), bottom_of(scene.ideal)
+    statistics = bottom_statistics(scene, runs)
+    bottom = bottom_of(scene.ideal)
     samples = np.array([run.height[STARTUP_CYCLES:] for run in runs])
     assert statistics.strokes == samples.size == 40
     expected = pooled([run.height - bottom.height for run in runs])[0]
@@ -49,7 +51,8 @@ def test_statistics_of_known_strokes() -> None:
     assert statistics.error.half_width == pytest.approx(expected.half_width, rel=1e-9)
     assert statistics.error.mean == pytest.approx(-7e-4, abs=3e-5)
     assert statistics.height.mean == pytest.approx(samples.mean(), rel=1e-12)
-    scatter, delay = statistics.standard_deviation, statistics.delay
+    scatter = statistics.standard_deviation
+    delay = statistics.delay
     assert scatter.mean == pytest.approx(np.sqrt(np.mean(samples.var(axis=1, ddof=1))))
     assert (scatter.low or 0.0) < 4e-5 < (scatter.high or 0.0)
     assert statistics.range_strokes == 10
@@ -173,7 +176,8 @@ def knuckle_press() -> Scene:
 
 def test_stroke_with_two_equal_bottoms_has_no_delay() -> None:
     scene = knuckle_press()
-    bottom, degrees = bottom_of(scene.ideal), 360.0 / scene.mechanism.period
+    bottom = bottom_of(scene.ideal)
+    degrees = 360.0 / scene.mechanism.period
     (first, height), (second, other) = bottom.minima
     assert degrees * (second - first) == pytest.approx(24.24, abs=0.01)
     assert (height, other) == pytest.approx((-0.9225, -0.9225), abs=1e-12)
@@ -194,7 +198,8 @@ def test_bottoms_that_are_told_apart_leave_the_delay() -> None:
     apart = replace(
         bottom, time=first, minima=((first, height), (second, height + 2e-6))
     )
-    near_first, near_second = np.full(9, 1e-3), np.full(9, second - first + 1e-3)
+    near_first = np.full(9, 1e-3)
+    near_second = np.full(9, second - first + 1e-3)
     assert equal_bottoms(apart, near_first, 1e-6) == ()
     assert equal_bottoms(apart, near_first, 3e-6) == (first, second)
     # Clearance can make the higher bottom the lower one.

@@ -63,7 +63,8 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
             or mine.wear_steps[0].cycles == theirs.wear_steps[0].cycles
         )
         for name in ("time", "position", "joints"):
-            one, other = getattr(mine.film, name), getattr(theirs.film, name)
+            one = getattr(mine.film, name)
+            other = getattr(theirs.film, name)
             np.testing.assert_array_equal(one, other, err_msg=name)
     table = str(memory).splitlines()[1:]
     assert table == str(disk).splitlines()[1:]
@@ -136,7 +137,8 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
-    folder, reported = tmp_path_factory.mktemp("scenes"), []
+    folder = tmp_path_factory.mktemp("scenes")
+    reported = []
     pw.run_scenes(
         scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report)
     )

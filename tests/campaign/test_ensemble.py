@@ -95,7 +95,8 @@ def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
         0
     ]
     joint = stage.statistics.joints["B"]
-    volume, distance = joint.wear_volume, joint.load_distance_per_cycle
+    volume = joint.wear_volume
+    distance = joint.load_distance_per_cycle
     assert len(stage.joints["B"].arrays["wear_batches"]) == volume.samples == 2
     ratio = volume.mean / distance.mean
     assert (volume.low, volume.high) == pytest.approx(
@@ -108,7 +109,8 @@ def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
 
 def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     """A bootstrap of four maps held in 45 of 60 campaigns with the paper's conventions."""
-    (joint, *_), random = QUICK.linkage().clearances, np.random.default_rng(3)
+    (joint, *_) = QUICK.linkage().clearances
+    random = np.random.default_rng(3)
     groove = np.exp(-((np.arange(joint.bins) - 90.0) ** 2) / 200.0)
     maps = 1e-5 * (groove + 0.1 * random.random((4, 1, 2, joint.bins)))
     wear = StageWear(
@@ -116,7 +118,8 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
     )
     depth = wear_peaks_of(joint, 0, wear)["bearing"].depth
     samples = maps[:, 0, 0, int(wear.added_depth[0, 0].argmax())]
-    mean, error = samples.mean(), stats.sem(samples)
+    mean = samples.mean()
+    error = stats.sem(samples)
     half = stats.t.interval(0.95, 3, mean, error)[1] - mean
     expected = mean, mean * math.exp(-half / mean), mean * math.exp(half / mean)
     assert (depth.mean, depth.low, depth.high) == pytest.approx(expected)

@@ -85,10 +85,8 @@ class FakeEngine:
                 break
         finding = None
         if self.runs == self.fails:
-            status, finding = (
-                "failed",
-                Finding("state", "the solver found no step", 0.1, "", ""),
-            )
+            status = "failed"
+            finding = Finding("state", "the solver found no step", 0.1, "", "")
         solved: dict[str, Any] = {"model": "none", "steps": 1}
         solved |= {"energy_residual_J": 0.0, "drive_exchange_J": 0.0}
         return Run(status, finding, recorder, start, plan.cycle * plan.cycles, solved)
@@ -312,7 +310,8 @@ def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
     campaign: Campaign,
 ) -> None:
     """Replicates that are smoothed alike do not show it. Variances of Gaussians add up."""
-    generator, size = np.random.default_rng(4), 4.0
+    generator = np.random.default_rng(4)
+    size = 4.0
     groove = np.exp(-0.5 * ((np.arange(360) - 60.0) / size) ** 2)
     depths = np.repeat(groove[np.newaxis], 16, axis=0).reshape(4, 2, 2, 360)
     depths[..., 150:300] += generator.gamma(
@@ -341,7 +340,9 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> N
         return uneven(run, depth) + depth / REPRESENTED
 
     stages = campaign(JUMPS, FakeEngine(answering)).stages
-    jump, first, second = REPRESENTED * RATE * SHAPE, 0.3, 2.7
+    jump = REPRESENTED * RATE * SHAPE
+    first = 0.3
+    second = 2.7
     # Shares of the third to the sixth run, and as much again as the surfaces are worn.
     together = 1.5 + 0.5 * (0.9 + 1.0) + 1.5
     alone = [first + 0.3 + first, second + 2.7 + second]
@@ -674,7 +675,8 @@ def test_compared_lives_are_announced_and_confirmed_once(
     answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     console = Console(file=StringIO(), force_terminal=True, width=200)
-    scene, asked = replace(LIFE, tolerance=0.1), []
+    scene = replace(LIFE, tolerance=0.1)
+    asked = []
 
     def answering(question: str) -> str:
         asked.append(question)
@@ -735,8 +737,10 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
         None,
         (),
     )
-    half, rate = 0.15e-3, RATE * SHAPE[0].max()
-    first, second = half / rate, half / (rate + half / REPRESENTED)
+    half = 0.15e-3
+    rate = RATE * SHAPE[0].max()
+    first = half / rate
+    second = half / (rate + half / REPRESENTED)
     assert life.strokes == pytest.approx(first + second, rel=0.02)
     by_joint = [rate for rate in life.wear_rates if rate.joint == "A"]
     assert [rate.surfaces for rate in by_joint] == ["new", "worn once"]

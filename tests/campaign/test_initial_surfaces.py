@@ -107,7 +107,8 @@ def test_scene_is_stored(
     ]
     options += [f"--surfaces {source}:1 --cycles 1 --wear-updates 1"]
     line = " ".join(["run wear-times", *options])
-    whole, again = tmp_path / "whole", tmp_path / "again"
+    whole = tmp_path / "whole"
+    again = tmp_path / "again"
     command(f"{line} --out {whole}")
     shutil.rmtree(source)
     text = f"starts on surfaces from {source}:1."

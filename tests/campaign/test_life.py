@@ -42,7 +42,8 @@ from presswear.show.report import render_report
 from presswear.tools.arrays import Array
 
 CLEARANCE = 1e-3
-DEPTH, DRIFT = Limit("depth", "A", 5e-5), Limit("bdc_drift", "", 2.5e-5)
+DEPTH = Limit("depth", "A", 5e-5)
+DRIFT = Limit("bdc_drift", "", 2.5e-5)
 
 
 Levels = dict[str, Array]
@@ -92,14 +93,16 @@ class KnownWear:
         before = refinements[-1].blocks
         if isinstance(plan, Service):
             self.depth = np.zeros(8)
-            levels, interval = {"A.depth": self.depth}, before[-1].interval + 1
+            levels = {"A.depth": self.depth}
+            interval = before[-1].interval + 1
             return replace(
                 before[-1], cycles=0, interval=interval, levels=levels, rate=0.0
             )
         if not before:
             self.depth = np.full(8, self.initial)
         draw = np.random.default_rng([self.seed, len(refinements), len(before)])
-        start, bottoms = self.depth, []
+        start = self.depth
+        bottoms = []
         for _ in range(plan.cycles):
             law = self.rate * (1.0 + self.fresh * np.exp(-self.depth / self.bedded))
             size = math.sqrt(math.log1p(self.noise**2))
@@ -143,7 +146,10 @@ def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
 @pytest.mark.parametrize("before", [4, 6])
 def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> None:
     """Of a rate that rises linearly with the strokes, the sum of a block lacks a known part."""
-    rate, slope, stood_for, cycles = 1e-12, 3e-18, 1e4, 4
+    rate = 1e-12
+    slope = 3e-18
+    stood_for = 1e4
+    cycles = 4
 
     def block(strokes: float, cycles: int, stood_for: float) -> LoadBlock:
         """Return a block in which each cycle wears at the rate of the strokes before it."""
@@ -164,7 +170,10 @@ def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> N
 
 def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
     """A quantity that is proportional to the depth is fitted exactly at the ends of blocks."""
-    wear, stood_for, blocks, strokes = 1e-11, 1e4, [], 0.0
+    wear = 1e-11
+    stood_for = 1e4
+    blocks = []
+    strokes = 0.0
     for k, cycles in enumerate((2, 4, 5, 3, 6, 4, 4)):
         each = stood_for if k else 0.0
         starts = strokes + each * np.arange(cycles)
@@ -186,10 +195,12 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
 )
 def test_intervals_cover_the_life(limit: Limit, noise: float) -> None:
     """At least 45 of 50 intervals hold the exact life."""
-    covered, errors = 0, []
+    covered = 0
+    errors = []
     for seed in range(50):
         draw = np.random.default_rng(seed)
-        rate, fresh = 10.0 ** draw.uniform(-13, -9), draw.uniform(0.0, 10.0)
+        rate = 10.0 ** draw.uniform(-13, -9)
+        fresh = draw.uniform(0.0, 10.0)
         wear = KnownWear(seed, rate, fresh, 10.0 ** draw.uniform(-5.5, -4.5), noise)
         life, _ = life_of(problem(limit), wear)
         covered += abs(math.log(life.strokes / wear.life_until(5e-5))) <= life.error
@@ -215,7 +226,8 @@ def test_a_life_is_the_mean_of_its_refinements() -> None:
 
 
 def test_step_error_converges_without_noise() -> None:
-    wear, errors = KnownWear(1, noise=1e-9, fresh=30.0), []
+    wear = KnownWear(1, noise=1e-9, fresh=30.0)
+    errors = []
     for tolerance in (0.1, 0.003):
         life, _ = life_of(problem(DEPTH, tolerance=tolerance), wear)
         errors.append(abs(math.log(life.strokes / wear.life_until(DEPTH.value))))
@@ -224,7 +236,8 @@ def test_step_error_converges_without_noise() -> None:
 
 
 def test_first_of_several_limits_ends_the_life() -> None:
-    later, sooner = DEPTH, Limit("bdc_drift", "", 1e-5)
+    later = DEPTH
+    sooner = Limit("bdc_drift", "", 1e-5)
     wear = KnownWear(2, noise=0.1, scatter=1e-7)
     life, refinements = life_of(problem(later, sooner), wear)
     assert abs(math.log(life.strokes / wear.life_until(2e-5))) <= life.error < 0.1
@@ -266,7 +279,9 @@ def ran(refinements: Refinements) -> int:
 
 def estimates(limit: Limit, seed: int) -> list[float]:
     """Return the ratios of cycles left, estimated and run, from a fifth of a life on."""
-    wear, life, moments = KnownWear(seed), problem(limit), []
+    wear = KnownWear(seed)
+    life = problem(limit)
+    moments = []
 
     def advance(done: Refinements, plan: Any) -> LoadBlock:
         moments.append((ran(done), cycles_left(life, done)))
@@ -478,7 +493,8 @@ def test_no_number_depends_on_the_processes(
 
 def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
     """Replicates of refinements and of stages are independent, if no two of them start alike."""
-    call, advance = replicates.WorkUnit.__call__, wear_histories.WearHistories.advance
+    call = replicates.WorkUnit.__call__
+    advance = wear_histories.WearHistories.advance
     started: list[int] = []
     numbers: dict[int, set[int]] = {}  # of replicates, by refinement
 
@@ -487,7 +503,8 @@ def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
         return call(self, report)
 
     def noting(self: Any, refinements: Refinements, plan: Any) -> Any:
-        first, block = len(started), advance(self, refinements, plan)
+        first = len(started)
+        block = advance(self, refinements, plan)
         numbers.setdefault(len(refinements), set()).update(started[first:])
         return block
 
@@ -503,7 +520,8 @@ class Stops(pw.Observer):
     """Interrupts a refinement after a number of reports on it."""
 
     def __init__(self, number: int, reports: int) -> None:
-        self.word, self.left = f"refinement {number}", reports
+        self.word = f"refinement {number}"
+        self.left = reports
 
     def on_progress(self, progress: pw.Progress) -> None:
         if self.word in progress.word:
@@ -516,7 +534,8 @@ class Stops(pw.Observer):
 def test_interrupted_life_resumes_bit_for_bit(
     number: int, reports: int, whole: tuple[Path, Any], tmp_path: Path
 ) -> None:
-    scene, path = pw.load(whole[0]).scene, tmp_path / "stopped"
+    scene = pw.load(whole[0]).scene
+    path = tmp_path / "stopped"
     with pytest.raises(KeyboardInterrupt):
         pw.run(scene, path, observers=[Stops(number, reports)], jobs=1)
     pw.run(scene, path, jobs=1)
@@ -539,7 +558,8 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(
     life = life_of_scene(with_wear(pw.load(whole[0]).scene, 10.0))
     assert 10.0 * life.strokes == pytest.approx(whole[1].strokes, rel=1e-6, abs=0.0)
     # Readings of these joints tell their coefficient and the strokes that they have left.
-    strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
+    strokes = life.curves["strokes"]
+    depth = life.curves["B.depth"][:, 0]
     readings = [
         pw.Reading("B", float(strokes[k]), "depth", float(depth[k]), 1e-8)
         for k in (len(strokes) // 3, len(strokes) // 2)
@@ -569,7 +589,8 @@ def test_readings_of_a_stored_life(
     whole: tuple[Path, Any], tmp_path: Path, command: Callable[..., str]
 ) -> None:
     """Nothing is run, and a later report has the lines that are printed."""
-    folder, file = tmp_path / "life", tmp_path / "readings.csv"
+    folder = tmp_path / "life"
+    file = tmp_path / "readings.csv"
     shutil.copytree(whole[0], folder)
     at = 0.25 * whole[1].strokes
     file.write_text(f"joint,strokes,depth (um),error (um)\nB,{at},6,0.5\n")
@@ -616,7 +637,8 @@ def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -
     life = life_of_scene(scene_of(**settings))
     assert life.services == (f"bushing of B {word} after {at:.4g} strokes",)
     assert life.strokes == pytest.approx(at + whole[1].strokes, rel=0.05)
-    strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
+    strokes = life.curves["strokes"]
+    depth = life.curves["B.depth"][:, 0]
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
     assert strokes[k] == pytest.approx(at, rel=1e-9, abs=0.0)
     assert depth[k + 1] == (0.0 if key == "replaced" else depth[k])
@@ -628,7 +650,8 @@ def test_a_replaced_bushing_runs_in_again_under_a_power_of_the_pressure() -> Non
     law |= {"pressure_exponent": 0.7, "pressure_reference": "1 MPa"}
     at = 5e4
     life = life_of_scene(changed(scene_of(replaced=f"B@{at}"), law))
-    strokes, depth = life.curves["strokes"], life.curves["B.depth"][:, 0]
+    strokes = life.curves["strokes"]
+    depth = life.curves["B.depth"][:, 0]
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
     assert depth[k + 1] == 0.0
     levels = np.linspace(2e-6, 0.9 * depth[k], 6)
@@ -717,7 +740,8 @@ def test_life_ends_with_the_cycle_that_wears_through_the_clearance(
     life = life_of_scene(replace(scene, conventions=radial, surfaces=surfaces))
     assert life.ended == "worn"
     assert "more than 1.00 mm, with a clearance of 1.00 mm" in life.message
-    strokes, volume = life.curves["strokes"], life.curves["B.wear_volume"][:, 0]
+    strokes = life.curves["strokes"]
+    volume = life.curves["B.wear_volume"][:, 0]
     rates = np.diff(volume) / np.diff(strokes)
     assert rates[1:] == pytest.approx(rates[1], rel=1e-3, abs=0.0)
     assert life.strokes == strokes[-1]

@@ -105,7 +105,9 @@ class At(pw.Observer):
     """Calls a function with each progress that fits."""
 
     def __init__(self, function: Any, part: float = 0.0, word: str = "") -> None:
-        self.function, self.part, self.word = function, part, word
+        self.function = function
+        self.part = part
+        self.word = word
 
     def on_progress(self, progress: pw.Progress) -> None:
         if progress.whole > self.part and progress.word.startswith(self.word):
@@ -122,7 +124,8 @@ def kill_worker(pool: Workers) -> None:
 
 def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
-    whole, path = finished(scene, 1, tmp_path / "whole"), tmp_path / "killed"
+    whole = finished(scene, 1, tmp_path / "whole")
+    path = tmp_path / "killed"
     with workers_of(scene, 2, interval=0.0) as workers:
         assert isinstance(workers, Workers)
         observers = [At(partial(kill_worker, workers), 0.3)]
@@ -137,7 +140,8 @@ def test_interrupted_processes_resume_in_one(
     part: float, jobs: int, tmp_path: Path
 ) -> None:
     """No cycle is lost that any of the processes had finished."""
-    scene, path = replace(UNTIL_KNOWN, cycles=8), tmp_path / "stopped"
+    scene = replace(UNTIL_KNOWN, cycles=8)
+    path = tmp_path / "stopped"
     with (
         workers_of(scene, jobs, interval=0.0) as workers,
         pytest.raises(KeyboardInterrupt),
@@ -155,7 +159,8 @@ class Stored(pw.Observer):
     """Keeps the words of the checkpoint that the folder holds after each notification."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.words = path, list[str]()
+        self.path = path
+        self.words = list[str]()
 
     def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
         stored = read_stored(self.path).checkpoint
@@ -167,7 +172,8 @@ def test_checkpoint_is_written_when_due(
     interval: float, is_each_due: bool, tmp_path: Path
 ) -> None:
     """After every cycle without an interval, and after a stage in any case."""
-    observer, scene = Stored(tmp_path / "out"), replace(STEPS, replicates=1)
+    observer = Stored(tmp_path / "out")
+    scene = replace(STEPS, replicates=1)
     run(scene, observer.path, jobs=1, observers=[observer], interval=interval)
     assert observer.words[0] == ("stage 0, cycle 1" if is_each_due else "")
     assert (len(set(observer.words)) > 6) == is_each_due
@@ -203,7 +209,8 @@ class Frames(pw.Observer):
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_progress_has_frames_for_a_window(jobs: int) -> None:
-    observer, scene = Frames(), replace(UNTIL_KNOWN, cycles=6, replicates=2)
+    observer = Frames()
+    scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [observer]) as workers:
         run_stage(scene, observers=[observer], workers=workers)
     progress = observer.progress

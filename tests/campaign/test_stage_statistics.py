@@ -50,10 +50,12 @@ def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
         pw.FourBar(), engine="dae", wear_updates=0, replicates=1, cycles=12
     )
     (stage,) = pw.run(scene).stages
-    joint, period = stage.joints["B"], scene.mechanism.period
+    joint = stage.joints["B"]
+    period = scene.mechanism.period
     # The last contact of the record has not ended, and is not in the list.
     edges = scene.run_up + period * np.arange(Plan.recorded_cycles)
-    begin, end = joint.contact("touchdown"), joint.contact("separation")
+    begin = joint.contact("touchdown")
+    end = joint.contact("separation")
     for k, (low, high) in enumerate(pairwise(edges)):
         inside = np.clip(end, low, high) - np.clip(begin, low, high)
         assert joint.each_cycle("closed_time")[k] == pytest.approx(

@@ -19,7 +19,8 @@ def archard_per_cycle(result: pw.Result, bins: int) -> Array:
     pair = bearing.materials
     joint = result.stages[0].joints["B"]
     time = result.stages[0].time
-    x, y = joint.series("eccentricity_x"), joint.series("eccentricity_y")
+    x = joint.series("eccentricity_x")
+    y = joint.series("eccentricity_y")
     angle = (np.arange(NODES * bins) + 0.5) * 2.0 * np.pi / (NODES * bins)
     overlap = np.hypot(x, y)[:, np.newaxis] * np.cos(
         angle - np.arctan2(y, x)[:, np.newaxis]

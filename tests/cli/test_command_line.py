@@ -370,7 +370,8 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
 
 
 def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> None:
-    file, out = tmp_path / "four-bar.toml", tmp_path / "lives"
+    file = tmp_path / "four-bar.toml"
+    out = tmp_path / "lives"
     command(f"new four-bar {file}")
     line = f"life {file} --engine dae --cycles 1 --jobs 1 --until B.depth>4um --tolerance 1"
     line += " --set life.max_cycles=40 --set replicates=2 --compare wear_coefficient=9e-13/Pa"

@@ -231,7 +231,8 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> 
 def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> None:
     """The quarter from the first report took 20 s; by the estimate a half is left."""
     bar = progress_bar(console_of(80, clock))
-    observer, linkage = RunObserver(bar, SCENE), SCENE.linkage()
+    observer = RunObserver(bar, SCENE)
+    linkage = SCENE.linkage()
     for whole, estimate in ((0.6, 0.25), (0.9, 0.5)):
         clock.now += 20.0
         observer.on_progress(Progress(0, whole, whole, "", linkage, None, estimate))
@@ -240,7 +241,8 @@ def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> N
 
 def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
     """Of many joints the three with the largest values, a line each, and what the bins change."""
-    joints, some = {}, Estimate(1.0)
+    joints = {}
+    some = Estimate(1.0)
     for k, name in enumerate("ABCDEFG"):
         force = Estimate.symmetric(1e3 * k, 20.0)
         volume = Estimate.symmetric(1e-9 * k, 1e-10)
@@ -259,7 +261,8 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
 
 
 def test_long_lines_are_wrapped_between_words(clock: Clock) -> None:
-    console, words = console_of(40, clock), "a path/of/some-hyphenated/length " * 4
+    console = console_of(40, clock)
+    words = "a path/of/some-hyphenated/length " * 4
     print_lines(console, words)
     assert console.export_text().split() == words.split()
 

@@ -64,7 +64,8 @@ def test_command_line_is_valid(line: str) -> None:
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     words = joined(words)
     arguments = parser_for(words).parse_args(words)
-    scene, settings = getattr(arguments, "scene", None), getattr(arguments, "set", None)
+    scene = getattr(arguments, "scene", None)
+    settings = getattr(arguments, "set", None)
     if scene not in pw.scenes.SCENES or not settings:
         return
     if REFUSED in line:
@@ -354,7 +355,8 @@ def test_table_in_the_readme_is_that_of_a_run() -> None:
     (text,) = re.findall(
         r"(?s)<!-- result -->(.*)<!-- end -->", (ROOT / "README.md").read_text()
     )
-    stored, computed = estimates(text), estimates(result_table(cycles=8))
+    stored = estimates(text)
+    computed = estimates(result_table(cycles=8))
     assert list(stored) == list(computed)
     assert len(stored) == 7
     for label, (mean, low, high) in computed.items():

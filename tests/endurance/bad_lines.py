@@ -16,7 +16,8 @@ from presswear.tools.quantities import Choice, Quantity
 Family = Callable[[Random], list[str]]  # draws a command line of a kind
 
 FILE, FOLDER = "../a-file", "../a-folder"  # the folder is not empty
-_PRESS, _CRANK = wear_times(), slider_crank()
+_PRESS = wear_times()
+_CRANK = slider_crank()
 _KEYS = {
     scene.name: {setting.key for setting in settings_of(scene)}
     for scene in (_PRESS, _CRANK)
@@ -91,7 +92,8 @@ def _wild(draw: Random) -> str:
 
 
 def _filled(draw: Random) -> list[str]:
-    text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
+    text = _wild(draw)
+    no_count = draw.choice(_NO_COUNTS)
     fills = {
         "text": text,
         "word": text.replace("=", ""),
@@ -164,7 +166,8 @@ def _no_choice(draw: Random, choice: Choice) -> str:
 def _unknown_key(draw: Random) -> list[str]:
     """Return a line with a key that is misspelt or belongs to another mechanism."""
     scene = draw.choice((_PRESS, _CRANK))
-    here, all_keys = _KEYS[scene.name], sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
+    here = _KEYS[scene.name]
+    all_keys = sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
     strange = ("__class__", "name", "title", "origins", "mechanism", "bearings.width")
     while True:
         name = draw.choice(all_keys)

@@ -79,7 +79,8 @@ def _spread(draw: Random, low: float, high: float) -> float:
 
 def _value(draw: Random, meaning: Quantity) -> float:
     """A value of a range; its ends now and then."""
-    low, high = meaning.low, meaning.high
+    low = meaning.low
+    high = meaning.high
     if draw.random() < _ENDS:
         end = draw.choice((low, high))
         if not (end == low and meaning.open_low):
@@ -129,7 +130,8 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     values["viscous_damping"] = viscous if values["normal_law"] == KELVIN_VOIGT else 0.0
     values["bearing_radius"] = min(values["bearing_radius"], max(shortest, 1e-4))
     # Values that must be in order are drawn below each other.
-    least, most = 1e-9, 0.999 * values["bearing_radius"]
+    least = 1e-9
+    most = 0.999 * values["bearing_radius"]
     values["clearance"] = least * (most / least) ** draw.random()
     highest = max(values["upper_speed"] - LEAST_RAMP, 0.0)
     values["lower_speed"] = highest * draw.choice((0.0, _LEAST, draw.random(), 1.0))
@@ -310,7 +312,8 @@ def run_part(scene: Scene, part: float, most: int) -> float:
         if next(reports) > most // STEPS_BETWEEN_REPORTS[scene.solver.word]:
             raise TooLongError(done)
 
-    period, linkage = scene.mechanism.period, scene.linkage()
+    period = scene.mechanism.period
+    linkage = scene.linkage()
     plan = Plan(part * period, 1, 1, report=report)
     run = scene.solver.for_cycle(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
@@ -378,7 +381,9 @@ def coarser(scene: Scene) -> float:
 
     It grows with the tolerance, and with the square of a step.
     """
-    usual, numerics, word = Numerics(), scene.numerics, scene.solver.word
+    usual = Numerics()
+    numerics = scene.numerics
+    word = scene.solver.word
     if word == "dae":
         return max(1.0, numerics.dae.tolerance / usual.dae.tolerance)
     if word == "exudyn-tree":

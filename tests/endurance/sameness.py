@@ -43,7 +43,8 @@ def _contents(folder: Path) -> dict[str, dict[str, Any]]:
 def folder_differences(first: Path, second: Path) -> list[str]:
     """Return the differences of two result folders; empty if they are equal."""
     try:
-        left, right = _contents(first), _contents(second)
+        left = _contents(first)
+        right = _contents(second)
     except InputError as error:
         return [f"{error}"]
     differences = [
@@ -54,7 +55,8 @@ def folder_differences(first: Path, second: Path) -> list[str]:
             if key not in left[name] or key not in right[name]:
                 differences.append(f"{name}: {key} is in one only")
             elif left[name][key] != right[name][key]:
-                a, b = left[name][key], right[name][key]
+                a = left[name][key]
+                b = right[name][key]
                 values = f": {a} and {b}" if isinstance(a, str) else " differs"
                 differences.append(f"{name}: {key}{values}")
     return differences

@@ -80,7 +80,8 @@ class Ran(BaseException):
 
 def answered(line: list[str]) -> Answer:
     """Run a command line in this process; a traceback counts as exit code 1, as in a shell."""
-    output, errors = io.StringIO(), io.StringIO()
+    output = io.StringIO()
+    errors = io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
         try:
             code = main(line)

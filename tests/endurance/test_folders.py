@@ -129,7 +129,8 @@ def test_damaged_files(
     trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
 ) -> None:
     """Every file of data is cut off, changed in a bit, and removed."""
-    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    whole = tmp_path / "whole"
+    stopped = tmp_path / "stopped"
     shutil.copytree(alone(subject.TREE).folder, whole)
     process = subject.TREE.start(stopped)
     subject.wait_for(lambda: subject.checkpoint_of(stopped))

@@ -60,7 +60,8 @@ def kill(
     longest: dict[Subject, float] = {}
     runs = 0
     while trial.attempts < count and runs < MOST_RUNS * count:
-        subject, out = SUBJECTS[runs % len(SUBJECTS)], folder / f"run-{runs}"
+        subject = SUBJECTS[runs % len(SUBJECTS)]
+        out = folder / f"run-{runs}"
         runs += 1
         whole = alone(subject)
         most = longest.setdefault(subject, whole.lasts)

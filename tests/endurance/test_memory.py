@@ -53,7 +53,8 @@ def test_ten_times_the_cycles(
     short, long = (
         size_of(engine, cycles, tmp_path / f"{cycles}") for cycles in (few, many)
     )
-    memory, files = long[0] / short[0], long[1] / short[1]
+    memory = long[0] / short[0]
+    files = long[1] / short[1]
     trial.note = (
         f"peak {short[0]:.0f} and {long[0]:.0f} MB ({memory:.3f}), "
         f"files {short[1]:.2f} and {long[1]:.2f} MB ({files:.3f})"

@@ -46,7 +46,8 @@ def in_all_coordinates(
     linkage: Linkage, alpha: float = 0.0, beta: float = 0.0
 ) -> System:
     """Return the equations of a linkage with multipliers; coefficients of Baumgarte in 1/s."""
-    packed, count = pack(linkage), len(linkage.clearances)
+    packed = pack(linkage)
+    count = len(linkage.clearances)
     forces = write_body_forces(linkage, packed)
     model = model_of(linkage, forces, packed, np.zeros(count), np.zeros(count, CONTACT))
     return system_of(packed, forces, model, constraints_of(linkage), alpha, beta)

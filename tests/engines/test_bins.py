@@ -19,7 +19,8 @@ ENGINES = [
     InHouse(integration_tolerance=1e-11),
     ExudynJoints(),
 ]
-COARSE, FINE = 64, 256
+COARSE = 64
+FINE = 256
 PART = 0.05
 """Of a cycle: three touches at either joint."""
 

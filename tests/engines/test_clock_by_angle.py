@@ -85,7 +85,8 @@ def test_cycles_end_at_whole_turns(engine: Engine, off: float) -> None:
     assert recorder.each_cycle("leader_speed_max") == pytest.approx(least[1:], abs=1e-4)
     mean = 2.0 * math.pi / np.diff(ends)
     assert recorder.each_cycle("leader_speed_mean") == pytest.approx(mean, rel=off)
-    time, nominal = recorder.series("time"), recorder.nominal_times
+    time = recorder.series("time")
+    nominal = recorder.nominal_times
     angles = np.array([turned(t, first) for t in time])
     assert nominal == pytest.approx(angles / SPEED, abs=max(off, 1e-8))
     rates = 1.0 + (first / SPEED - 1.0) * np.exp(-time / TIME)
@@ -126,7 +127,9 @@ def test_a_motor_that_turns_backwards_at_the_start_ends_the_run(engine: Engine) 
 @pytest.mark.parametrize("engine", [ENGINES[0][0], ENGINES[3][0], ENGINES[4][0]])
 def test_a_motor_that_does_not_start_ends_the_run(engine: Engine) -> None:
     """A hanging crank swings about the angle at which its weight holds the motor."""
-    radius, mass, part = 0.1, 50.0, 0.02
+    radius = 0.1
+    mass = 50.0
+    part = 0.02
     torque = part * mass * 9.81 * radius * SLIP
     motor = pw.Motor(torque, slip=SLIP, breakdown=None)
     linkage = pw.assemble(
@@ -148,7 +151,8 @@ def test_a_flywheel_approaches_the_even_crank_with_one_over_its_inertia() -> Non
 
     From the side the first order would cancel over a turn.
     """
-    even, off = 1.0, []
+    even = 1.0
+    off = []
     for inertia in (1e3, 1e4):
         body = pw.Body("crank", 50.0, 2.0, points={"axis": (-0.1, 0.0)})
         motor = pw.Motor(10.0, slip=SLIP, breakdown=None, inertia=inertia)

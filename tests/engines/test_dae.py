@@ -31,7 +31,8 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     """The elimination against the dense saddle-point system."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
-    packed, constraints = pack(linkage), constraints_of(linkage)
+    packed = pack(linkage)
+    constraints = constraints_of(linkage)
     motion = scene.ideal.at(np.array([0.1]))
     rng = np.random.default_rng(3)
     q = motion.position[0] + 1e-3 * rng.standard_normal(18)
@@ -63,7 +64,8 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
     """In all levels; the change is of forces that do no work on what is free."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
-    constraints, mass = constraints_of(linkage), pack(linkage).mass
+    constraints = constraints_of(linkage)
+    mass = pack(linkage).mass
     motion = scene.ideal.at(np.array([0.1]))
     rng = np.random.default_rng(4)
     given = [
@@ -226,7 +228,8 @@ def test_steps_of_order_8_end_at_friction_corners(
     # With an interval so short every step is kept that takes any time.
     plan = Plan(3e-4, 100, 100, rows_per_cycle=10**12)
     run = engine.simulate(scene.linkage(), start_of(scene), plan)
-    lower, upper = scene.bearings.lower_speed, scene.bearings.upper_speed
+    lower = scene.bearings.lower_speed
+    upper = scene.bearings.upper_speed
     corners = np.array([-upper, -lower, lower, upper])
     passed = ended = 0
     for k in range(2):

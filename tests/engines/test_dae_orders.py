@@ -14,7 +14,9 @@ from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Spring
 from presswear.validation.cases import order_of
 
-FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
+FREQUENCY = 1000.0
+AMPLITUDE = 0.01
+DURATION = 0.5
 
 
 def oscillator() -> Linkage:
@@ -60,7 +62,8 @@ def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
 
 def test_coefficients_are_those_of_scipy() -> None:
     """To the last bit."""
-    five, eight = (DOPRI5.a[:, :5], *DOPRI5[1:4]), (*DOP853[:5],)
+    five = (DOPRI5.a[:, :5], *DOPRI5[1:4])
+    eight = (*DOP853[:5],)
     scipy_5 = RK45.A, RK45.B, RK45.C, RK45.E
     scipy_8 = SCIPY_8.A[:12, :12], SCIPY_8.B, SCIPY_8.C[:12], SCIPY_8.E5, SCIPY_8.E3
     for values, expected in zip((*five, *eight), (*scipy_5, *scipy_8), strict=True):

@@ -17,7 +17,9 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.physics.statics import deflection, heights_at_bottom, total_clearance
 
-MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
+MASS = 2.0
+STIFFNESS = 8e4
+RATIO = 0.05
 OMEGA = math.sqrt(STIFFNESS / MASS)
 FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
 ENGINES: list[Engine] = [
@@ -53,12 +55,14 @@ def residual(run: Run) -> float:
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
 def test_a_block_rings_along_its_guide(engine: Engine) -> None:
-    along, duration = np.array([math.cos(0.6), math.sin(0.6), 0.0]), 0.05
+    along = np.array([math.cos(0.6), math.sin(0.6), 0.0])
+    duration = 0.05
     start = Start(np.array([0.3, 0.2, 0.0]) + 1e-3 * along, np.zeros(3))
     run = engine.for_cycle(duration).simulate(sprung(), start, Plan(duration, 1))
     assert run.status == "completed", run.message
     damped = OMEGA * math.sqrt(1.0 - RATIO**2)
-    decay, phase = math.exp(-RATIO * OMEGA * duration), damped * duration
+    decay = math.exp(-RATIO * OMEGA * duration)
+    phase = damped * duration
     ratio = RATIO * OMEGA / damped
     exact = 1e-3 * decay * (math.cos(phase) + ratio * math.sin(phase))
     error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
@@ -91,7 +95,8 @@ def test_a_frame_rings_after_fracture_in_fine_steps(steps: int, error: float) ->
 
     The default steps, a hundredth of a period, leave 5e-3: second order in the step.
     """
-    linkage, begin = press(50e9), 0.42
+    linkage = press(50e9)
+    begin = 0.42
     (drive,) = linkage.drives
     later = replace(drive, angle=drive.angle + 2.0 * math.pi * begin)
     scene = pw.Scene(linkage.changed(drives=[later]), process=SHEET, cycles=1)
@@ -188,7 +193,8 @@ def test_clearance_and_a_frame_stretch_in_series() -> None:
 
 def test_a_crank_is_driven_on_an_elastic_frame() -> None:
     """With clearance the linkage is an open tree with a driven link; Exudyn's has none."""
-    linkage, bearing = press(0.5e9), pw.Bearing(1e-4, 0.04)
+    linkage = press(0.5e9)
+    bearing = pw.Bearing(1e-4, 0.04)
     scene = pw.Scene(linkage, bearings={"B": bearing}, engine="exudyn")
     assert isinstance(scene.solver, ExudynJoints)
     with pytest.raises(pw.InputError, match="crank turns a body that is free to move"):

@@ -17,7 +17,9 @@ from presswear.physics.ideal import ideal_motion
 from presswear.physics.statics import equilibrium
 from presswear.scene.settings import changes_from, used_settings_of
 
-MASS, STIFFNESS, RATIO = 2.0, 8e4, 0.05
+MASS = 2.0
+STIFFNESS = 8e4
+RATIO = 0.05
 OMEGA = math.sqrt(STIFFNESS / MASS)
 ENGINES: list[Engine] = [
     InHouse(integration_tolerance=1e-10),
@@ -42,7 +44,8 @@ def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
 def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
     """Displaced to one side and turned loose without weight."""
-    linkage, duration = hung(gravity=0.0), 0.05
+    linkage = hung(gravity=0.0)
+    duration = 0.05
     start = Start(np.array([1e-3, 0.0, 0.3]), np.array([0.0, 0.0, 2.0]))
     run = simulated(engine, linkage, start, duration)
     damped = OMEGA * math.sqrt(1.0 - RATIO**2)
@@ -74,8 +77,10 @@ def test_momentum_of_two_blocks_stays() -> None:
     run = simulated(ENGINES[0], linkage, start, 0.05)
 
     def momentum(state: Start) -> np.ndarray:
-        q, v = state.position.reshape(2, 3), state.velocity.reshape(2, 3)
-        mass, inertia = np.array([1.0, 3.0]), np.array([1e-2, 2e-2])
+        q = state.position.reshape(2, 3)
+        v = state.velocity.reshape(2, 3)
+        mass = np.array([1.0, 3.0])
+        inertia = np.array([1e-2, 2e-2])
         spin = mass * (q[:, 0] * v[:, 1] - q[:, 1] * v[:, 0]) + inertia * v[:, 2]
         return np.array([*(mass @ v[:, :2]), spin.sum()])
 

@@ -47,7 +47,8 @@ def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
 def test_without_gravity_a_turned_slider_crank_moves_alike(engine: str) -> None:
     """Up to the end of the first contact, some forty rows."""
-    paths, settings = [], {"gravity": 0.0, "speed": "300 rpm", "purpose": "trajectory"}
+    paths = []
+    settings = {"gravity": 0.0, "speed": "300 rpm", "purpose": "trajectory"}
     for angle in (0.0, -0.5 * math.pi, 2.5):
         scene = slider_crank(cycles=1, engine=engine, slide_angle=angle, **settings)
         path = run(scene, jobs=1).stages[0].joints["B"].eccentricity[:40]

@@ -81,7 +81,8 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
 
 def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     """A pin on a spinning arm meets its bearing on an arc: speed and time to 1e-6."""
-    arm, spin = 0.05, 40.0
+    arm = 0.05
+    spin = 40.0
     linkage = free_pair(0.0, (0.0, 0.0), (arm, 0.0))
     start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
     run = ExudynJoints(50, 10, free_step=5e-5).simulate(linkage, start, Plan(0.001, 1))

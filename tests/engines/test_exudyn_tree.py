@@ -62,8 +62,10 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
     ],
 )
 def test_advice_is_a_tolerance_that_is_allowed(tolerance: float, remedy: str) -> None:
-    scene, plan = wear_times(), Plan(END, 1)
-    linkage, start = scene.linkage(), start_of(scene)
+    scene = wear_times()
+    plan = Plan(END, 1)
+    linkage = scene.linkage()
+    start = start_of(scene)
     recorder = recorder_of(linkage, start, plan)
     running = engine.prepare(
         linkage, start, accuracy(tolerance).resolved(), plan, recorder
@@ -107,7 +109,8 @@ def test_worn_surfaces_agree(conventions: str) -> None:
     pin = Surface(1e-5 * (1.0 + np.cos(3.0 * angle)))
     linkage = scene.linkage({"A": (bearing, pin), "C": (pin, bearing)})
     ours, reference = both(scene, linkage, TIGHT)
-    first, other = touches(ours)[:8], touches(reference)[:8]
+    first = touches(ours)[:8]
+    other = touches(reference)[:8]
     assert len(first) == 8
     for one, expected in zip(first, other, strict=True):
         assert one[0] == pytest.approx(expected[0], abs=1e-7)
@@ -151,9 +154,11 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(
         loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
     )
     size = open_tree(linkage).size
-    x, u = np.linspace(-0.5, 0.4, size), np.linspace(-9.0, 6.0, size)
+    x = np.linspace(-0.5, 0.4, size)
+    u = np.linspace(-9.0, 6.0, size)
     q, v = placed(linkage, x, u)
-    start, plan = Start(q, v), Plan(0.2, 1)
+    start = Start(q, v)
+    plan = Plan(0.2, 1)
     ours = accuracy(1e-11).simulate(linkage, start, plan)
     reference = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
         linkage, start, plan

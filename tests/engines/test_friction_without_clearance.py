@@ -18,7 +18,10 @@ from presswear.physics.statics import needed_torques
 
 RUBS = pw.Bearing(clearance=0.0, friction=0.1, bearing_radius=0.02)
 LOOSE = pw.Bearing(clearance=1e-4, friction=0.1, bearing_radius=0.02)
-MASS, LENGTH, SPIN, DURATION = 2.0, 0.4, 20.0, 0.2
+MASS = 2.0
+LENGTH = 0.4
+SPIN = 20.0
+DURATION = 0.2
 
 
 def free_bar(law: FrictionLaw, radius: float) -> Linkage:
@@ -53,10 +56,13 @@ def test_a_free_bar_slows_down_by_the_friction_of_its_pin(
     engine: Any, law: str, error: float
 ) -> None:
     """F = m a sqrt(w^4 + w'^2), so that w' = -k w^2 and w = w_0 / (1 + k w_0 t)."""
-    coefficient, radius, arm = 0.3, 0.05, 0.5 * LENGTH
+    coefficient = 0.3
+    radius = 0.05
+    arm = 0.5 * LENGTH
     run = run_of_bar(engine, FrictionLaw(coefficient, name=law), radius)
     assert run.status == "completed", run.message
-    inertia, torque = MASS * LENGTH**2 / 3.0, coefficient * radius * MASS * arm
+    inertia = MASS * LENGTH**2 / 3.0
+    torque = coefficient * radius * MASS * arm
     k = torque / math.sqrt(inertia**2 - torque**2)
     spin = SPIN / (1.0 + k * SPIN * DURATION)
     assert run.end.velocity[2] == pytest.approx(spin, rel=error)
@@ -67,7 +73,8 @@ def test_a_free_bar_slows_down_by_the_friction_of_its_pin(
 
 def test_friction_beyond_the_lever_of_the_joint_force_ends_the_run() -> None:
     """Above r mu m a = I no joint force holds the moment."""
-    law, radius = FrictionLaw(0.8), 0.4
+    law = FrictionLaw(0.8)
+    radius = 0.4
     run = run_of_bar(InHouse(), law, radius)
     assert run.status == "failed"
     assert "friction in rigid joints blocks motion" in run.message
@@ -89,7 +96,8 @@ def test_drives_of_a_run_give_the_ideal_torque_with_friction(
     assert scene.clearance_joints == ()
     linkage = scene.linkage()
     run = run_scene(scene, engine, recorded_cycles=1, run_up=scene.run_up)
-    time, torque = run.recorder.series("time"), run.recorder.rows[:, -1]
+    time = run.recorder.series("time")
+    torque = run.recorder.rows[:, -1]
     rubbed = needed_torques(linkage, scene.ideal, time, linkage.bushings)[:, 0]
     free = needed_torques(linkage, scene.ideal, time)[:, 0]
     assert np.abs(rubbed - free).max() > 0.2 * np.abs(rubbed).max()

@@ -39,10 +39,8 @@ class Case:
     cycles: int
 
     def run(self, resume: State | None, *observers: Observer) -> Run:
-        scene, accuracy = (
-            self.scene,
-            self.scene.solver.for_cycle(self.scene.mechanism.period),
-        )
+        scene = self.scene
+        accuracy = self.scene.solver.for_cycle(self.scene.mechanism.period)
         plan = replace(
             RunSpec(self.cycles).plan(scene),
             recorded_cycles=RECORDED,

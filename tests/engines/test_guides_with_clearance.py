@@ -24,8 +24,10 @@ ENGINES: list[tuple[Engine, float]] = [
     (ExudynJoints(steps_per_contact=400, free_steps=20_000), 1e-5),
 ]
 # when both corners of a face touch, s, how fast, m/s, and where the slide is at 6 ms
-TOUCH, SPEED = 2.515372103938e-3, 1.154321026
-ACROSS, TILT = 5.199181686e-4, -6.072076429e-4
+TOUCH = 2.515372103938e-3
+SPEED = 1.154321026
+ACROSS = 5.199181686e-4
+TILT = -6.072076429e-4
 L, W, C = 0.4, 0.3, 0.05e-3  # of the slide of a press, m
 
 
@@ -88,7 +90,8 @@ def penetrations(linkage: Linkage, position: np.ndarray) -> np.ndarray:
     x, _, angle = position
     depths = []
     for corner in linkage.corners:
-        c, s = math.cos(angle), math.sin(angle)
+        c = math.cos(angle)
+        s = math.sin(angle)
         place = x + c * corner.pin.x - s * corner.pin.y
         # Left of an upright guide lies at negative x.
         depths.append(-corner.side * place - (0.5 * W + C))

@@ -33,7 +33,8 @@ def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine: str) 
     """The rod to the slider bears the work, the crank half of it; both sink in deep."""
     result = pw.run(changed(SCENE, {"cycles": "2"}), engine=engine)
     assert (result.stages[0].statistics.energy_residual_fraction or 1.0) < 1e-6
-    tonnage, process = result.tonnage(0), SCENE.process
+    tonnage = result.tonnage(0)
+    process = SCENE.process
     assert tonnage is not None
     assert tonnage.work is not None
     assert process is not None
@@ -50,7 +51,8 @@ def test_both_engines_press_pins_as_deep_into_their_bearings() -> None:
     """Up to the greatest force, through the touches before it; rows of a series cut its top."""
     finest = ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-12)
     scene = changed(SCENE, STOP)
-    start, plan = start_of(scene), Plan(UNTIL, 1, recorded_cycles=1)
+    start = start_of(scene)
+    plan = Plan(UNTIL, 1, recorded_cycles=1)
     one, other = (engine.simulate(scene.linkage(), start, plan) for engine in finest)
     assert one.end.position == pytest.approx(other.end.position, abs=1e-9)
     for k, least in enumerate((100e3, 180e3)):

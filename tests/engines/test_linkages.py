@@ -154,7 +154,8 @@ def touchdowns(run: Run, joints: int) -> list[float]:
 @pytest.mark.parametrize("name", SCENES)
 def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     """1e-8 m and s, 1e-6 of the torques, 1e-7 of the energy that drives exchange."""
-    scene, fine = SCENES[name], InHouse(integration_tolerance=1e-12, coordinates="all")
+    scene = SCENES[name]
+    fine = InHouse(integration_tolerance=1e-12, coordinates="all")
     joints = len(scene.clearance_joints)
     assert isinstance(scene.solver, ExudynTree)
     times = touchdowns(run_scene(scene, fine, 0.5 * scene.mechanism.period), joints)
@@ -195,7 +196,8 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
 )
 def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
     """The guide keeps the slider from turning, so that its inertia has no effect."""
-    crank, ends = SliderCrank(slide_angle=0.0).linkage(), []
+    crank = SliderCrank(slide_angle=0.0).linkage()
+    ends = []
     for inertia in (0.0, 1e-3):
         slider = replace(crank.bodies[2], inertia=inertia)
         scene = Scene(crank.changed(bodies=[*crank.bodies[:2], slider]), joints="B")

@@ -99,7 +99,9 @@ def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
     engine: Engine, within: float
 ) -> None:
     """With a jump where the table repeats, and bends that lie on no step."""
-    table, period, end = [(0.0, 2.0), (0.1234, -1.0), (0.3137, 1.5)], 0.3137, 1.1
+    table = [(0.0, 2.0), (0.1234, -1.0), (0.3137, 1.5)]
+    period = 0.3137
+    end = 1.1
     linkage = guided(OverTime(table, period))
     ran = run(engine, linkage, -0.5, 1.0, end)
 
@@ -166,10 +168,8 @@ def dented(
     place: float, speed: float, end: float, g: float = 0.0
 ) -> tuple[float, float, float]:
     """Place and speed of a mass of 1 kg that falls into the sheet, and its deepest place."""
-    table, accuracy = (
-        np.array(SHEET.table).T,
-        {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14},
-    )
+    table = np.array(SHEET.table).T
+    accuracy = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
 
     def first(_: float, y: Array) -> list[float]:
         return [y[1], g + float(np.interp(y[0], *table))]
@@ -192,7 +192,9 @@ def dented(
 @EVERY
 def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> None:
     """It falls into a sheet once; later falls reach the same depth, and take nothing."""
-    g, fall, end = 2.0, 0.5, 4.3
+    g = 2.0
+    fall = 0.5
+    end = 4.3
     linkage = guided(SHEET, gravity=g)
     ran = run(engine, linkage, -fall, 0.0, end)
     place, speed, deepest = dented(-fall, 0.0, end, g)
@@ -269,8 +271,10 @@ def test_a_bend_costs_no_order(
 def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
     """With two events, whatever the tolerance; one that stepped over them would need many steps."""
     tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
-    linkage, exact = guided(BUFFER), bounced(-0.5, 2.0, 1.1)
-    found, steps = [], []
+    linkage = guided(BUFFER)
+    exact = bounced(-0.5, 2.0, 1.1)
+    found = []
+    steps = []
     for tolerance in tolerances:
         ran = run(
             InHouse(integration_tolerance=tolerance, free_step=1.0),
@@ -308,7 +312,8 @@ def test_a_load_on_a_crank_that_is_left_out_is_its_drives() -> None:
     loaded = linkage.changed(
         loads=[Moment("crank 2", Harmonics(1.0, 50.0, [(2.0, 0.0)]))]
     )
-    start, works = start_of(wear_times()), []
+    start = start_of(wear_times())
+    works = []
     for engine in (ExudynJoints(50, 10, free_step=1e-5), InHouse()):
         for own in (linkage, loaded):
             ran = engine.simulate(own, start, Plan(0.005, 1, recorded_cycles=1))

@@ -33,7 +33,8 @@ INERTIA = 0.5 + 24.0**2 * 0.25
 
 
 # Turns of the press after half a second, and where its speed is least in the third
-HALF_A_SECOND, LEAST = 0.5043521534677609, 2.8357
+HALF_A_SECOND = 0.5043521534677609
+LEAST = 2.8357
 
 
 def cranks(*motors: pw.Motor, limit: float | None = None) -> Linkage:
@@ -94,7 +95,8 @@ def test_an_induction_motor_runs_up_over_its_breakdown_torque(engine: Engine) ->
     shorter by the integral of s over t.
     """
     motor = pw.Motor(20.0, slip=0.08, breakdown=2.75, ratio=24, inertia=0.25)
-    slip, peak = 0.1, motor.breakdown_slip or 0.0
+    slip = 0.1
+    peak = motor.breakdown_slip or 0.0
     scale = INERTIA * TURN / (2.0 * 2.75 * 480.0 * peak)
     time = scale * (0.5 * (1.0 - slip**2) + peak**2 * math.log(1.0 / slip))
     turns = time - scale * ((1.0 - slip**3) / 3.0 + peak**2 * (1.0 - slip))
@@ -105,7 +107,9 @@ def test_an_induction_motor_runs_up_over_its_breakdown_torque(engine: Engine) ->
 
 @in_every_engine
 def test_a_servo_swings_about_the_motion_of_its_drive(engine: Engine) -> None:
-    stiffness, ratio, duration = 200.0, 0.1, 0.15
+    stiffness = 200.0
+    ratio = 0.1
+    duration = 0.15
     omega = math.sqrt(stiffness / 0.5)
     servo = pw.Motor(stiffness=stiffness, damping=2.0 * ratio * omega * 0.5)
     (angle,), _, _ = turned(engine, cranks(servo), duration, 0.0)
@@ -130,7 +134,8 @@ def test_steps_of_bodies_and_joints_resolve_a_stiff_servo() -> None:
 
 @in_every_engine
 def test_a_servo_saturates_at_the_torque_limit(engine: Engine) -> None:
-    servo, duration = pw.Motor(stiffness=1e3, damping=1e3), 0.05
+    servo = pw.Motor(stiffness=1e3, damping=1e3)
+    duration = 0.05
     (angle,), (speed,), _ = turned(engine, cranks(servo, limit=3.0), duration, 0.0)
     assert speed == pytest.approx(3.0 / 0.5 * duration, rel=within(engine))
     assert angle == pytest.approx(3.0 * duration**2, rel=within(engine))
@@ -248,7 +253,8 @@ def test_a_motor_without_a_flywheel_stalls_in_the_work(engine: Engine) -> None:
 
 def work_of(joules: float) -> pw.Moment:
     """A moment against a crank, between 90 and 270 degrees."""
-    half, mean = 0.5 * math.pi, 2.0 * joules / math.pi
+    half = 0.5 * math.pi
+    mean = 2.0 * joules / math.pi
     table = [(half, 0.0), (2.0 * half, -mean), (3.0 * half, 0.0)]
     return pw.Moment("crank 0", OverPosition(table))
 
@@ -276,7 +282,8 @@ def test_flywheels_give_the_work(
 
 
 def test_a_large_flywheel_approaches_the_prescribed_speed() -> None:
-    engine, late = InHouse(integration_tolerance=1e-10), []
+    engine = InHouse(integration_tolerance=1e-10)
+    late = []
     for inertia in (25.0, 250.0):
         motor = pw.Motor(20.0, breakdown=None, ratio=24, inertia=inertia)
         late.append(pressed(engine, 0.6, motor).time - 0.6)

@@ -89,7 +89,8 @@ def test_pin_starts_on_its_film() -> None:
 
 def test_pin_falls_through_oil_of_hardly_any_viscosity() -> None:
     """Through air the pin meets the bearing after sqrt(2 c m / F) with K delta^1.5."""
-    fall, energy = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3), 1e3 * CLEARANCE
+    fall = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3)
+    energy = 1e3 * CLEARANCE
     peak = STIFFNESS * (2.5 * energy / STIFFNESS) ** 0.6
     thin = [replace(DUTY, viscosity=eta, roughness=4e-9) for eta in (1e-6, 1e-7)]
     runs = [loaded(1e3 + 0.0j, 0.0, 1.1 * fall, 1e12, oil=oil) for oil in thin]

@@ -27,7 +27,8 @@ def mirrored_cranks(x: float, y: float) -> Linkage:
     guess = {}
     for side, name in ((-1.0, "left"), (1.0, "right")):
         crank, rod, slide = (f"{name} {part}" for part in ("crank", "rod", "slide"))
-        centre, angle = x + 0.25 * side, 0.0 if side > 0.0 else math.pi
+        centre = x + 0.25 * side
+        angle = 0.0 if side > 0.0 else math.pi
         bodies += [
             pw.Bar(crank, 0.05, 0.3),
             pw.Bar(rod, 0.2, 0.5),
@@ -90,10 +91,12 @@ def mirrored_run(x: float, y: float) -> Run:
 def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(
     place: Place,
 ) -> None:
-    at_origin, run = mirrored_run(0.0, 0.0), mirrored_run(*place)
+    at_origin = mirrored_run(0.0, 0.0)
+    run = mirrored_run(*place)
     assert run.status == "completed"
     for k in range(2):
-        contacts, expected = contacts_of(run, k), contacts_of(at_origin, k)
+        contacts = contacts_of(run, k)
+        expected = contacts_of(at_origin, k)
         assert contacts["touchdown"].size == expected["touchdown"].size > 5
         assert (contacts["release_speed"] < 0.0).all()
         # Impacts magnify the round-off of a place, 1e-13 m at 1,000 m, some thousand
@@ -111,10 +114,12 @@ def test_free_pins_far_from_the_origin_move_on(seed: int) -> None:
     # Of these, a third ended nowhere or had contacts of 1e-15 s.
     rng = np.random.default_rng(seed)
     linkage, start = twins()
-    position, velocity = start.position.copy(), start.velocity.copy()
+    position = start.position.copy()
+    velocity = start.velocity.copy()
     position[0::3] += rng.choice([0.0, 33.0, 50.0, 300.0])
     position[1::3] += rng.choice([0.0, 17.0, 33.0])
-    away, across = rng.uniform(0.05, 0.4), rng.uniform(-0.2, 0.2)
+    away = rng.uniform(0.05, 0.4)
+    across = rng.uniform(-0.2, 0.2)
     velocity[3:] = -away, across, 0.0, away, across, 0.0
     engine = InHouse(integration_tolerance=1e-9)
     run = run_sound(
@@ -143,9 +148,11 @@ def machine_run(name: str, x: float, y: float) -> Run:
 def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) -> None:
     # The first contacts lie before the horizon, up to which round-off of 1e-13 m stays
     # small.
-    at_origin, run = machine_run(name, 0.0, 0.0), machine_run(name, distance, distance)
+    at_origin = machine_run(name, 0.0, 0.0)
+    run = machine_run(name, distance, distance)
     for k in range(len(MACHINES[name][1].split(", "))):
-        contacts, expected = contacts_of(run, k), contacts_of(at_origin, k)
+        contacts = contacts_of(run, k)
+        expected = contacts_of(at_origin, k)
         for column, tolerance in (("touchdown", 1e-6), ("closing_speed", 1e-4)):
             np.testing.assert_allclose(
                 contacts[column][:3], expected[column][:3], rtol=tolerance
@@ -157,7 +164,8 @@ def test_means_beyond_the_horizon_are_those_of_the_machine_at_the_origin(
     name: str,
 ) -> None:
     linkage, joints = MACHINES[name]
-    means, errors = [], []
+    means = []
+    errors = []
     for distance in (0.0, 33.0, 1000.0):
         run = run_of(moved(linkage, distance, distance), joints, 0.5e-3, 12)
         distances = run.recorder.each_cycle("load_distance", 0)[2:]

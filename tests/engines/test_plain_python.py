@@ -48,7 +48,8 @@ def test_a_run_in_plain_python_ends_as_a_compiled_one(
     stored = tmp_path / "end.npy"
     command = [sys.executable, "-c", script, f"{stored}", engine]
     subprocess.run(command, check=True, env=environment, timeout=300)
-    plain, compiled = np.load(stored), end_of_run(engine)
+    plain = np.load(stored)
+    compiled = end_of_run(engine)
     assert plain[0] == compiled[0] > 10
     # Round-off of the instant of separation changes its speed by parts in 1e7.
     np.testing.assert_allclose(plain[1:], compiled[1:], rtol=1e-6, atol=1e-12)

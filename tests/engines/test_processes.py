@@ -115,7 +115,8 @@ def test_energies_balance_with_clearances_and_moments_have_rows(
     # A cushion would be held down at the end of a cycle.
     scene = replace(scene, process=replace(scene.process, cushion=0.0))
     result = pw.run(scene)
-    stage, strokes = result.stages[0], result.strokes(0)
+    stage = result.stages[0]
+    strokes = result.strokes(0)
     assert strokes is not None
     exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
     assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange

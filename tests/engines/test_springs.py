@@ -51,7 +51,8 @@ def test_a_spring_without_length_is_linear(
     """Also where its ends meet; both coordinates swing by themselves."""
     ran = run(engine, floating(to_centre(0.0)), [x, 0.0, 0.0], [0.3, 0.6, 0.0])
     assert ran.status == "completed", ran.message
-    sine, cosine = math.sin(FREQUENCY) / FREQUENCY, math.cos(FREQUENCY)
+    sine = math.sin(FREQUENCY) / FREQUENCY
+    cosine = math.cos(FREQUENCY)
     expected = x * cosine + 0.3 * sine, 0.6 * sine, 0.0
     assert ran.end.position == pytest.approx(np.array(expected), abs=100.0 * within)
     assert abs(float(ran.diagnostics["energy_residual_J"])) < 100.0 * within
@@ -116,7 +117,8 @@ def test_a_law_without_a_finite_force_is_named(engine: Engine, within: float) ->
 
 def test_steps_follow_the_stiffest_spring() -> None:
     """A frame of 112 Hz at 60 strokes a minute: a hundred steps in its period."""
-    frequency, mass = 2.0 * math.pi * 112.0, 2.0
+    frequency = 2.0 * math.pi * 112.0
+    mass = 2.0
     ends = Attachment(GROUND, 0.0, 0.0), Attachment("mass", 0.0, 0.0)
     linkage = floating(Spring("frame", *ends, mass * frequency**2, 0.0))
     ran = run(ExudynJoints(free_steps=1000), linkage, [1e-3, 0.0, 0.0], [0.0, 0.0, 0.0])

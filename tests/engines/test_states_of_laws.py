@@ -38,7 +38,8 @@ class Dahl:
         return f"{self.prefix}_deflection"
 
     def write_state(self, sliding: str, is_closed: str) -> None:
-        text, scale = self.page.text, self.law.coefficient / STIFFNESS
+        text = self.page.text
+        scale = self.law.coefficient / STIFFNESS
         place = self.page.add_state(State(self.name, scale, self.joint))
         z = text.let(self.name, f"y[{place}]")
         limit = text.parameter(f"{self.prefix}_limit", scale)

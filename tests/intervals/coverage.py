@@ -73,7 +73,8 @@ def scenes_of(subject: Subject, tries: int = TRIES) -> dict[str, pw.Scene]:
 
 def intervals_of(scene: pw.Scene, stage: pw.StageResult) -> dict[str, Ends]:
     """Return all intervals that a stage states, in SI units."""
-    stored, per_cycle = stage.statistics, 1.0 / stage.cycles_per_update
+    stored = stage.statistics
+    per_cycle = 1.0 / stage.cycles_per_update
     found: dict[str, pw.Estimate | None] = {}
     found["largest acceleration"] = stage.output.acceleration_max_per_cycle
     found["work of the drives"] = stored.drive_work_per_cycle

@@ -44,7 +44,9 @@ def closed_form(law: str, x: Array) -> Array:
 
 @pytest.mark.parametrize("law", RISES)
 def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
-    begin, end, by = 0.7, 2.9, -0.4
+    begin = 0.7
+    end = 2.9
+    by = -0.4
     pieces = pieces_of(
         (), (Rise(begin, end, by, law), Rise(4.0, 5.0, -by, "cycloidal"))
     )
@@ -87,7 +89,8 @@ def test_rises_join_smoothly_around_the_cycle(
     assert np.all(np.diff(pieces.start) > 0.0)
     assert 0.0 <= pieces.start[0] <= pieces.start[-1] < TURN
     h = 1e-9
-    before, after = pieces.at(pieces.start - h), pieces.at(pieces.start + h)
+    before = pieces.at(pieces.start - h)
+    after = pieces.at(pieces.start + h)
     shortest = min(rise.end - rise.start for rise in result)
     for level, (one, other) in enumerate(zip(before, after, strict=True)):
         jerk = 200.0 / shortest ** (level + 1)
@@ -207,9 +210,11 @@ def test_the_speed_is_constant_in_the_work(
     forming = pw.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)
     ideal = motion_of(press)
-    stopping, half = 2.0 * end / speed, math.pi / W
+    stopping = 2.0 * end / speed
+    half = math.pi / W
     slowing = stopping + (height - end) / speed
-    top, rest = [forming.stroke, 0.0, 0.0], [0.0, 0.0, 0.0]
+    top = [forming.stroke, 0.0, 0.0]
+    rest = [0.0, 0.0, 0.0]
     curve = BPoly.from_derivatives(
         [-half, -slowing, -stopping, 0.0, half],
         [top, [height, -speed, 0.0], [end, -speed, 0.0], rest, top],

@@ -97,7 +97,8 @@ def test_delivered_restitution_for_any_damping(damping: float) -> None:
     """It solves (1 + e') chi = ln[(1 + chi) / (1 - chi e')], to fifty digits, within 1e-8."""
     with localcontext() as context:
         context.prec = 50
-        chi, delivered = Decimal(damping), Decimal(delivered_restitution(damping))
+        chi = Decimal(damping)
+        delivered = Decimal(delivered_restitution(damping))
 
         def excess(restitution: Decimal) -> Decimal:
             # Beyond the pole of the logarithm there is no force.

@@ -170,7 +170,8 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
         bar.crank_length, bar.rod_length, frame, bar.upper_length
     ):
         upper = math.atan2(bar.crank_y, bar.crank_x) + angle
-        x, y = bar.upper_length * math.cos(upper), bar.upper_length * math.sin(upper)
+        x = bar.upper_length * math.cos(upper)
+        y = bar.upper_length * math.sin(upper)
         heights.append(y - math.sqrt(bar.lower_length**2 - x**2))
     bottom = bottom_of(motion_of(bar))
     assert bottom is not None

@@ -34,7 +34,8 @@ def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
 
 @given(depths)
 def test_passes_through_the_bin_centres(depth: Array) -> None:
-    surface, count = Surface(depth), depth.size
+    surface = Surface(depth)
+    count = depth.size
     centres = bin_centres(count)
     # A centre is a rounded angle: its position within the bin is off by an ulp of the
     # turn.

@@ -106,10 +106,8 @@ def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
         linkage, frozenset(body.name for body in linkage.bodies)
     )
     generator = np.random.default_rng(2)
-    begins, sizes = (
-        generator.uniform(0.0, 1.0, 300),
-        10.0 ** generator.uniform(-3.0, -0.3, 300),
-    )
+    begins = generator.uniform(0.0, 1.0, 300)
+    sizes = 10.0 ** generator.uniform(-3.0, -0.3, 300)
     refused = 0
     for begin, size in zip(begins, sizes, strict=True):
         ideal = motion_of(linkage).at(linkage.period * np.array([begin, begin + size]))

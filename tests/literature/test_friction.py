@@ -25,7 +25,11 @@ from presswear.physics.interactions.lugre import (
 )
 from presswear.validation import reference_problems as references
 
-PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
+PRESS = 10.0
+DYNAMIC = 0.1
+STATIC = 0.15
+STRIBECK = 1e-3
+STIFF = 1e4
 LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
 RAMP = FrictionLaw(DYNAMIC, 0.0, 1e-3)
 FINE = InHouse(integration_tolerance=1e-10)
@@ -95,14 +99,16 @@ def bristle_step(bristle: float, first: float, last: float, h: float) -> float:
         rates = [bristle_rate(speed, bristle, True, law) for speed in (first, last)]
         return 0.5 * sum(rates)
 
-    law, scale = friction_record(LUGRE), STATIC / STIFF
+    law = friction_record(LUGRE)
+    scale = STATIC / STIFF
     rate = mean_rate(bristle)
     slope = (mean_rate(bristle + scale) - rate) / scale
     return exponential_step(bristle, rate, slope, h)
 
 
 def bristle_after(time: float, steps: int, speed: float) -> float:
-    h, bristle = time / steps, 0.0
+    h = time / steps
+    bristle = 0.0
     for i in range(steps):
         before, after = (speed * math.cos(k * h / time) for k in (i, i + 1))
         bristle = bristle_step(bristle, before, after, h)
@@ -110,7 +116,8 @@ def bristle_after(time: float, steps: int, speed: float) -> float:
 
 
 def test_bristles_follow_a_changing_speed_at_second_order() -> None:
-    time, speed = 1e-2, 2e-3
+    time = 1e-2
+    speed = 2e-3
 
     def rate(t: float, z: np.ndarray) -> np.ndarray:
         v = speed * math.cos(t / time)

@@ -28,7 +28,9 @@ from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact
 from presswear.validation.reference_problems import delivered
 
-CLEARANCE, STIFFNESS, SPEED = 1e-4, 1.25e10, 0.25
+CLEARANCE = 1e-4
+STIFFNESS = 1.25e10
+SPEED = 0.25
 MASS = 0.3 * 0.1 / 0.4
 ENGINES: list[tuple[Engine, float]] = [
     (InHouse(integration_tolerance=1e-12), 1e-8),

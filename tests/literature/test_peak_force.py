@@ -19,7 +19,8 @@ from presswear.validation.reference_problems import REDUCED_MASS, Impact
 
 def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -> Run:
     """Run one free impact; guides along its line make the linkage an open tree."""
-    linkage, start = impact.linkage, impact.start
+    linkage = impact.linkage
+    start = impact.start
     joint = linkage.clearances[0]
     joint = replace(joint, normal=law or joint.normal)
     guides = tuple(
@@ -38,7 +39,8 @@ def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -
 
 def peaks(run: Run) -> list[float]:
     recorder = run.recorder
-    counts, film = recorder.records.counters, recorder.film
+    counts = recorder.records.counters
+    film = recorder.film
     found = (
         recorder.stored_contacts(0)[0, 4],
         counts["peak_force"][0],
@@ -52,7 +54,8 @@ def closed_form(impact: Impact) -> float:
 
     delta^(n + 1) = (n + 1) m v^2 / K times the integral of u / (1 + chi u) from u to 1.
     """
-    chi, n = impact.damping, 1.5
+    chi = impact.damping
+    n = 1.5
     unit = (n + 1.0) * REDUCED_MASS * impact.speed**2 / impact.stiffness
 
     def negative(u: float) -> float:
@@ -102,7 +105,8 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(
     part: float, engine: Engine
 ) -> None:
     """Spring and damper: with twice the critical damping the force is greatest at touchdown."""
-    stiffness, impact = 1e7, Impact(1.0, speed=0.31)
+    stiffness = 1e7
+    impact = Impact(1.0, speed=0.31)
     damper = 2.0 * part * math.sqrt(stiffness * REDUCED_MASS)
 
     def rates(_: float, state: np.ndarray) -> list[float]:
@@ -137,7 +141,9 @@ def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -
         angle = (np.arange(90) + 0.5) * math.radians(4.0)
         bearing = pw.Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
         worn = {"A": (bearing, pw.Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
-    linkage, start, plan = scene.linkage(worn), start_of(scene), Plan(0.0175, 1)
+    linkage = scene.linkage(worn)
+    start = start_of(scene)
+    plan = Plan(0.0175, 1)
     fine = pw.InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
     exact = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
     assert min(len(own) for own in exact) > 0

@@ -85,7 +85,8 @@ def meeting(
 
 def test_link_drive_of_2500_t() -> None:
     """Bottom -2609.99985 mm at 270.0392 degrees, stroke 1004.93291 mm."""
-    crank, rocker_at = complex(0.26), complex(-1.175, -0.375)
+    crank = complex(0.26)
+    rocker_at = complex(-1.175, -0.375)
     swing = meeting(crank, rocker_at, 0.8, 0.9, side=-1.0)
     plate = cmath.phase(swing - crank)
     corner = cmath.rect(1.175, math.radians(134.0))

@@ -59,13 +59,16 @@ def profile(
     ends -= math.pi
     left = ends[:-1]
     right = left + 2.0 * math.pi / count
-    low, high = np.clip(left, -half, half), np.clip(right, -half, half)
+    low = np.clip(left, -half, half)
+    high = np.clip(right, -half, half)
     sums = eccentricity * (np.sin(high) - np.sin(low)) - clearance * (high - low)
     return np.asarray(sums * count / (2.0 * math.pi))
 
 
 def lens(bearing: float, pin: float, eccentricity: float) -> float:
-    e, r, s = eccentricity, pin, bearing
+    e = eccentricity
+    r = pin
+    s = bearing
     from_pin = math.acos((e * e + r * r - s * s) / (2.0 * e * r))
     from_bearing = math.acos((e * e + s * s - r * r) / (2.0 * e * s))
     kite = 0.5 * math.sqrt((-e + r + s) * (e + r - s) * (e - r + s) * (e + r + s))
@@ -215,7 +218,8 @@ def test_any_ratio_of_radii(radius: float) -> None:
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_a_life_ends_where_two_circles_say(engine: str) -> None:
     """Archard's strokes to a depth, within what the life says of its own error and 1e-3."""
-    part, count = 0.3, 120
+    part = 0.3
+    count = 120
     goal = part * CLEARANCE
     life = Life(until=f"B.depth > {goal!r} m", at_most=1e12)
     scene = bush(

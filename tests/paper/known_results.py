@@ -53,7 +53,8 @@ def stage(
     peak: Sequence[float] = (20e-6, 8e-6),
 ) -> dict[str, Array]:
     """Return the arrays of a stage, from mean forces of each replicate and depths of one wear."""
-    scene, count = base_scene(setting), len(force)
+    scene = base_scene(setting)
+    count = len(force)
     time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
     deviation = [3e-4, 0.02 + 0.01 * wear_updates, 1e-4, 0.1071]
     rows = [cycle_rows(seed + 1000 * k, mean) for k, mean in enumerate(force)]
@@ -135,10 +136,8 @@ def every_result() -> dict[str, pw.Result]:
     for seed, (name, case) in enumerate(CASES.items()):
         for setting in case.settings:
             last = min(base_scene(setting).wear_updates, case.wear_updates)
-            seeds, force = (
-                range(100 * seed + 1, 100 * seed + 99, 10),
-                [EVEN] * case.replicates,
-            )
+            seeds = range(100 * seed + 1, 100 * seed + 99, 10)
+            force = [EVEN] * case.replicates
             stages = [stage(setting, k, seeds[k], force) for k in range(last + 1)]
             results[run_name(name, setting)] = result(setting, stages)
     return results

@@ -25,7 +25,8 @@ from presswear.paper.printed import (
 from presswear.paper.settings import BASE, FRICTION, HIGH_FRICTION, make_scenes
 from presswear.paper.verdicts import Verdict, compared, verdict
 
-A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
+A = Place("speed-4pi", 0, "A")
+B = Place("speed-8pi", 0, "A")
 
 
 def test_known_depths_give_known_verdicts() -> None:
@@ -65,7 +66,8 @@ def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction()
 
 
 def test_comparisons_use_what_the_paper_prints() -> None:
-    second, first = Place("wear-times", 2, "A"), Place("wear-times", 1, "A")
+    second = Place("wear-times", 2, "A")
+    first = Place("wear-times", 1, "A")
     assert Comparison("depth", (second,), (first,)).printed == pytest.approx(
         1.178e-3 / 1.221e-6
     )
@@ -117,7 +119,9 @@ def test_the_interval_of_a_ratio_covers_it() -> None:
 @pytest.mark.parametrize("freedom", [3.0, 30.0])
 def test_widened_intervals_of_many_means_hold_together(freedom: float) -> None:
     """All of 20 intervals of 95 % hold in 36 % of the tries, the widened ones in 95 %."""
-    count, size, tries = 20, int(freedom) + 1, 2000
+    count = 20
+    size = int(freedom) + 1
+    tries = 2000
     samples = np.random.default_rng(4).normal(size=(tries, count, size))
     halves = (
         pw.statistics.quantile(freedom) * samples.std(axis=2, ddof=1) / math.sqrt(size)

@@ -14,7 +14,9 @@ from presswear.physics.wear import contact_area
 def test_half_the_chord_belongs_to_the_pin() -> None:
     """Two circles: half their common chord is the height of the triangle e, R_i, R_j over e."""
     bearing = base_scene(WEAR).bearing("A")
-    radius, pin, penetration = bearing.bearing_radius, 0.0142, 2e-6
+    radius = bearing.bearing_radius
+    pin = 0.0142
+    penetration = 2e-6
     e = radius - pin + penetration
     half = (
         math.sqrt((pin + radius + e) * (pin + radius - e) * (radius + e - pin))

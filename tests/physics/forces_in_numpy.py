@@ -50,7 +50,11 @@ class Forces:
     def __init__(
         self, linkage: Linkage, packed: Packed, t: float, q: Array, v: Array
     ) -> None:
-        self.linkage, self.packed, self.t, self.q, self.v = linkage, packed, t, q, v
+        self.linkage = linkage
+        self.packed = packed
+        self.t = t
+        self.q = q
+        self.v = v
         self.force = packed.weight.copy()
         self.supplied = self.contact_loss = self.friction_loss = self.made = 0.0
         self.contacts = np.zeros(len(packed.joints), CONTACT)
@@ -82,7 +86,8 @@ class Forces:
         if point.body == GROUND:
             return End(-1, local, np.zeros(2), np.zeros(2), 0.0, 0.0)
         i = 3 * self.linkage.index(point.body)
-        c, s = math.cos(self.q[i + 2]), math.sin(self.q[i + 2])
+        c = math.cos(self.q[i + 2])
+        s = math.sin(self.q[i + 2])
         arm = np.array([[c, -s], [s, c]]) @ local
         velocity = self.v[i : i + 2] + self.v[i + 2] * across(arm)
         return End(
@@ -116,10 +121,12 @@ class Forces:
             along = np.array([record["cosine"], record["sine"]])
             if isinstance(load, Force):
                 end = self._end(load.attachment)
-                place, speed = float(along @ end.place), float(along @ end.velocity)
+                place = float(along @ end.place)
+                speed = float(along @ end.velocity)
             else:
                 end = self._end(Attachment(load.body, 0.0, 0.0))
-                place, speed = along[0] * end.angle, along[0] * end.spin
+                place = along[0] * end.angle
+                speed = along[0] * end.spin
             place -= float(record["zero"])
             size = load_size(record, loads.nodes, loads.modes[k], self.t, place, speed)
             self.supplied += size * speed
@@ -130,15 +137,18 @@ class Forces:
 
     def _contact(self, k: int, contact: Any, bearing: End, pin: End) -> None:
         """Fill the contact of joint ``k`` but for its forces."""
-        joint, surfaces = self.packed.joints[k], self.packed.surfaces[k]
-        e, rate_of_e = pin.place - bearing.place, pin.velocity - bearing.velocity
+        joint = self.packed.joints[k]
+        surfaces = self.packed.surfaces[k]
+        e = pin.place - bearing.place
+        rate_of_e = pin.velocity - bearing.velocity
         size = math.hypot(*e)
         contact.eccentricity = size
         contact.eccentricity_x, contact.eccentricity_y = e
         contact.velocity_x, contact.velocity_y = rate_of_e
         contact.turning = moment_of(e, rate_of_e) / size**2 if size > 0.0 else 0.0
         for name, end in (("bearing", bearing), ("pin", pin)):
-            contact[f"{name}_angle"], contact[f"{name}_spin"] = end.angle, end.spin
+            contact[f"{name}_angle"] = end.angle
+            contact[f"{name}_spin"] = end.spin
             contact[f"{name}_lever_x"], contact[f"{name}_lever_y"] = end.arm
         if joint["surface_bins"] > 0:
             note = note_foundation if joint["foundation"] > 0.0 else note_radial
@@ -167,7 +177,8 @@ class Forces:
     def _contact_forces(
         self, k: int, contact: Any, onset: float, bearing: End, pin: End
     ) -> None:
-        joint, is_closed = self.packed.joints[k], contact.penetration > 0.0
+        joint = self.packed.joints[k]
+        is_closed = contact.penetration > 0.0
         law = joint["friction"]
         if law["bristle_stiffness"] > 0.0:
             bristle = self.states[len(self.state_rates)]
@@ -176,7 +187,8 @@ class Forces:
         if not is_closed or onset < 0.0:
             return
         onset = max(onset if onset > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
-        depth, closing = contact.penetration, contact.closing
+        depth = contact.penetration
+        closing = contact.closing
         contact.normal = normal_force(
             joint["normal"], contact.elastic, depth, closing, onset
         )
@@ -198,7 +210,8 @@ class Forces:
         self._losses(k, contact)
 
     def _losses(self, k: int, contact: Any) -> None:
-        joint, normal = self.packed.joints[k], contact.normal
+        joint = self.packed.joints[k]
+        normal = contact.normal
         stored = contact.elastic * contact.closing
         damped = normal * contact.closing - stored
         self.made += normal * (contact.closing - contact.approach) - min(damped, 0.0)
@@ -209,7 +222,8 @@ class Forces:
         slip = abs(contact.sliding)
         if joint["slip_by_angle"]:
             slip = (joint["pin_radius"] + contact.penetration) * abs(contact.turning)
-        half, width = 0.5 * contact.penetration, joint["width"]
+        half = 0.5 * contact.penetration
+        width = joint["width"]
         radii = contact.bearing_arm - half, contact.pin_arm + half
         area = contact_area(contact.penetration, contact.eccentricity, *radii, width)
         self.doses[k, 0] = normal * slip

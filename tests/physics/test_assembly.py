@@ -91,8 +91,13 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
     time = np.linspace(0.0, PERIOD, 361)
     crank = 0.3 + 30.0 * time
     _, coupler, rocker = ideal_motion(four_bar(), PERIOD).at(time).position[:, 2::3].T
-    a, b, c, d = 0.05, 0.20, 0.12, 0.18
-    k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)
+    a = 0.05
+    b = 0.20
+    c = 0.12
+    d = 0.18
+    k1 = d / a
+    k2 = d / c
+    k3 = (a * a - b * b + c * c + d * d) / (2.0 * a * c)
     # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's
     # line.
     left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
@@ -109,7 +114,8 @@ def test_rows_are_those_of_the_engines() -> None:
         SliderCrank(slide_angle=0.0).linkage(),
         four_bar(),
     ):
-        rows, constraints = Rows(linkage), constraints_of(linkage)
+        rows = Rows(linkage)
+        constraints = constraints_of(linkage)
         assert rows.names == constraints.names
         shape = 5, rows.bodies, 3
         q, v, a = generator.normal(size=(3, *shape))
@@ -131,7 +137,9 @@ def test_rows_are_those_of_the_engines() -> None:
 def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     """The rockers after the first are turned by parallelograms, so all of them turn alike."""
     first = four_bar()
-    bodies, joints, guess = [], [], {"coupler": 0.6, "rocker": 1.4}
+    bodies = []
+    joints = []
+    guess = {"coupler": 0.6, "rocker": 1.4}
     for k in range(1, 13):
         bodies += [Bar(f"coupler {k}", 0.18, 0.3), Bar(f"rocker {k}", 0.12, 0.3)]
         before = f"rocker {k - 1}" if k > 1 else "rocker"
@@ -147,7 +155,8 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
         guess=guess,
         output=OutputPoint("rocker 12", 0.0),
     )
-    ideal, time = ideal_motion(chain, PERIOD), np.linspace(0.0, PERIOD, 100)
+    ideal = ideal_motion(chain, PERIOD)
+    time = np.linspace(0.0, PERIOD, 100)
     expected = ideal_motion(four_bar(), PERIOD).at(time).position[:, 8]
     position = ideal.at(time).position
     for k in range(12):

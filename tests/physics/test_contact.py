@@ -62,10 +62,12 @@ def pairs(
 
 def _arms(pair: Pair) -> Array:
     """The common point from both mass centres, (2, 2), from the bearing's side, without kernels."""
-    joint, q = pair.joint, pair.q
+    joint = pair.joint
+    q = pair.q
     bearing = q[:2] + turned(q[2], joint.bearing.x, joint.bearing.y)
     e = q[3:5] + turned(q[5], joint.pin.x, joint.pin.y) - bearing
-    direction, length = math.atan2(e[1], e[0]), float(np.hypot(*e))
+    direction = math.atan2(e[1], e[0])
+    length = float(np.hypot(*e))
     angle = np.array([direction - (joint.map_frame == "body") * q[2]])
     indentation = 0.5 * max(length - gap_of(joint, direction, q[2], q[5]), 0.0)
     reach = joint.bearing_radius + float(joint.bearing_surface(angle)[0]) + indentation
@@ -75,7 +77,8 @@ def _arms(pair: Pair) -> Array:
 @given(pairs(st.floats(1e-9, 1e-4)))
 def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     """Linear and angular momentum stay to round-off."""
-    contact, load = pair.contact(), pair.load(0.5)
+    contact = pair.contact()
+    load = pair.load(0.5)
     law = normal_law(1.25e10, 1.5, pair.joint.normal.damping)
     assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
     friction = friction_force(
@@ -121,7 +124,8 @@ def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
         for body, arm in zip((0, 3), _arms(pair), strict=True)
     ]
     x, y = velocity[1] - velocity[0]
-    nx, ny = contact.normal_x, contact.normal_y
+    nx = contact.normal_x
+    ny = contact.normal_y
     # Speeds up to 300 rad/s times 0.2 m.
     assert contact.sliding == pytest.approx(y * nx - x * ny, abs=1e-12)
     if pair.joint is JOINT:

@@ -77,13 +77,16 @@ class Subject:
     """Equations of a linkage with the arrays that they fill, in a state near its ideal motion."""
 
     def __init__(self, linkage: Linkage, ideal: Linkage, seed: int = 0) -> None:
-        self.linkage, self.packed = linkage, pack(linkage)
+        self.linkage = linkage
+        self.packed = pack(linkage)
         self.equations = written(linkage)
         generator = np.random.default_rng(seed)
         layout = self.equations.layout
-        n, size = layout.coordinates, layout.size
+        n = layout.coordinates
+        size = layout.size
         motion = _motion(ideal)
-        self.y, self.out = np.zeros(size), np.zeros(size)
+        self.y = np.zeros(size)
+        self.out = np.zeros(size)
         x, u = self.equations.chain.coordinates(motion.position[0], motion.velocity[0])
         self.y[:n] = x + 2e-4 * generator.standard_normal(n)
         self.y[n : 2 * n] = u + 0.2 * generator.standard_normal(n)
@@ -100,7 +103,8 @@ class Subject:
 
     def run(self, *, is_compiled: bool = True) -> Array:
         """Evaluate all that the equations fill; return the rates of the state."""
-        kernel, model = function_of(self.equations.text), pack_arguments(self.model)
+        kernel = function_of(self.equations.text)
+        model = pack_arguments(self.model)
         function = kernel if is_compiled else kernel.py_func
         function(model, TIME, self.y, self.out, END)
         return self.out
@@ -108,7 +112,8 @@ class Subject:
     def expected(self) -> "Expected":
         """Solve the equations with the multipliers of all constraints, in the state placed last."""
         q, v, *_ = self.model.bodies
-        packed, constraints = self.packed, constraints_of(self.linkage)
+        packed = self.packed
+        constraints = constraints_of(self.linkage)
         found = Forces(self.linkage, packed, TIME, q, v).all(self.onset, self.states)
         phi, phi_t, gamma, jacobian = constraints.evaluate(TIME, q, v)
         zero = np.zeros((constraints.rows, constraints.rows))
@@ -159,7 +164,9 @@ def user(function: Any, parameters: tuple[str, ...]) -> UserFunction:
 def four_bars(count: int) -> Linkage:
     """Four-bars side by side, each with a crank of its own."""
     lengths = {"crank": 0.05, "coupler": 0.2, "rocker": 0.12}
-    bodies, joints, drives = list[Any](), list[Any](), list[Any]()
+    bodies = list[Any]()
+    joints = list[Any]()
+    drives = list[Any]()
     guess = dict[str, float]()
     for k in range(count):
         bodies += [
@@ -274,13 +281,12 @@ def subject_of(name: str, seed: int = 0) -> Subject:
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("seed", range(3))
 def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
-    subject, close = (
-        subject_of(name, seed),
-        partial(near, relative=WITHIN.get(name, 1e-11)),
-    )
+    subject = subject_of(name, seed)
+    close = partial(near, relative=WITHIN.get(name, 1e-11))
     subject.run()
     expected = subject.expected()
-    n, out = subject.equations.chain.size, subject.out
+    n = subject.equations.chain.size
+    out = subject.out
     q, _, a, *_ = subject.model.bodies
     assert np.abs(expected.phi).max() < 1e-12
     assert np.abs(expected.phi_t).max() < 1e-9
@@ -309,7 +315,8 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_forces_on_all_bodies_agree_with_vectors(name: str) -> None:
-    subject, close = subject_of(name), partial(near, relative=WITHIN.get(name, 1e-11))
+    subject = subject_of(name)
+    close = partial(near, relative=WITHIN.get(name, 1e-11))
     subject.run()
     q, v, *_ = subject.model.bodies
     forces = BodyForces(subject.linkage, subject.packed, subject.onset)
@@ -338,7 +345,8 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A pin 1e-19 m deep in a worn bearing moves as one that does not touch."""
-    subject, found = subject_of("worn foundation"), list[Array]()
+    subject = subject_of("worn foundation")
+    found = list[Array]()
     names = function_of(subject.equations.text).py_func.__globals__
     for penetration in (-1e-19, 1e-19):
 
@@ -381,7 +389,8 @@ def test_numbers_are_no_part_of_the_text() -> None:
         friction=FrictionLaw(0.2),
     )
     wide = tuple(replace(joint, clearance=3e-4) for joint in fast.clearances)
-    first, second = written(one), written(replace(fast, clearances=wide))
+    first = written(one)
+    second = written(replace(fast, clearances=wide))
     assert first.text == second.text
     assert first.numbers.keys() == second.numbers.keys()
     changed = {

@@ -67,7 +67,8 @@ def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed: float) 
 
 DWELL = Press(servo=Dwell()).linkage()
 CRANK = SliderCrank(slide_angle=0.0).linkage()
-R, ROD = SliderCrank(slide_angle=0.0).crank_length, SliderCrank().rod_length
+R = SliderCrank(slide_angle=0.0).crank_length
+ROD = SliderCrank().rod_length
 amplitudes = st.floats(-0.25, 0.25)
 
 
@@ -107,7 +108,8 @@ def test_crank_follows_the_law_of_cosines(
 def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
     """Two motions of the servo meet there; begun 1.6 degrees later, a step ends close behind."""
     uneven = replace(PRESS.drives[1], harmonics=[(0.0, 0.0), (0.0, 0.0), (0.0, 0.08)])
-    later, time = math.radians(1.6) / W, np.linspace(0.0, PERIOD, 500)
+    later = math.radians(1.6) / W
+    time = np.linspace(0.0, PERIOD, 500)
     expected = uneven.motion(time + later)[0]
     there = motion_of(servo(uneven)).at(np.array([later])).position[0, 2::3].tolist()
     angles = dict(zip((body.name for body in PRESS.bodies), there, strict=True))

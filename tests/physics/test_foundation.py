@@ -78,12 +78,16 @@ def arc_of(
         joint = replace(joint, wear=WearLaw(1e-15, angles=bearing.depth.size))
     packed = pack(placed(joint, 0.0, 0.0).linkage, wearing=True)
     record = packed.joints[0]
-    cosine, sine = math.cos(at_bearing), math.sin(at_bearing)
-    dx, dy = eccentricity * cosine, eccentricity * sine
+    cosine = math.cos(at_bearing)
+    sine = math.sin(at_bearing)
+    dx = eccentricity * cosine
+    dy = eccentricity * sine
     place = place_of(record, dx, dy, eccentricity, at_pin - at_bearing)
     overlap, cell, sums = integrate_overlap(packed.surfaces[0], record, place, before)
-    x, y = sums.x, sums.y
-    along, across = cosine * x + sine * y, cosine * y - sine * x
+    x = sums.x
+    y = sums.y
+    along = cosine * x + sine * y
+    across = cosine * y - sine * x
     at = math.remainder((cell + 0.5) * place.width - at_bearing, TURN)
     return Arc(overlap, at, along, across, sums.pin_slope / place.width, sums.square)
 
@@ -101,7 +105,8 @@ def pin_slopes(bearing: Surface, pin: Surface, *places: float) -> CubicHermiteSp
     nodes = depths(bearing, pin, *places)[1].x
     if not pin.depth.size:
         return CubicHermiteSpline(nodes, 0.0 * nodes, 0.0 * nodes)
-    curve, angles = periodic(pin), (places[1] + nodes) % TURN
+    curve = periodic(pin)
+    angles = (places[1] + nodes) % TURN
     return CubicHermiteSpline(nodes, curve(angles, 1), curve(angles, 2))
 
 
@@ -151,7 +156,8 @@ def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) ->
     here = float(bearing(np.array(places[:1]))[0] if bearing.is_worn else 0.0)
     here += float(pin(np.array(places[1:]))[0] if pin.is_worn else 0.0)
     args = (bearing, pin, C + here + above, *places)
-    result, (overlap, along, across, slope, square) = arc_of(*args), directly(*args)
+    result = arc_of(*args)
+    overlap, along, across, slope, square = directly(*args)
     assert result.overlap == pytest.approx(overlap, abs=5e-17)
     allowed = 2e-10 * (abs(along) + 1e-14)
     assert (result.along, result.across) == pytest.approx((along, across), abs=allowed)
@@ -178,7 +184,8 @@ def test_the_nearest_place_of_a_worn_turn_is_found(
     eccentricity: float, bins: int
 ) -> None:
     """However far round it lies: the pin is near the centre, or presses on a long arc."""
-    bearing, pin = rough(4, bins), rough(5, bins)
+    bearing = rough(4, bins)
+    pin = rough(5, bins)
     s = np.linspace(-math.pi, math.pi, 800_001)
     overlap = overlaps(s, bearing, pin, eccentricity, 0.4, 2.2)
     result = arc_of(bearing, pin, eccentricity, 0.4, 2.2)
@@ -211,7 +218,8 @@ def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) 
 @pytest.mark.parametrize("part", [1e-9, 1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 3.0, 30.0])
 def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
     """The sums over maps of no depth, and both formulas where they do not cancel."""
-    flat, penetration = Surface(np.zeros(bins)), part * C
+    flat = Surface(np.zeros(bins))
+    penetration = part * C
     eccentricity = C + penetration
     sums = arc_of(flat, flat, eccentricity, 0.3, 0.9)
     stiffness = foundation_stiffness(1e10, C)
@@ -262,7 +270,8 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
         JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation"
     )
     rates = np.array([0.3, -0.2, 4.0, 0.1, 0.25, -7.0])
-    low, high = -5e-4, 5e-4
+    low = -5e-4
+    high = 5e-4
     for _ in range(60):
         middle = 0.5 * (low + high)
         pair = placed(joint, middle, 1.1, angles=(0.2, -0.4), rates=rates)
@@ -359,10 +368,12 @@ def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
 @pytest.mark.parametrize("direction", [0.3, 2.7])
 def test_integrals_are_derivatives_of_the_energy(bins: int, direction: float) -> None:
     """By differences of sixth order, in the eccentricity and in the angle between both maps."""
-    bearing, pin = groove(0.6, 2e-5, bins), groove(0.4, 1e-5, bins)
+    bearing = groove(0.6, 2e-5, bins)
+    pin = groove(0.4, 1e-5, bins)
     joint = replace(JOINT, bearing_surface=bearing, pin_surface=pin)
     packed = pack(placed(replace(joint, contact="foundation"), 0.0, 0.0).linkage)
-    record, surfaces = packed.joints[0], packed.surfaces[0]
+    record = packed.joints[0]
+    surfaces = packed.surfaces[0]
 
     def sums(dx: float, dy: float, turned: float) -> tuple[float, ArcIntegrals]:
         place = place_of(record, dx, dy, math.hypot(dx, dy), turned)
@@ -379,6 +390,7 @@ def test_integrals_are_derivatives_of_the_energy(bins: int, direction: float) ->
         difference = 0.0
         for k, weight in ((1, 45.0), (2, -9.0), (3, 1.0)):
             move = k * step * np.eye(3)[axis]
-            ahead, behind = sums(*(at + move))[1].square, sums(*(at - move))[1].square
+            ahead = sums(*(at + move))[1].square
+            behind = sums(*(at - move))[1].square
             difference += weight * (ahead - behind) / (120.0 * step)
         assert value == pytest.approx(difference, abs=1e-9 * abs(arc.x + arc.y))

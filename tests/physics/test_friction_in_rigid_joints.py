@@ -57,7 +57,8 @@ def slider_crank(speed: float = 10.0) -> Linkage:
 @pytest.mark.parametrize("is_swapped", [False, True])
 def test_a_pin_under_a_known_force_takes_mu_f_r(speed: float, is_swapped: bool) -> None:
     """Weight and centripetal force; against the motion, pin and bearing in either place."""
-    linkage, law = bar(speed), FrictionLaw(0.1)
+    linkage = bar(speed)
+    law = FrictionLaw(0.1)
     (bushing,) = bushings(linkage, "O", law)
     if is_swapped:
         bushing = ClearanceJoint(
@@ -76,7 +77,8 @@ def test_a_pin_under_a_known_force_takes_mu_f_r(speed: float, is_swapped: bool) 
 @pytest.mark.parametrize(("speed", "part"), [(0.01, 0.0), (0.11, 0.5), (1.0, 1.0)])
 def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
     """c_d of the sliding speed r w: v_0 = 0.1, v_1 = 1 mm/s."""
-    linkage, motion = bar(speed), motion_of(bar(speed))
+    linkage = bar(speed)
+    motion = motion_of(bar(speed))
     time = np.array([0.0])
     rubbed, free = (
         needed_torques(linkage, motion, time, joints)[0, 0]
@@ -107,8 +109,10 @@ def test_bristles_are_those_of_steady_sliding() -> None:
 @pytest.mark.parametrize("coefficient", [0.01, 0.1, 0.3])
 def test_the_drive_pays_for_the_friction_at_every_instant(coefficient: float) -> None:
     """Extra power is the sum of mu F r times the relative spins, F the forces with friction."""
-    linkage, law = slider_crank(), FrictionLaw(coefficient)
-    motion, joints = motion_of(linkage), bushings(linkage, "OABCDE", law)
+    linkage = slider_crank()
+    law = FrictionLaw(coefficient)
+    motion = motion_of(linkage)
+    joints = bushings(linkage, "OABCDE", law)
     assert len(joints) == len(linkage.revolutes) == 3
     time = np.linspace(0.0, linkage.period, 400)
     held = constraint_forces(linkage, motion, time)

@@ -58,7 +58,8 @@ def settle(packed: Loads, t: float, s: float, v: float, a: float = 0.0) -> None:
 def size(packed: Loads, t: float, s: float, v: float) -> float:
     """Size at a position in the table and a speed, as its user counts them."""
     turned = float(packed.records["cosine"][0]) if packed.records["turns"][0] else 1.0
-    record, mode = packed.records[0], packed.modes[0]
+    record = packed.records[0]
+    mode = packed.modes[0]
     return turned * load_size(record, packed.nodes, mode, t, turned * s, turned * v)
 
 
@@ -165,10 +166,13 @@ def rows_of(law: OverPosition) -> NDArray[np.float64]:
 def borne(law: OverPosition, walk: list[float]) -> list[float]:
     """Resistance along a walk in the sense of a law from before its table, by its definition."""
     places, values = rows_of(law)
-    deepest, is_broken, result = -math.inf, False, []
+    deepest = -math.inf
+    is_broken = False
+    result = []
     for s in walk:
         if s <= places[0]:
-            deepest, is_broken = -math.inf, False
+            deepest = -math.inf
+            is_broken = False
         deepest = max(deepest, s)
         is_broken = is_broken or (law.release and s >= places[-1])
         line = np.interp(deepest, places, values) - law.unloading * (deepest - s)
@@ -201,7 +205,8 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
     bends += [s - float(np.interp(s, places, values)) / law.unloading for s in turns]
     packed = packed_of(law, turning=True)
     place_loads(packed, np.array([0.0, 0.0, sign * outside]), np.zeros(3))
-    walk, result = [outside], [0.0]
+    walk = [outside]
+    result = [0.0]
     for one, other in pairwise(ends):
         way = math.copysign(1.0, other - one)
         settle(packed, 0.0, sign * one, 0.0, sign * way)

@@ -83,7 +83,8 @@ ROCKING = CRANK.linkage().changed(drives=[SWINGING])
 
 def test_the_slider_follows_a_crank_that_rocks() -> None:
     time = np.linspace(0.0, ROCKING.period, 200)
-    motion, turning = ideal_of(ROCKING).at(time), ROCKING.drives[0].motion(time)
+    motion = ideal_of(ROCKING).at(time)
+    turning = ROCKING.drives[0].motion(time)
     exact = slider_crank_motion(CRANK, time, (turning[0], turning[1], turning[2]))
     np.testing.assert_allclose(motion.position, exact.position, atol=1e-14)
     np.testing.assert_allclose(motion.velocity, exact.velocity, atol=1e-12)
@@ -182,7 +183,8 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     """Its hinge, or a joint behind which the loop keeps freedom; with contacts and without."""
     clearance = FAR if is_far else {"clearance": "0.2 mm"}
     scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), clearance)
-    linkage, period = scene.linkage(), scene.mechanism.period
+    linkage = scene.linkage()
+    period = scene.mechanism.period
     states: list[State] = []
     plan = Plan(0.07 * period, 3, observers=(Keeps(states.append),))
     run = ExudynJoints().for_cycle(period).simulate(linkage, start_of(scene), plan)
@@ -261,14 +263,16 @@ def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
 def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
     """No worse than it says, and no better than ``at`` is needed for."""
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
-    near, exact = scene.ideal.at(time, closed=False), scene.ideal.at(time)
+    near = scene.ideal.at(time, closed=False)
+    exact = scene.ideal.at(time)
     output = 3 * scene.base_linkage.index(scene.base_linkage.output.body)
     for level, within in (
         ("position", 1e-14),
         ("velocity", 1e-11),
         ("acceleration", 1e-8),
     ):
-        one, others = getattr(near, level), getattr(exact, level)
+        one = getattr(near, level)
+        others = getattr(exact, level)
         error = (
             np.abs(one - others[:, output : output + 3]).max() / np.abs(others).max()
         )
@@ -280,7 +284,9 @@ def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
 def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
     """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
     scene = flying(MOTIONS["table, run-up"])
-    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
+    linkage = scene.linkage()
+    start = start_of(scene)
+    period = scene.mechanism.period
     states: list[State] = []
     plan = Plan(period, 2, run_up=scene.run_up, observers=(Keeps(states.append),))
     run = engine.simulate(linkage, start, plan)
@@ -307,7 +313,8 @@ def in_pieces(draw: st.DrawFn) -> Drive:
         values = draw(st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=20))
         table = [(k * TURN / len(values), x) for k, x in enumerate(values)]
         return Drive("crank", speed, frequency=7.0, table=table)
-    first, by = draw(st.floats(0.0, 6.0)), draw(st.floats(-2.0, 2.0))
+    first = draw(st.floats(0.0, 6.0))
+    by = draw(st.floats(-2.0, 2.0))
     end = first + draw(st.floats(0.2, 4.0))
     rise = Rise(first, end, by, draw(st.sampled_from(sorted(RISES))))
     back = Rise(end + 0.5, end + 1.5, -0.8 * by, "cycloidal")
@@ -338,7 +345,8 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
     # Breaks are told apart from the turn's own end from 1e-9 of it on.
     assume(all(start == 0.0 or start > 1e-6 for start in drive.pieces.start))
     linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up, cycle=TURN / 7.0)
-    motion, duration = motions_of(linkage)[0], linkage.run_up_time
+    motion = motions_of(linkage)[0]
+    duration = linkage.run_up_time
     result = [t]
     for _ in range(3 * len(drive.pieces.start) + 1):
         result.append(break_after(motion, result[-1]))

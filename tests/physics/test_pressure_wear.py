@@ -46,7 +46,8 @@ def _worn_in_a_second(pair: Pair, count: int) -> Array:
 
 def _expected(pair: Pair, count: int, power: float) -> Array:
     """Return K_d p (p / p_ref)^(m - 1) times the sliding speed, summed on a fine grid."""
-    joint, contact = pair.joint, pair.contact()
+    joint = pair.joint
+    contact = pair.contact()
     zeros = [float(joint.map_frame == "body") * pair.q[body + 2] for body in (0, 3)]
     fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
     result = np.zeros((2, count))
@@ -109,7 +110,8 @@ def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power: float) -> None:
     for penetration in (1.05 * LEAST_OVERLAP, 0.95 * LEAST_OVERLAP, -1e-9):
         pair = placed(joint, penetration, 1.1)
         depth, shares = np.zeros((2, 2, 16))
-        record, surfaces = pair.packed.joints[0], pair.packed.surfaces[0]
+        record = pair.packed.joints[0]
+        surfaces = pair.packed.surfaces[0]
         deposit_by_pressure(depth, record, surfaces, pair.contact(), 2.0, shares)
         totals.append(depth.sum())
     assert totals[0] == pytest.approx(totals[1], rel=0.06)

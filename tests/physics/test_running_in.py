@@ -33,7 +33,8 @@ def test_depths_are_those_of_an_independent_program(
 def test_depth_is_the_solution_of_the_equation_in_any_number_of_blocks(
     ratio: float,
 ) -> None:
-    law, archard = RunningIn(ratio, 0.7e-6), 2e-6
+    law = RunningIn(ratio, 0.7e-6)
+    archard = 2e-6
 
     def rate(_: float, depth: np.ndarray) -> np.ndarray:
         return 1.0 + (ratio - 1.0) * np.exp(-depth / law.depth)
@@ -55,7 +56,8 @@ def test_late_wear_is_parallel_to_archards_law() -> None:
 
 
 def test_bumps_wear_as_new_surfaces() -> None:
-    law, added = RunningIn(0.2, 1e-6), np.array([1e-9])
+    law = RunningIn(0.2, 1e-6)
+    added = np.array([1e-9])
     assert law.worn(np.array([-5e-6]), added) == pytest.approx(0.2e-9, rel=1e-3)
 
 

@@ -66,9 +66,13 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
 def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
     mechanism = LIGHT.mechanism
     assert isinstance(mechanism, pw.SliderCrank)
-    crank, rod, speed = mechanism.crank_length, mechanism.rod_length, mechanism.speed
-    linkage, period = mechanism.linkage(), mechanism.period
-    point, direction = linkage.output.attachment, linkage.output.direction
+    crank = mechanism.crank_length
+    rod = mechanism.rod_length
+    speed = mechanism.speed
+    linkage = mechanism.linkage()
+    period = mechanism.period
+    point = linkage.output.attachment
+    direction = linkage.output.direction
     loads = (
         pw.Force(
             point,
@@ -110,7 +114,8 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(
     """
     press = pw.Press(geometry=GEOMETRIES[geometry], gravity=0.0)
     scene = replace(pw.scenes.wear_times(), mechanism=press)
-    linkage, bottom = scene.linkage(), bottom_of(scene.ideal)
+    linkage = scene.linkage()
+    bottom = bottom_of(scene.ideal)
     assert bottom is not None
     time = np.array([bottom.time])
 
@@ -119,7 +124,8 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(
         item = replace(press, length_3=rods[0], length_5=rods[1])
         return float(press_motion(item, time).output(linkage)[0, 0])
 
-    longer, ways = np.zeros(2), 1e-6 * np.eye(2)
+    longer = np.zeros(2)
+    ways = 1e-6 * np.eye(2)
     for _ in range(20):
         rises = np.array([height(longer + way) - height(longer - way) for way in ways])
         bears = force * rises / 2e-6
@@ -146,7 +152,8 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
         "A": (np.full(360, 3e-5), None),
         "B": (np.full(360, 1e-5), np.full(360, 2e-5)),
     }
-    linkage, force = replace(scene, surfaces=worn).linkage(), 50.0
+    linkage = replace(scene, surfaces=worn).linkage()
+    force = 50.0
     expected = 2.0 * sum(play(joint, force, 3e-5) for joint in linkage.clearances)
     springs = expected - 2.0 * sum(
         joint.clearance + 3e-5 for joint in linkage.clearances
@@ -160,10 +167,8 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
 def held(force: float) -> Linkage:
     """A slider-crank whose crank stands, loaded at the slider."""
     crank = pw.SliderCrank(slide_angle=0.0).linkage()
-    drive, load = (
-        replace(crank.drives[0], speed=0.0, angle=2.0),
-        pw.Load("slider", x=force),
-    )
+    drive = replace(crank.drives[0], speed=0.0, angle=2.0)
+    load = pw.Load("slider", x=force)
     return crank.changed(drives=[drive], loads=[load], guess={"rod": -0.4}, cycle=0.005)
 
 
@@ -225,7 +230,8 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
 
 
 def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
-    ideal, linkage = pw.Press().linkage(), LIGHT.linkage()
+    ideal = pw.Press().linkage()
+    linkage = LIGHT.linkage()
     assert pw.total_clearance(ideal) == pw.deflection(ideal, 500.0) == 0.0
     for force in (0.0, -1.0, 1e12, math.nan):
         with pytest.raises(
@@ -262,7 +268,8 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
         drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=limit)
         return pw.assemble([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
 
-    enough, little = made(1.001 * weight), made(0.999 * weight)
+    enough = made(1.001 * weight)
+    little = made(0.999 * weight)
     check_drives(enough, motion_of(enough))
     says = r"crank = 3\.92008 N m: the ideal motion needs 3\.924 N m, at 162\.\d degrees of a cycle"
     with pytest.raises(InputError, match=says):

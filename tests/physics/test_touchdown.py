@@ -94,10 +94,8 @@ def test_the_mass_that_meets_is_that_of_the_parts_that_give_way() -> None:
         Pair(JOINT, np.zeros(6), np.zeros(6)).linkage,
         bodies=(Body("bearing", 0.2, 3e-3), Body("pin", 0.1, 1e-3)),
     )
-    bearing, pin = (
-        1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3,
-        1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3,
-    )
+    bearing = 1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3
+    pin = 1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
     assert pack(pair).joints[0]["effective_mass"] == pytest.approx(
         1 / (bearing + pin), rel=1e-14
     )
@@ -122,14 +120,17 @@ class _Line:
 
     def __post_init__(self) -> None:
         pair = Pair(LINE, self.q, self.v)
-        self.linkage, self.packed = pair.linkage, pair.packed
+        self.linkage = pair.linkage
+        self.packed = pair.packed
         self.onset = np.zeros(1)
         self.memory = np.zeros(1, MEMORY)
         self.counters = np.zeros(1, COUNTERS)
         self.counters["fewest_steps"] = np.iinfo(np.int64).max
         self.steps = np.zeros(1, STEPS)
-        self.steps["free"], self.steps["per_contact"] = FREE, PARTS
-        self.steps["sustained"], self.steps["least"] = 10.0, LEAST
+        self.steps["free"] = FREE
+        self.steps["per_contact"] = PARTS
+        self.steps["sustained"] = 10.0
+        self.steps["least"] = LEAST
         self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
         # A type of the package: the stored kernels of one of the tests could not be
@@ -146,7 +147,8 @@ class _Line:
 
     def start(self, x: float, speed: float) -> "_Line":
         """From a place and a speed, as after an accepted step."""
-        self.q[0], self.v[0] = x, speed
+        self.q[0] = x
+        self.v[0] = speed
         self.settle()
         return self
 
@@ -166,7 +168,8 @@ class _Line:
 
     def shorter(self, h: float, x: float, speed: float) -> float:
         """Step with which a step that ended in a state has to be repeated; or -1."""
-        q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
+        q = np.array([x, 0.0, 0.0])
+        v = np.array([speed, 0.0, 0.0])
         contacts = contacts_in(self.linkage, self.packed, q, v).view(CONTACT)
         return shorter_step(self.records, self.steps, contacts, h, q, v, v)
 
@@ -188,7 +191,9 @@ def test_step_lands_just_behind_a_touchdown(
 
 
 def test_a_step_past_a_touchdown_is_sent_back_to_it() -> None:
-    speed, gap, push = 1.0, 2e-5, 500.0
+    speed = 1.0
+    gap = 2e-5
+    push = 500.0
     line = _Line(push).start(LINE.clearance - gap, speed)
     touchdown = (math.sqrt(speed**2 + 2.0 * push * gap) - speed) / push
     shorter = line.shorter(FREE, *line.flown(FREE))
@@ -199,7 +204,8 @@ def test_a_step_past_a_touchdown_is_sent_back_to_it() -> None:
 
 
 def test_a_step_over_a_whole_contact_is_sent_back_into_it() -> None:
-    push, gap = -4e4, 1e-5
+    push = -4e4
+    gap = 1e-5
     # Rises to 1.25e-6 m beyond the bearing's surface and falls back within the step.
     speed = math.sqrt(2.0 * -push * 1.125 * gap)
     line = _Line(push).start(LINE.clearance - gap, speed)
@@ -233,11 +239,14 @@ def test_a_step_is_not_sent_back_to_the_same_place_again(
 def test_round_off_of_the_place_makes_no_peak(h: float) -> None:
     """The pin turns back within a step, far from the origin, where places are off by 1e-13 m."""
     joint = _Line().packed.joints[0]
-    last, contact = np.zeros(1, MEMORY), np.zeros(1, CONTACT)
+    last = np.zeros(1, MEMORY)
+    contact = np.zeros(1, CONTACT)
     largest = 0.0
     for state, rate, error in ((last[0], 5e3 * h, 0.0), (contact[0], -5e3 * h, 1e-13)):
         depth = 1e-6 + error
-        state["penetration"], state["rate"], state["closing"] = depth, rate, rate
+        state["penetration"] = depth
+        state["rate"] = rate
+        state["closing"] = rate
         state["elastic"] = elastic_at(joint["normal"], depth)
         force = normal_force(joint["normal"], state["elastic"], depth, rate, 0.1)
         largest = max(largest, force)
@@ -252,10 +261,14 @@ def test_a_peak_on_a_foundation_is_not_extrapolated_far(
     """Penetrations that rise and fall again within a step, under forces of a steep power."""
     worn = replace(LINE, pin_surface=Surface(np.full(90, 1e-6)), contact="foundation")
     joint = Pair(worn, np.zeros(3), np.zeros(3)).packed.joints[0]
-    last, contact = np.zeros(1, MEMORY), np.zeros(1, CONTACT)
+    last = np.zeros(1, MEMORY)
+    contact = np.zeros(1, CONTACT)
     for state, rate in ((last, 0.01), (contact, -0.01)):
-        state["penetration"], state["rate"], state["closing"] = 1e-6, rate, rate
-        state["elastic"], state["energy"] = 100.0, 100.0 * 1e-6 / (power + 1.0)
+        state["penetration"] = 1e-6
+        state["rate"] = rate
+        state["closing"] = rate
+        state["elastic"] = 100.0
+        state["energy"] = 100.0 * 1e-6 / (power + 1.0)
     peak = peak_within(joint, 1.0, last[0], contact[0], 1e-5)
     assert (peak > 0.0) == is_found
     assert peak < 105.0
@@ -276,7 +289,8 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
 ) -> None:
     """A pin that leaves at constant speed and is open after half a step."""
     line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
-    line.memory["steps"], line.memory["started_closed"] = steps, started_closed
+    line.memory["steps"] = steps
+    line.memory["started_closed"] = started_closed
     line.memory["longest_step"] = math.inf
     shorter = line.shorter(h, *line.flown(h))
     if accepted:

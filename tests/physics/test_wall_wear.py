@@ -19,7 +19,10 @@ from presswear.physics.wall_wear import (
 
 L, W, C = 0.4, 0.3, 0.05e-3  # of the slide, m
 WIDTH, COEFFICIENT = 0.1, 2e-13  # of the walls, m, and K_d, 1/Pa
-MASS, PERIOD, AMPLITUDE, FORCE = 300.0, 0.1, 0.03, 5e3
+MASS = 300.0
+PERIOD = 0.1
+AMPLITUDE = 0.03
+FORCE = 5e3
 WALL = WallMap(COEFFICIENT, -0.25, 0.5)
 
 

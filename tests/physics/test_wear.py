@@ -39,7 +39,8 @@ def _law(wear_distribution: Footprint, share: float = 0.5) -> WearLaw:
 
 def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
     """Depths that a load distance adds to empty maps of bearing and pin, shape (2, count)."""
-    contact, packed = pair.contact(), pair.packed.joints[0]
+    contact = pair.contact()
+    packed = pair.packed.joints[0]
     depth, shares = np.zeros((2, 2, count))
     if packed["over_arc"]:
         deposit_over_arc(
@@ -66,7 +67,8 @@ def test_a_dose_is_spread_over_the_bins_that_are_crossed(
     start: float, end: float, expected: dict[int, float]
 ) -> None:
     """Angles in bins of a map of sixteen."""
-    depth, width = np.zeros(16), TURN / 16
+    depth = np.zeros(16)
+    width = TURN / 16
     spread_evenly(depth, width * start, width * end, 3.0)
     wanted = np.zeros(16)
     for k, part in expected.items():
@@ -93,7 +95,8 @@ def _area_as_printed(
 def test_area_is_equations_25_to_27(
     penetration: float, clearance: float, radius: float, width: float
 ) -> None:
-    bearing, pin = Decimal(radius), Decimal(radius) - Decimal(clearance)
+    bearing = Decimal(radius)
+    pin = Decimal(radius) - Decimal(clearance)
     e = bearing - pin + Decimal(penetration)
     # The kernel gets e and R_j as rounded numbers; nothing cancels after that.
     area = contact_area(penetration, float(e), radius, float(pin), width)
@@ -111,7 +114,9 @@ def test_one_bin_gets_all_of_equation_29(
     if not worn:
         joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
     joint = replace(joint, wear=_law("bin", 0.3))
-    direction, angles, load_distance = 2.5, (0.4, -2.1), 7.0
+    direction = 2.5
+    angles = (0.4, -2.1)
+    load_distance = 7.0
     pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
     places = direction - (frame == "body") * np.array(angles)
     bearing = Decimal(joint.bearing_radius) + Decimal(
@@ -133,7 +138,8 @@ def test_wear_rates_follow_the_law_of_slip() -> None:
     pair = placed(
         replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING
     )
-    contact, normal = pair.contact(), pair.load(1e9).normal
+    contact = pair.contact()
+    normal = pair.load(1e9).normal
     work, pressure = pair.wear_rates()
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
     assert work == pytest.approx(normal * by_angle, rel=1e-14)
@@ -181,7 +187,8 @@ def test_volume_identity(
 
 def _fine(pair: Pair, count: int) -> Array:
     """Parts of the pressure in the bins of bearing and pin, summed on a fine grid."""
-    joint, contact = pair.joint, pair.contact()
+    joint = pair.joint
+    contact = pair.contact()
     zeros = [float(joint.map_frame == "body") * pair.q[body + 2] for body in (0, 3)]
     fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
     parts = np.zeros((2, count))
@@ -225,7 +232,8 @@ def test_bins_beyond_the_arc_are_not_visited(
 ) -> None:
     """A step costs as much as the few bins in contact, however many a map has."""
     pair = placed(replace(joint, wear=_law("arc")), 3e-6, direction, angles=(0.4, -2.1))
-    contact, packed = pair.contact(), pair.packed.joints[0]
+    contact = pair.contact()
+    packed = pair.packed.joints[0]
     depth, shares = np.zeros((2, 2, 720))
     bins = np.arange(720)
     for side, body in enumerate((0, 3)):
@@ -257,7 +265,8 @@ def test_wear_of_a_step_that_ends_open_is_not_lost(
 def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     """Error control looks at such states before it shortens a step."""
     pair = placed(WORN, 0.0, 0.0)
-    joint, surfaces = pair.packed.joints[0], pair.packed.surfaces[0]
+    joint = pair.packed.joints[0]
+    surfaces = pair.packed.surfaces[0]
     for angle in 0.0, 4.1e17, math.nan:
         for dx, dy in (eccentricity, 0.0), (0.6 * eccentricity, -0.8 * eccentricity):
             place = place_of(joint, dx, dy, eccentricity, angle)

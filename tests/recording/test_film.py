@@ -38,7 +38,8 @@ def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
     rattling: Run,
 ) -> None:
     recorder = rattling.recorder
-    film, rows = recorder.film, recorder.rows
+    film = recorder.film
+    rows = recorder.rows
     # One in each interval, so at least half of one apart on the average of two.
     interval = film.time[-1] / FRAMES_PER_CYCLE
     assert film.time[0] == 0.0

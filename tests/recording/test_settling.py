@@ -86,7 +86,10 @@ def test_half_life_is_the_mean_time_times_the_logarithm_of_two() -> None:
 
 def test_half_lives_of_exponential_times_hold_in_their_share_of_tries() -> None:
     generator = np.random.default_rng(3)
-    limit, life, held, tries = 64, 39.0, 0, 400
+    limit = 64
+    life = 39.0
+    held = 0
+    tries = 400
     for _ in range(tries):
         times = generator.exponential(life / math.log(2.0), 4)
         ended = [int(time) for time in times if time < limit]

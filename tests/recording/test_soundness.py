@@ -65,7 +65,8 @@ def examined(change: Change) -> Finding | None:
     """Examine a sound run at its start, with a change."""
     recorder = recorder_of(LINKAGE, START, Plan(SCENE.mechanism.period, 1, 1))
     ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
-    position, velocity = START.position.copy(), START.velocity.copy()
+    position = START.position.copy()
+    velocity = START.velocity.copy()
     now = Condition(
         0.0, ledger, position, velocity, "finer steps", constraints_of(LINKAGE)
     )
@@ -301,7 +302,8 @@ def test_steps_that_vanish_by_viscous_damping_do_not_advise_a_tolerance(
     linkage = changed(SCENE, settings).linkage()
     recorder = recorder_of(linkage, START, Plan(SCENE.mechanism.period, 1, 1))
     finding = Finding("state", "the step vanished", 0.0, "", "x")
-    q, v = START.position, START.velocity
+    q = START.position
+    v = START.velocity
     assert with_cause(finding, linkage, recorder, q, v).remedy.startswith(expected)
     at_joint = replace(finding, joint="E")  # a singular position, whatever the damping
     assert with_cause(at_joint, linkage, recorder, q, v).remedy == "x"

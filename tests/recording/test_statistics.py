@@ -82,14 +82,14 @@ def test_means_of_correlated_cycles_are_covered(
 ) -> None:
     """Of correlated series Student's interval of the cycles is too narrow; that of runs is not."""
     generator = np.random.default_rng(3)
-    tries, inside, inside_plain = 600, 0, 0
+    tries = 600
+    inside = 0
+    inside_plain = 0
     for _ in range(tries):
         series = list(make(generator, number, runs, count))
         samples = np.concatenate(series)
-        half, narrow = (
-            statistics.half_width_of_runs(series),
-            statistics.half_width(samples),
-        )
+        half = statistics.half_width_of_runs(series)
+        narrow = statistics.half_width(samples)
         assert half is not None
         assert narrow is not None
         assert half >= narrow
@@ -145,7 +145,10 @@ def test_intervals_of_scatter_cover_it(
     size = min(10, count - statistics.STARTUP_CYCLES)
     long = shape(autoregressive(generator, phi, 2000, 20 // size * size))
     truth = float(np.ptp(long.reshape(-1, size), axis=1).mean())
-    draws, deviations, ranges, plain = 300, 0, 0, 0
+    draws = 300
+    deviations = 0
+    ranges = 0
+    plain = 0
     for _ in range(draws):
         series = shape(autoregressive(generator, phi, runs, count))
         series += far * np.arange(runs)[:, np.newaxis]
@@ -167,10 +170,8 @@ def test_intervals_of_scatter_cover_it(
 
 
 def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
-    first, second = (
-        np.array([9.0, 9.0, 1.0, 2.0, 3.0]),
-        np.array([9.0, 9.0, 14.0, 12.0, 10.0]),
-    )
+    first = np.array([9.0, 9.0, 1.0, 2.0, 3.0])
+    second = np.array([9.0, 9.0, 14.0, 12.0, 10.0])
     found = statistics.spread([first, second])
     assert found is not None
     assert found.mean == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
@@ -217,14 +218,18 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     """The deepest of noisy bins is too deep on average; the interval must know that."""
     generator = np.random.default_rng(7)
     truth = np.exp(-0.5 * ((np.arange(360) - 90.0) / width) ** 2)
-    draws, deep, turned, bias = 200, 0, 0, 0.0
+    draws = 200
+    deep = 0
+    turned = 0
+    bias = 0.0
     for _ in range(draws):
         scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
         maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
         depth, angle = statistics.peak_of(
             maps.mean(axis=0), statistics.resampled(maps, np.ones(count)), count
         )
-        low, high = depth.low or 0.0, depth.high or 0.0
+        low = depth.low or 0.0
+        high = depth.high or 0.0
         deep += low <= 1.0 <= high
         low, high = ends_of(angle)
         turned += low <= math.radians(90.5) + 1e-9 <= high + 2e-9
@@ -240,31 +245,34 @@ def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_dista
     """The map of a wear update differs from the mean of the maps of its samples."""
     groove = np.exp(-0.5 * ((np.arange(90) - 30.0) / 5.0) ** 2)
     maps = groove * np.random.default_rng(2).gamma(20.0, 0.05, (8, 1))
-    draws, centre = statistics.resampled(maps, np.ones(8)), maps.mean(axis=0)
+    draws = statistics.resampled(maps, np.ones(8))
+    centre = maps.mean(axis=0)
     of_centre, _ = statistics.peak_of(centre, draws, 8)
-    mean, off = centre + 0.1, 0.1
+    mean = centre + 0.1
+    off = 0.1
     depth, _ = statistics.peak_of(mean, draws, 8, centre)
     assert depth.mean == pytest.approx(mean.max(), rel=1e-15)
     # Half widths and the distance are added as the root of the sum of squares.
     low, high = ends_of(of_centre)
-    below, above = (
-        math.hypot(of_centre.mean - low, off),
-        math.hypot(high - of_centre.mean, off),
-    )
+    below = math.hypot(of_centre.mean - low, off)
+    above = math.hypot(high - of_centre.mean, off)
     assert ends_of(depth) == pytest.approx((depth.mean - below, depth.mean + above))
 
 
 def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
     """A known map with known noise: error, flattening of its peak, and width by its samples."""
     generator = np.random.default_rng(3)
-    bins, around = (360, 90), [np.arange(360) - 90.0, np.arange(90) - 20.0]
+    bins = (360, 90)
+    around = [np.arange(360) - 90.0, np.arange(90) - 20.0]
     truth = np.zeros((2, 2, 360))
     for k, angle in enumerate(around):
         truth[k, :, : bins[k]] = np.exp(-0.5 * (angle / 12.0) ** 2)
     widths = []
     fixed = np.append(statistics.MIN_WIDTH, np.geomspace(0.5, 10.0, 20))
     for count in (3, 12, 96):
-        errors, peaks, selected = [], [], []
+        errors = []
+        peaks = []
+        selected = []
         for _ in range(20):
             maps = truth * generator.gamma(10.0, 0.1, (count, 2, 2, 360))
             mean = maps.mean(axis=0)
@@ -304,7 +312,8 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     The standard deviation of a bootstrap is that without Bessel's correction.
     """
     samples = np.random.default_rng(count).normal(3.0, 0.5, count)
-    mean, error = float(samples.mean()), float(samples.std()) / math.sqrt(count)
+    mean = float(samples.mean())
+    error = float(samples.std()) / math.sqrt(count)
     expected = stats.t.interval(0.95, count - 1, mean, stats.sem(samples))
     # So many draws that the ends of the interval are two of them.
     draws = mean + error * stats.norm.ppf(
@@ -316,7 +325,8 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
         np.array([mean]), draws[:, np.newaxis], count
     )
     assert (low[0], high[0]) == pytest.approx(expected, rel=1e-9)
-    bins, turn = 1_000_000, 2.0 * math.pi
+    bins = 1_000_000
+    turn = 2.0 * math.pi
     place = round(mean / turn * bins)
     angle = statistics.angle_interval(
         place, np.rint(draws / turn * bins).astype(np.int64), bins, count

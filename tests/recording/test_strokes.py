@@ -52,7 +52,8 @@ def recorded(
     scene = ideal()
     plan = Plan(PERIOD, cycles, stroke=stroke)
     recorder = recorder_of(scene.linkage(), start_of(scene), plan)
-    records, draw = recorder.records, np.random.default_rng(seed)
+    records = recorder.records
+    draw = np.random.default_rng(seed)
     note_bottom(records, 0.0, 0.0, (0.0, 1.0), swing(0.0, bottom))
     for cycle in range(cycles):
         times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
@@ -88,10 +89,8 @@ def test_highest_place_of_a_rigid_four_bar_lies_between_steps(engine: str) -> No
     scene = pw.Scene(
         pw.FourBar(), joints="none", engine=engine, wear_updates=0, cycles=4
     )
-    ideal, start = (
-        bottom_of(scene.ideal),
-        scene.ideal.at(np.zeros(1)).output(scene.base_linkage),
-    )
+    ideal = bottom_of(scene.ideal)
+    start = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)
     assert ideal is not None
     highest = pw.run(scene).stages[0].each_cycle("displacement_max")
     expected = ideal.height + ideal.stroke - float(start[0, 0])

@@ -65,7 +65,8 @@ def test_places_in_the_cycle_and_durations(
     results: tuple[pw.Result, pw.Result],
 ) -> None:
     """A clock that runs half as fast moves durations and frequencies, and no place."""
-    scene, stage = results[1].scene, results[1].stages[0]
+    scene = results[1].scene
+    stage = results[1].stages[0]
     period = scene.mechanism.period
     contacts = stage.arrays["B_contacts"].copy()
     contacts[:, :2] *= 2.0  # touchdown and separation

@@ -101,7 +101,7 @@ def test_ours_is_interpolated_at_their_times() -> None:
         assert 0.0 < found.greatest < 1e-6
         assert found.passed
     theirs["displacement"] = theirs["displacement"] + 0.01
-    (velocity, displacement) = compare_tables(ours, theirs, 0.5, 1e-3)
+    velocity, displacement = compare_tables(ours, theirs, 0.5, 1e-3)
     assert velocity.passed
     assert not displacement.passed
     assert displacement.rms == pytest.approx(0.01, rel=1e-6)
@@ -130,7 +130,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_exported_run_agrees_with_itself(
     suffix: str, folder: Path, tmp_path: Path, command: Callable[..., str]
 ) -> None:
-    file, theirs = tmp_path / f"run{suffix}", tmp_path / f"theirs{suffix}"
+    file = tmp_path / f"run{suffix}"
+    theirs = tmp_path / f"theirs{suffix}"
     command(f"export {folder} {file}")
     table = read_table(file)
     with np.load(folder / "stage-0.npz") as stored:
@@ -198,10 +199,8 @@ def test_moments_of_strokes_are_exported(folder: Path) -> None:
 
 def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     """Every followed number with both ends of its band, as the curves have them."""
-    strokes, depth = (
-        np.array([4.0, 1e6]),
-        np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]]),
-    )
+    strokes = np.array([4.0, 1e6])
+    depth = np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
     curves = {"strokes": strokes, "A.depth": depth, "bdc_drift": 10.0 * depth}
     life = LifeResult("at_most", "", 1e6, None, None, 0.9, (), (), (), (), curves)
     result = pw.Result(
@@ -222,7 +221,8 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
 
 
 def named(*names: str) -> pw.Linkage:
-    kept, last = FOUR_BAR.joints[: -len(names)], FOUR_BAR.joints[-len(names) :]
+    kept = FOUR_BAR.joints[: -len(names)]
+    last = FOUR_BAR.joints[-len(names) :]
     renamed = [
         replace(joint, name=name) for joint, name in zip(last, names, strict=True)
     ]
@@ -273,7 +273,8 @@ LIFE = LifeResult("limit", "", 1e6, 0.04, 0.0, 0.9, (), (), ())
 
 def test_a_ratio_has_the_errors_of_both_lives() -> None:
     longer = replace(LIFE, strokes=2e6, sampling=0.03)
-    low, high = 2.0 * math.exp(-0.05), 2.0 * math.exp(0.05)
+    low = 2.0 * math.exp(-0.05)
+    high = 2.0 * math.exp(0.05)
     assert life_ratio(longer, LIFE) == (f"2.00 ({low:.2f} to {high:.2f})", "over 0.99")
     assert (
         life_ratio(replace(LIFE, sampling=0.1), replace(LIFE, sampling=0.0))[1] == "0.5"

@@ -100,7 +100,8 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
     """Stopped again and again, each time one place further: every place is one to go on from."""
     steps = pw.load(whole).stages[0].wear_steps
     assert len(steps) > 1
-    path, places = tmp_path / "out", 0
+    path = tmp_path / "out"
+    places = 0
     while True:
         # The first place is the one that it goes on from.
         try:
@@ -191,7 +192,8 @@ def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(
 def test_a_full_disk_ends_the_run_with_one_line(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sync, calls = os.fsync, iter(range(1000))
+    sync = os.fsync
+    calls = iter(range(1000))
 
     def full(descriptor: int) -> None:
         if next(calls) >= 8:
@@ -354,7 +356,8 @@ def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> 
         pw.load(tmp_path)
 
 
-RESULT, SWEEP = "ideal", "clearances"
+RESULT = "ideal"
+SWEEP = "clearances"
 
 
 @pytest.fixture(scope="module")
@@ -385,7 +388,8 @@ def test_a_link_is_refused_in_one_line(
     link: str,
     line: str,
 ) -> None:
-    folder, outside = tmp_path / "copy", tmp_path / "outside"
+    folder = tmp_path / "copy"
+    outside = tmp_path / "outside"
     shutil.copytree(stored / kind, folder)
     outside.mkdir()
     (outside / "file").write_text("nothing may be written here\n")
@@ -401,7 +405,8 @@ def test_a_link_is_refused_in_one_line(
 
 
 def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> None:
-    folder, outside = tmp_path / "copy", tmp_path / "outside.html"
+    folder = tmp_path / "copy"
+    outside = tmp_path / "outside.html"
     shutil.copytree(stored / RESULT, folder)
     outside.write_text("nothing may be written here\n")
     (folder / "report.html").symlink_to(outside)

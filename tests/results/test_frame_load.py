@@ -14,7 +14,9 @@ from presswear.show.key_numbers import key_numbers
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
 
-FRAME, STOP, WEIGHT = 0.5e9, 2e9, 9.81 * 1010.0
+FRAME = 0.5e9
+STOP = 2e9
+WEIGHT = 9.81 * 1010.0
 
 
 def pressed(process: Any, bearings: Any = None, **frame: Any) -> pw.Result:
@@ -59,7 +61,8 @@ def test_the_frame_swings_back_after_a_fracture() -> None:
         force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=2e-5
     )
     result = on_frame(sheet, damping=0.05)
-    stage, strokes = result.stages[0], result.strokes(0)
+    stage = result.stages[0]
+    strokes = result.strokes(0)
     (load,) = frame_loads(result.scene, stage).values()
     assert strokes is not None
     assert load.force is not None

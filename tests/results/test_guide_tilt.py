@@ -24,7 +24,10 @@ from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
 from presswear.sweeps.responses import OF_GUIDES, RESPONSES, available
 
-L, C, FORCE, OFFSET = 0.4, 0.05e-3, 100e3, 0.06
+L = 0.4
+C = 0.05e-3
+FORCE = 100e3
+OFFSET = 0.06
 
 
 def press(offset: float = OFFSET, friction: float = 0.1) -> pw.Scene:
@@ -69,7 +72,8 @@ def test_two_opposite_corners_hold_the_work_at_the_fracture(
 
 def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None:
     """The film has the angle of the slide, 500 times in a cycle."""
-    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    stage = result.stages[0]
+    (guide,) = result.scene.loose_guides
     film = stage.film
     column = 3 * result.scene.linkage().index(guide.body) + 2
     angle = film.position[:, column] - guide.angle
@@ -92,7 +96,8 @@ def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None
 
 def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> None:
     """Touch and fracture end a step of the engine; the energies are those of the run."""
-    stage, strokes = result.stages[0], result.strokes(0)
+    stage = result.stages[0]
+    strokes = result.strokes(0)
     tonnage = result.tonnage(0)
     assert strokes is not None
     assert tonnage is not None
@@ -167,7 +172,8 @@ def test_the_walls_wear_by_the_load_distance_of_their_corners(
     result: pw.Result,
 ) -> None:
     """Worn volume is K_d times the load distance; the slide tilts to one side."""
-    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    stage = result.stages[0]
+    (guide,) = result.scene.loose_guides
     walls = stage.statistics.walls["guide"]
     coefficient = result.scene.bearing("guide").materials.wear_coefficient
     place, depth = stage.wall_wear("guide")
@@ -202,7 +208,8 @@ def test_the_report_has_the_wear_of_the_walls(result: pw.Result) -> None:
 def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     result: pw.Result,
 ) -> None:
-    stage, (guide,) = result.stages[0], result.scene.loose_guides
+    stage = result.stages[0]
+    (guide,) = result.scene.loose_guides
     assert largest_tilt(guide, C) == pytest.approx(2.500234445e-4, rel=1e-9)
     (axes,) = result.plot("tilt")
     time, tilt = axes.lines[0].get_data()
@@ -237,8 +244,10 @@ def test_every_state_of_four_corners() -> None:
 
 def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:
     """Corners placed by geometry: the middle of the slide 12 um to the left, tilted."""
-    stage, (guide,) = result.stages[0], result.scene.loose_guides
-    angle, way = 1.7e-4, 12e-6
+    stage = result.stages[0]
+    (guide,) = result.scene.loose_guides
+    angle = 1.7e-4
+    way = 12e-6
     arrays: dict[str, Any] = dict(stage.arrays)
     for name, (along, side) in CORNERS.items():
         x = 0.5 * along * L * math.sin(angle) + 0.5 * side * 0.3 * math.cos(angle)

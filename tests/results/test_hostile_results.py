@@ -19,7 +19,8 @@ from presswear.show.report import render_report
 from presswear.sweeps.runner import ROWS, read_row
 from presswear.tools.files import digest
 
-STAGE, FILM = "stage-0.npz", "film-0.npz"
+STAGE = "stage-0.npz"
+FILM = "film-0.npz"
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,8 @@ from presswear.show.warnings import warnings
 from presswear.sweeps.responses import available, request, responses_of
 
 TURN = 2.0 * math.pi
-FRAME, WEIGHT = 0.5e9, 9.81 * 1010.0
+FRAME = 0.5e9
+WEIGHT = 9.81 * 1010.0
 
 
 def press(
@@ -47,7 +48,8 @@ def drop_on_the_line(result: pw.Result) -> float:
 
     The speed is least where the force of the work vanishes, on a row.
     """
-    stage, drops = result.stages[0], []
+    stage = result.stages[0]
+    drops = []
     omega = 1.0 - 0.08 / 480.0 * stage.arrays["drive_torque"][:, 0]
     for stroke in sampled_strokes(result.scene, stage):
         first = np.abs(stage.clock - stroke.contact).argmin()
@@ -79,14 +81,16 @@ def check_panel_of_torques(result: pw.Result) -> None:
 
 def test_loads_are_those_of_the_stored_series() -> None:
     result = press(0.25, breakdown=None)
-    scene, stage = result.scene, result.stages[0]
+    scene = result.scene
+    stage = result.stages[0]
     (load,) = motor_loads(scene, stage).values()
     speed = leader_speed(scene, stage)
     assert speed is not None
     assert speed.drop is not None
     # Of the last two of four cycles, from the series: T = 480 N m s / 0.08 on a line.
     rows = stage.time >= 2.0 - 1e-9
-    clock, torque = stage.clock[rows], stage.arrays["drive_torque"][rows, 0]
+    clock = stage.clock[rows]
+    torque = stage.arrays["drive_torque"][rows, 0]
     omega = TURN * (1.0 - 0.08 * torque / 480.0)
     length = clock[-1] - clock[0]
     assert speed.stroke_rate.mean == pytest.approx(2.0 / length, rel=1e-4)

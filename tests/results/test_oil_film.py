@@ -26,7 +26,8 @@ def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearan
         return pw.scenes.slider_crank(clearance=clearance, viscosity=viscosity)
 
     thin, thick = (oiled("20 um", f"{n} Pa s") for n in (1e-3, 1e3))
-    (dry,), (full,) = oil_films(thin).values(), oil_films(thick).values()
+    (dry,) = oil_films(thin).values()
+    (full,) = oil_films(thick).values()
     assert dry.full_share < full.full_share
     assert full.full_share > 0.9
     assert oil_films(pw.scenes.slider_crank()) == {}

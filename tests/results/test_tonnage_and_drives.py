@@ -60,7 +60,8 @@ def standing(begin: float, end: float) -> float:
     )
 
 
-LOWEST, HIGHEST = standing(0.04, 0.08), standing(0.25, 0.45)
+LOWEST = standing(0.04, 0.08)
+HIGHEST = standing(0.25, 0.45)
 BOTTOM = float(slider(np.array(LOWEST))[0, 0])
 
 
@@ -74,7 +75,8 @@ def force_at(depth: Array, velocity: Array) -> Array:
 
 def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> None:
     stage = ideal.stages[0]
-    height, force = ideal.height(0), np.asarray(ideal.process_force(0))
+    height = ideal.height(0)
+    force = np.asarray(ideal.process_force(0))
     np.testing.assert_allclose(height, slider(stage.time)[:, 0] - BOTTOM, atol=1e-8)
     expected = force_at(SHEET.height - height, stage.velocity)
     np.testing.assert_allclose(force, expected, atol=1e-6 * SHEET.force)
@@ -109,11 +111,14 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
 
         return float(brentq(off, begin, end, xtol=1e-15))
 
-    begin, low, end = HIGHEST, LOWEST + PERIOD, HIGHEST + PERIOD
+    begin = HIGHEST
+    low = LOWEST + PERIOD
+    end = HIGHEST + PERIOD
     heights = [SHEET.height - depth for depth, _ in SHEET.curve]
     edges = [begin, *(passes(each, begin, low) for each in heights), low]
     edges += [*sorted(passes(each, low, end) for each in heights[:2]), end]
-    sums, peaks = np.zeros((2, 6)), np.zeros(2)
+    sums = np.zeros((2, 6))
+    peaks = np.zeros(2)
     for first, last in pairwise(edges):
         time = np.linspace(first, last, 2001)
         # The piece that begins here is that of its inside.
@@ -185,7 +190,8 @@ def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(
 def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
     ideal: pw.Result,
 ) -> None:
-    strokes, moments = sampled_strokes(IDEAL, ideal.stages[0]), ideal.strokes(0)
+    strokes = sampled_strokes(IDEAL, ideal.stages[0])
+    moments = ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk /
     # acceleration.
     off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
@@ -270,7 +276,8 @@ def test_a_reversal_is_along_the_force_that_worked(
     angle: float, back: float, delay: float
 ) -> None:
     """Half a sine one way up to the fracture, and one of 4 ms the other way after a delay."""
-    time, pressed = np.linspace(1.0, 2.0, 20_001), 100.0
+    time = np.linspace(1.0, 2.0, 20_001)
+    pressed = 100.0
 
     def pulse(begin: float, end: float) -> Array:
         part = np.clip((time - begin) / (end - begin), 0.0, 1.0)
@@ -468,7 +475,9 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
 @pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
 def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) -> None:
     """A wheel whose speed is w + a cos(w t): M = -J a w sin(w t), in closed form."""
-    speed, part, inertia = 5.0, 2.0, 0.8
+    speed = 5.0
+    part = 2.0
+    inertia = 0.8
     wheel = pw.assemble(
         bodies=[pw.Body("wheel", mass=1.0, inertia=inertia)],
         joints=[pw.Pin("O", (0.0, 0.0), "wheel.centre")],
@@ -603,7 +612,8 @@ def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any]) -> None:
 @pytest.mark.parametrize("part", [1e-4, 0.3, 2.0])
 def test_peak_forces_of_the_laws_store_the_same_energy(used: str, part: float) -> None:
     """Forces and energies by quadrature of each law as printed, with K of small contacts."""
-    c, stiffness = 5e-5, 2e11
+    c = 5e-5
+    stiffness = 2e11
     settings = {"clearance": c, "contact_stiffness": stiffness, "elasticity": used}
     scene = pw.changed(SCENE, {**settings, "contact": "radial"})
 

@@ -62,7 +62,8 @@ def test_guide_has_no_film() -> None:
 
 def test_oil_of_a_joint() -> None:
     press = pw.scene_from(SCENARIOS / "press-250kN.toml")
-    dry, oiled = press.linkage(), pw.changed(press, OILED).linkage()
+    dry = press.linkage()
+    oiled = pw.changed(press, OILED).linkage()
     assert all(joint.oil is None for joint in dry.clearances)
     oil = oiled.clearances[0].oil
     assert oil is not None

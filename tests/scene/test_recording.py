@@ -62,7 +62,8 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     )
     for name, item in read.stages[0].arrays.items():
         np.testing.assert_array_equal(item, result.stages[0].arrays[name])
-    stage, full = read.stages[0], pw.run(SCENE, engine="dae").stages[0]
+    stage = read.stages[0]
+    full = pw.run(SCENE, engine="dae").stages[0]
     period = SCENE.mechanism.period
     assert stage.time[-1] <= 1.01 * period
     assert 300 <= stage.time.size < np.searchsorted(full.time, period)
@@ -79,7 +80,8 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     for one, folder in ((scene, "output"), (SCENE, "full")):
         pw.run(one, tmp_path / folder, engine="dae", jobs=1)
     read, full = (pw.load(tmp_path / folder) for folder in ("output", "full"))
-    item, stage = read.stages[0], full.stages[0]
+    item = read.stages[0]
+    stage = full.stages[0]
     left_out = {
         f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")
     }

@@ -63,7 +63,8 @@ def test_a_mechanism_has_default_joints_with_clearance() -> None:
 
 def test_scene_makes_the_linkage_it_describes() -> None:
     scene = changed(BASE, {"joints": "A", "friction": "0.05", "restitution": "0.8"})
-    linkage, closed = scene.linkage(), scene.mechanism.linkage()
+    linkage = scene.linkage()
+    closed = scene.mechanism.linkage()
     (joint,) = linkage.clearances
     assert joint.name == "A"
     assert linkage.revolutes == tuple(r for r in closed.revolutes if r.name != "A")
@@ -176,7 +177,8 @@ def test_data_that_are_no_scene_are_refused_in_one_line(data: Any) -> None:
 
 def test_bearings_by_joint_open_those_joints() -> None:
     """A mapping is the same scene as joints, a common bearing and exceptions."""
-    one, other = Bearing(clearance=0.2e-3), Bearing(clearance=0.3e-3, friction=0.1)
+    one = Bearing(clearance=0.2e-3)
+    other = Bearing(clearance=0.3e-3, friction=0.1)
     scene = Scene(bearings={"A": one, "C": other})
     assert scene == Scene(joints="AC", bearings=one, joint_bearings={"C": other})
     assert scene.bearing("C") == other
@@ -255,7 +257,8 @@ def test_purpose_sets_the_default_tolerance(
 def test_the_body_of_the_output_point_has_an_article_unless_it_has_a_number(
     body: str, words: str
 ) -> None:
-    bars, pins = [Bar(body, 0.1, 1.0)], [Pin("O", (0.0, 0.0), f"{body}.tail")]
+    bars = [Bar(body, 0.1, 1.0)]
+    pins = [Pin("O", (0.0, 0.0), f"{body}.tail")]
     assert Scene(assemble(bars, pins, [Drive(body, 10.0)])).output == words
 
 
@@ -289,7 +292,8 @@ def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -
 
 
 def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
-    rigid, loose = Bearing(clearance=0, friction=0.1, bearing_radius=0.03), Bearing()
+    rigid = Bearing(clearance=0, friction=0.1, bearing_radius=0.03)
+    loose = Bearing()
     scene = Scene(SliderCrank(), bearings={"B": loose, "O": rigid})
     assert scene.joints == "OB"
     assert scene.clearance_joints == ("B",)

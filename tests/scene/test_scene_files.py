@@ -277,7 +277,8 @@ def test_a_user_law_is_read_from_the_folder_of_the_file(tmp_path: Path) -> None:
 
 IDEAL = pw.scenes.ideal()
 SLIDER_CRANK = replace(pw.scenes.slider_crank(), joints="none", cycles=1)
-DRAWING, DWELL = pw.Drawing(force=200.0, cushion=15.0), pw.Dwell(part=0.1, stroke=0.08)
+DRAWING = pw.Drawing(force=200.0, cushion=15.0)
+DWELL = pw.Dwell(part=0.1, stroke=0.08)
 
 
 @pytest.mark.parametrize(

@@ -520,7 +520,8 @@ def test_keys_that_nothing_reads_are_not_listed() -> None:
         return {one.key for one in applicable_settings_of(scene)}
 
     rigid = keys(pw.SliderCrank())
-    frame, guide = {"frame_mass", "frame_damping"}, {"guide_length", "guide_width"}
+    frame = {"frame_mass", "frame_damping"}
+    guide = {"guide_length", "guide_width"}
     assert not (frame | guide) & rigid
     assert {"frame_stiffness", "torque_limit"} <= rigid
     motor = pw.Motor(20.0)

@@ -54,7 +54,8 @@ def _stage(
         arrays["drive_torque"] = np.column_stack(
             [np.cos(40.0 * time), 1.0 + 0.0 * time]
         )
-    each, turn = pw.Estimate.symmetric(80.0, 12.0, 2), 6.0 * np.pi * time / time[-1]
+    each = pw.Estimate.symmetric(80.0, 12.0, 2)
+    turn = 6.0 * np.pi * time / time[-1]
     one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
     peak = stages.WearPeak(pw.Estimate(float(one.max())), pw.Estimate(np.radians(92.5)))
     for joint in scene.clearance_joints:
@@ -67,7 +68,8 @@ def _stage(
         arrays[f"{joint}_penetration"] = 1e-6 * np.sin(turn)
         arrays[f"{joint}_sliding"] = np.cos(turn)
         # Touchdown, separation, closing and release speed, peak force, steps.
-        begin, half = time[-1] / 6.0 * np.arange(6), time[-1] / 12.0
+        begin = time[-1] / 6.0 * np.arange(6)
+        half = time[-1] / 12.0
         rest = np.tile([0.1, -0.1, 50.0, 30.0], (6, 1))
         arrays[f"{joint}_contacts"] = np.column_stack([begin, begin + half, rest])
         for side in SIDES:
@@ -109,8 +111,10 @@ def _stage(
         "delay": pw.Estimate(-3e-3, samples=2),
         "delay_angle": pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
     }
-    bdc, names = stages.BottomStatistics(**numbers), scene.clearance_joints
-    joints, solver = dict.fromkeys(names, joint_statistics), "6 bodies, 2 drives"
+    bdc = stages.BottomStatistics(**numbers)
+    names = scene.clearance_joints
+    joints = dict.fromkeys(names, joint_statistics)
+    solver = "6 bodies, 2 drives"
     statistics = stages.StageStatistics(2, output=output, bdc=bdc, joints=joints)
     ended: Any = (index, status, message, None, 2e6, (), float(time[-1]), 1.0)
     last: Any = ({"model": solver, "steps": 4000}, statistics, arrays, names)

@@ -14,8 +14,10 @@ from selenium.webdriver.common.keys import Keys
 
 from presswear.show.report import write_report
 
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-MAX_BYTES, MAX_HEIGHT = 2e6, 6000
+BROWSER = shutil.which("chromium")
+DRIVER = shutil.which("chromedriver")
+MAX_BYTES = 2e6
+MAX_HEIGHT = 6000
 
 pytestmark = pytest.mark.skipif(
     not (BROWSER and DRIVER), reason="no chromium with its driver"

@@ -360,7 +360,8 @@ def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
     bearings = scene.bearings
     radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
     for axes, radius in zip(sheet.axes[1:], radii, strict=True):
-        (low, high), (left, right) = axes.get_ylim(), axes.get_xlim()
+        low, high = axes.get_ylim()
+        left, right = axes.get_xlim()
         box = axes.get_position()
         width, height = sheet.get_size_inches()
         radial = box.height * height / (1e-6 * (high - low))
@@ -514,7 +515,8 @@ def test_loads_are_drawn_at_their_points() -> None:
 
 def test_names_are_no_formulas(tmp_path: Path) -> None:
     """A joint, body or spring named $x^$ ended in an error of mathtext, after the run."""
-    body, joint = "$^2$", "$x^$"
+    body = "$^2$"
+    joint = "$x^$"
     bar = pw.Bar(body, 0.05, 0.3)
     bodies = [bar, *(b for b in FOUR_BAR.bodies if b.name != "crank")]
     pins = [

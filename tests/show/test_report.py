@@ -187,7 +187,8 @@ VISCOUS = wear_times(
 OWN_FOUR_BAR = pw.Scene(
     FOUR_BAR, bearings={"B": pw.Bearing(clearance=0.3e-3)}, wear_updates=0
 )
-RADIAL, SAMPLE = "Contact on worn surfaces is radial", "no two strokes are equal"
+RADIAL = "Contact on worn surfaces is radial"
+SAMPLE = "no two strokes are equal"
 OWN = "sampled cycles of 4 replicates, and after a wear update the replicates, each on surfaces of"
 PAIRS = "on rod 3 and its pin on crank 2; C has its bearing on rod 5 and its pin on plate 4."
 ZERO = "counterclockwise from the x axis of the frame"
@@ -438,7 +439,8 @@ def test_the_answer_on_a_life() -> None:
 
 def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named() -> None:
     """The depth of the joint ends the life, and the bushing alone was replaced."""
-    life, stage = made.made_up_life(), LIVED.stages[-1]
+    life = made.made_up_life()
+    stage = LIVED.stages[-1]
     first = replace(life.limits[1], key="A.depth")
     sentence = (
         "The pin of A ends this life: it is worn by 50.0 µm at the end, its bushing by"

@@ -34,14 +34,10 @@ def table_of(
     bounds = np.zeros(len(points), bool) if censored is None else censored
     names = range(1, points.shape[1] + 1)
     columns = tuple(Column(f"x{k}", "m", f"parameter {k}") for k in names)
-    halves, censored = (
-        np.full((count, 1), half_widths),
-        np.repeat(bounds, replicates)[:, None],
-    )
-    response, points = (
-        Column("y", "N", "response"),
-        np.repeat(points, replicates, axis=0),
-    )
+    halves = np.full((count, 1), half_widths)
+    censored = np.repeat(bounds, replicates)[:, None]
+    response = Column("y", "N", "response")
+    points = np.repeat(points, replicates, axis=0)
     errors = ("",) * count
     return Table(
         columns,

@@ -41,11 +41,10 @@ def test_each_joint_is_changed_in_each_way() -> None:
 
 def test_factors_have_the_intervals_of_ratios() -> None:
     """Relative errors of 3 and 4 per cent add to 5; a shorter life is a larger depth."""
-    new, old = (
-        Estimate.symmetric(2.0, 0.06).positive,
-        Estimate.symmetric(1.0, 0.04).positive,
-    )
-    force, life = _effect(CHANGE, FORCE, new, old), _effect(CHANGE, LIFE, new, old)
+    new = Estimate.symmetric(2.0, 0.06).positive
+    old = Estimate.symmetric(1.0, 0.04).positive
+    force = _effect(CHANGE, FORCE, new, old)
+    life = _effect(CHANGE, LIFE, new, old)
     assert (force.factor.mean, life.factor.mean) == (2.0, 0.5)
     assert force.factor.high == pytest.approx(2.0 * math.exp(0.05))
     assert life.factor.low == pytest.approx(0.5 * math.exp(-0.05))
@@ -62,7 +61,8 @@ def test_factors_have_the_intervals_of_ratios() -> None:
 
 
 def test_sentences_name_the_best_certain_change() -> None:
-    one, two = Estimate.symmetric(1.0, 0.01), Estimate.symmetric(2.0, 0.01)
+    one = Estimate.symmetric(1.0, 0.01)
+    two = Estimate.symmetric(2.0, 0.01)
     found = Improvement(
         {
             LIFE: [_effect(CHANGE, LIFE, one, two)],

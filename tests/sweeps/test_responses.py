@@ -29,7 +29,8 @@ def result() -> pw.Result:
 
 
 def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> None:
-    values, bearing = responses.responses_of(result, USUAL), SCENE.bearing("A")
+    values = responses.responses_of(result, USUAL)
+    bearing = SCENE.bearing("A")
     forces = result.stages[1].joints["A"].each_cycle("force_max")
     force = values["A.force_max@1"]
     assert forces.min() <= cast(float, force.value) <= forces.max()
@@ -151,10 +152,8 @@ def test_limits_have_units() -> None:
 
 
 def test_lower_bounds_may_leave_a_violation_open() -> None:
-    values, censored = (
-        np.array([1.0, 1.0, 3.0, 3.0]),
-        np.array([True, False, True, False]),
-    )
+    values = np.array([1.0, 1.0, 3.0, 3.0])
+    censored = np.array([True, False, True, False])
     assert responses.Limit(2.0, True).count(values, censored) == (1, 2)
     assert responses.Limit(2.0, False).count(values, censored) == (2, 3)
 

@@ -32,7 +32,8 @@ class Counting(runner.SerialExecutor):
     """Executor that stores a made-up outcome, and may end the sweep after some rows."""
 
     def __init__(self, most: int = 100) -> None:
-        self.count, self.most = 0, most
+        self.count = 0
+        self.most = most
 
     def submit(
         self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
@@ -54,7 +55,8 @@ def rows_in(folder: Path) -> dict[str, int]:
 
 
 def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
-    first, second = Counting(3), Counting()
+    first = Counting(3)
+    second = Counting()
     with pytest.raises(KeyboardInterrupt):
         runner.run_rows(tmp_path, NAMES, REQUESTED, first, 1)
     stored = rows_in(tmp_path)
@@ -105,7 +107,8 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
     outcome = runner.read_row(tmp_path, "a")
     assert outcome.error == "no such linkage"
 
-    broken, future = Counting(), Future[Any]()
+    broken = Counting()
+    future = Future[Any]()
     future.set_exception(MemoryError())
     broken.submit = lambda *args, **kwargs: future  # type: ignore[method-assign]
     with pytest.raises(RunFailed, match="the executor failed"):

@@ -77,7 +77,8 @@ def test_indices_of_known_functions() -> None:
 def test_intervals_contain_the_indices_in_spite_of_chaos(
     kind: str, seeds: range, least: float
 ) -> None:
-    truth, hits = INDICES if kind == "saltelli" else INDICES[:1], np.zeros(3)
+    truth = INDICES if kind == "saltelli" else INDICES[:1]
+    hits = np.zeros(3)
     for seed in seeds:
         result = result_of(ishigami_of(kind, 256, seed, 2, NOISE), kind)
         hits = hits + (np.abs(result.values - truth) <= result.half_widths)
@@ -143,7 +144,8 @@ def test_elementary_effects_of_a_plane_and_of_chaos() -> None:
 
 def test_one_at_a_time_gives_changes_with_intervals() -> None:
     points = design("oat", 2, 3, seed=0)
-    truth, hits = np.outer([-0.45, 0.45], SLOPES), np.zeros((2, 3))
+    truth = np.outer([-0.45, 0.45], SLOPES)
+    hits = np.zeros((2, 3))
     for seed in SEEDS:
         result = result_of(table_of(points, points @ SLOPES, 4, 1.0, seed), "oat")
         hits += np.abs(result.values - truth) <= result.half_widths
@@ -170,17 +172,16 @@ def test_intervals_of_the_chaotic_share_hold_it(
 
 
 def test_quantiles_of_rows_are_order_statistics() -> None:
-    life, hits = stats.lognorm(0.5, scale=100.0), np.zeros(99)
+    life = stats.lognorm(0.5, scale=100.0)
+    hits = np.zeros(99)
     for seed in range(200):
         values = life.rvs(100, random_state=seed)
         spread = spread_of_rows(
             table_of(values[:, None], values), "y", Limit(50.0, True)
         )
         truth = life.ppf(PROBABILITIES)
-        low, high = (
-            np.nan_to_num(spread.low, nan=0.0),
-            np.nan_to_num(spread.high, nan=np.inf),
-        )
+        low = np.nan_to_num(spread.low, nan=0.0)
+        high = np.nan_to_num(spread.high, nan=np.inf)
         hits += (low <= truth) & (truth <= high)
         assert spread.violation[0] == np.mean(values < 50.0)
     assert hits.min() / 200 >= 0.9

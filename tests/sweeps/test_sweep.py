@@ -114,7 +114,8 @@ def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
 def test_a_sweep_is_resumed_extended_reported_and_exported(
     tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder, csv = tmp_path / "sweep", tmp_path / "rows.csv"
+    folder = tmp_path / "sweep"
+    csv = tmp_path / "rows.csv"
     line = f"sweep wear-times {VARY} {OPTIONS} --out {folder} --jobs 1"
     assert "2 points, 2 runs" in command(f"{line} --shard 1/2")
     assert load_sweep(folder).table.errors == ("", NOT_RUN)
@@ -184,7 +185,8 @@ replicates = 2
 
 
 def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> None:
-    file, folder = tmp_path / "my.toml", tmp_path / "sweep"
+    file = tmp_path / "my.toml"
+    folder = tmp_path / "sweep"
     file.write_text(FILE)
     shown = command(f"sweep {file} {OPTIONS} --out {folder} --replicates 1 --jobs 1")
     assert "2 points, 2 runs" in shown
@@ -201,7 +203,8 @@ def test_a_new_file_is_swept_at_once(
     tmp_path: Path, command: Callable[..., str]
 ) -> None:
     """Without the wear update of the file; other numbers of wear updates need strokes."""
-    file, folder = tmp_path / "my.toml", tmp_path / "sweep"
+    file = tmp_path / "my.toml"
+    folder = tmp_path / "sweep"
     file.write_text(example_file("slider-crank"))
     options = "--vary clearance=0.1mm,0.2mm --cycles 1 --jobs 1"
     shown = command(f"sweep {file} {options} --out {folder} --response B.force_max")
@@ -240,7 +243,8 @@ def test_a_scene_is_a_function_of_its_settings() -> None:
 
 
 def test_parameter_variation_of_exudyn_accepts_a_function() -> None:
-    function, shared = pw.function_of(SCENE, "A.force_max"), {"seed": 1}
+    function = pw.function_of(SCENE, "A.force_max")
+    shared = {"seed": 1}
     options: dict[str, Any] = {"useMultiProcessing": True, "numberOfThreads": 2}
     options |= {"showProgress": False, "addComputationIndex": True}
     options["parameterFunctionData"] = shared

@@ -123,7 +123,8 @@ def _seldom(pairs: NDArray[np.void], numbers: Array, x: float) -> float:
 
 
 def test_lazy_kernel_is_compiled_at_its_first_call() -> None:
-    pairs, numbers = np.zeros(2, PAIR), np.arange(6.0).reshape(3, 2)
+    pairs = np.zeros(2, PAIR)
+    numbers = np.arange(6.0).reshape(3, 2)
     pairs["factor"] = 10.0, 100.0
     assert _seldom(pairs, numbers, -1.0) == 0.0
     assert not _rare.from_python.overloads
@@ -730,12 +731,11 @@ def _gather(packed: PackedArguments, x: float) -> float:
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     random = np.random.default_rng(count)
-    pairs, single, rows = (
-        np.zeros(count, PAIR),
-        random.random(count),
-        random.random((count, 2)),
-    )
-    pairs["calls"], pairs["factor"] = random.random(count) < 0.5, random.random(count)
+    pairs = np.zeros(count, PAIR)
+    single = random.random(count)
+    rows = random.random((count, 2))
+    pairs["calls"] = random.random(count) < 0.5
+    pairs["factor"] = random.random(count)
     out = np.zeros(1)
     call = bind(_gather, (pairs, rows, None, single), out)
     expected = single.sum() + rows.sum() + pairs["factor"][pairs["calls"] > 0].sum()
@@ -761,7 +761,9 @@ def _exchange(numbers: Array, pairs: Any) -> float:
 
 @pytest.mark.parametrize("step", [1, 2])
 def test_elements_at_constant_places(step: int) -> None:
-    numbers, pairs = np.arange(4.0 * step)[::step], np.zeros(2 * step, PAIR)[::step]
-    pairs["calls"][1], pairs["factor"][1] = 7, 0.5
+    numbers = np.arange(4.0 * step)[::step]
+    pairs = np.zeros(2 * step, PAIR)[::step]
+    pairs["calls"][1] = 7
+    pairs["factor"][1] = 0.5
     assert _exchange(numbers, pairs) == 2.0 * step + 0.5
     assert numbers.tolist() == [3.0 * step, 7.0, 2.0 * step, 0.0]

@@ -37,7 +37,8 @@ def ran(module: str) -> tuple[bool, list[list[float]]]:
 
 
 def test_both_modules_give_the_same_motion_through_the_first_touches() -> None:
-    fast, safe = ran(""), ran("Safe ")
+    fast = ran("")
+    safe = ran("Safe ")
     assert not safe[0]
     processor = Path("/proc/cpuinfo")
     assert fast[0] == (processor.exists() and "avx2" in processor.read_text())

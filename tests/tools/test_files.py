@@ -41,10 +41,8 @@ def test_a_file_is_written_whole_or_stays(
 
 
 def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
-    records, file = (
-        np.zeros(2, [("x", np.float64), ("n", np.int64)]),
-        tmp_path / "a.npz",
-    )
+    records = np.zeros(2, [("x", np.float64), ("n", np.int64)])
+    file = tmp_path / "a.npz"
     checksum = write_arrays(
         file, named("joint", {"depth": np.arange(3.0)}) | {"records": records}
     )

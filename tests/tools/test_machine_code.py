@@ -69,6 +69,7 @@ def test_callees_have_no_machine_code_but_within_their_callers() -> None:
     (code,) = leaf._from_kernels.overloads.values()
     assert not code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
     # From Python it is compiled apart, with equal results.
-    x, y = 0.1, 0.7
+    x = 0.1
+    y = 0.7
     assert caller(x, y) == leaf(x, y) + leaf(y, x * y)
     assert caller.py_func(x, y) == pytest.approx(caller(x, y), rel=1e-15)

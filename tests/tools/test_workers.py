@@ -46,7 +46,8 @@ class Adds:
     total: int = 0
 
     def __call__(self, report: Report) -> "Adds":
-        done, total = self.done, self.total
+        done = self.done
+        total = self.total
         while done < min(self.until, self.done + 10):
             done, total = done + 1, total + done
             report(done)
@@ -91,7 +92,8 @@ class Waits:
     stores: float = 0.0
 
     def __call__(self, report: Report) -> int:
-        started, count = time.monotonic(), 0
+        started = time.monotonic()
+        count = 0
         try:
             while time.monotonic() < started + self.lasts:
                 count += 1
@@ -145,7 +147,8 @@ def test_a_dropped_job_is_stopped(pool: Workers) -> None:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
-    collects, missing = Collects(), set(range(count))
+    collects = Collects()
+    missing = set(range(count))
 
     def interrupt(key: int, *_: object) -> None:
         missing.discard(key)
@@ -206,7 +209,8 @@ def returns_large(delay: float, report: Report) -> Large:
 
 @pytest.mark.parametrize("delay", [0.02, 0.05, 0.1, 0.2])
 def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
-    collects, errors = Collects(), []
+    collects = Collects()
+    errors = []
 
     def run() -> None:
         with Workers(2) as pool:

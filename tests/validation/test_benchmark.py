@@ -30,7 +30,8 @@ SHORT = Extent(
     tree_tolerances=(1e-5, 1e-7),
 )
 SCENE = pw.scenes.wear_times()
-TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
+TRAPEZOIDAL = "exudyn-joints, trapezoidal rule"
+RK4 = "dae, RK4"
 
 
 def silent(name: str, part: float) -> None:
@@ -142,7 +143,8 @@ def test_the_paper_fails_with_clearance_and_others_converge(
 
 def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
     defaults = [p.method.engine for p in family(points, 3) if p.method.is_default]
-    numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
+    numerics = SCENE.numerics.resolved("trajectory")
+    period = SCENE.mechanism.period
     dae = replace(numerics.dae, free_step=period / 500.0)
     assert defaults == [
         numerics.joints.for_cycle(period),
@@ -191,7 +193,8 @@ def rows_of(file: Path) -> list[dict[str, str]]:
 def test_the_command_writes_table_and_figure(
     points: list[Point], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
 ) -> None:
-    extents, folder = list[Extent](), tmp_path / "out"
+    extents = list[Extent]()
+    folder = tmp_path / "out"
 
     def measured(scene: object, extent: Extent, report: object) -> list[Point]:
         extents.append(extent)

@@ -20,7 +20,8 @@ SLOW = (  # some ten seconds each
     "clearance at A alone",
     "100 cycles at 40 pi",
 )
-TIGHT, GRAVITY = reference_problems.TIGHT, reference_problems.GRAVITY
+TIGHT = reference_problems.TIGHT
+GRAVITY = reference_problems.GRAVITY
 
 
 def _marked(case: cases.Case) -> object:

@@ -20,7 +20,8 @@ from presswear.validation.cases import Check
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])
 def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
     scene = replace(pw.scenes.wear_times(), joints=joints)
-    linkage, start = scene.linkage(), start_of(scene)
+    linkage = scene.linkage()
+    start = start_of(scene)
     moved = disturbed(linkage, start, crosscheck.DISTURBANCE)
     assert moved is not None
     assert np.abs(moved.position - start.position).max() == pytest.approx(
@@ -163,7 +164,8 @@ def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
 
 def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
     # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
-    one, two = pw.Estimate(100.0, 97.8, 102.2), pw.Estimate(116.7, 114.3, 119.1)
+    one = pw.Estimate(100.0, 97.8, 102.2)
+    two = pw.Estimate(116.7, 114.3, 119.1)
     alone = crosscheck.mean_check("peak force", one, two)
     assert isinstance(alone, Check)
     assert not alone.passed

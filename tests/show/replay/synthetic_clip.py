@@ -34,7 +34,8 @@ def synthetic_clip(
     joints = np.zeros((FRAMES, 2, len(FILM_JOINT)))
     joints[::2, :, 0] = max_force * np.abs(np.cos(angle[::2, None]))
     joints[:, :, 1] = 0.1 * joints[:, :, 0]
-    joints[:, :, 2], joints[:, :, 3] = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    joints[:, :, 2] = np.cos(angle)[:, None]
+    joints[:, :, 3] = np.sin(angle)[:, None]
     joints[:, :, 5] = 1.5 * joints[:, :, 0]
     return Clip(
         title=title,

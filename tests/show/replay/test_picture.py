@@ -70,7 +70,8 @@ def test_bodies_are_drawn_at_their_stored_positions(
 
 
 def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture) -> None:
-    frame, panel = 40, picture.layout.panels[0]
+    frame = 40
+    panel = picture.layout.panels[0]
     picture.show([CLIP.snapshot(frame, frame)], 0.0, "")
     rings, marks = (drawn(picture, layer) for layer in (70, 78))
     for centre, joint in zip(panel.joints, LINKAGE.clearances, strict=True):
@@ -94,8 +95,10 @@ def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture) -> None:
 
 
 def test_a_touching_pin_meets_the_worn_bearing() -> None:
-    joint, view = LINKAGE.clearances[0], enlarged(0.2)
-    worn, groove = joint.bearing_surface.depth, joint.pin_surface.depth
+    joint = LINKAGE.clearances[0]
+    view = enlarged(0.2)
+    worn = joint.bearing_surface.depth
+    groove = joint.pin_surface.depth
     angle = (86 + 0.5) * np.pi / 180.0  # in the worn part, a bin centre
     normal = np.array([np.cos(angle), np.sin(angle)])
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
@@ -148,7 +151,8 @@ def test_image_and_text(picture: Picture) -> None:
         "orange: wear depth x",
     ):
         assert part in words(picture)
-    first, second = picture.image(), picture.image()
+    first = picture.image()
+    second = picture.image()
     assert np.array_equal(first, second)
     assert first.shape == (320, 480, 3)
     colours = {tuple(pixel) for pixel in first.reshape(-1, 3).tolist()}

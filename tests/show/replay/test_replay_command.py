@@ -105,7 +105,8 @@ def test_bad_input_is_refused_in_one_line(
 def test_without_a_display_one_line_names_alternatives(
     folder: Path, name: str, line: str
 ) -> None:
-    environment, command = {**os.environ, "DISPLAY": name}, [*REPLAY[:3], *line.split()]
+    environment = {**os.environ, "DISPLAY": name}
+    command = [*REPLAY[:3], *line.split()]
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
     )
