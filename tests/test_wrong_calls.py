@@ -5,11 +5,12 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import presswear as pw
 
-WRONG = [
+WRONG: list[Any] = [
     None,
     "text",
     [],
@@ -23,14 +24,82 @@ WRONG = [
     True,
     -1,
     (1, 2),
+    {1: 2},
+    np.zeros(3),
 ]
 NAMES = [name for name in pw.__all__ if callable(getattr(pw, name))]
 RUNS = "run", "run_scenes", "sweep"  # these are called with arguments that start no run
 
 
+def right_arguments() -> dict[str, dict[str, Any]]:
+    """Return right arguments for the needed parameters of public functions and classes."""
+    first = pw.Attachment("crank", 0.025, 0.0)
+    second = pw.Attachment("rod", -0.075, 0.0)
+    bodies = [
+        pw.Bar("crank", length=0.05, mass=0.3),
+        pw.Bar("rod", length=0.15, mass=0.4),
+        pw.Body("slider", mass=0.5, inertia=1e-3),
+    ]
+    parts: dict[str, Any] = {
+        "bodies": bodies,
+        "joints": [
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("A", "crank.head", "rod.tail"),
+            pw.Pin("B", "rod.head", "slider.centre"),
+            pw.Guide("G", "slider"),
+        ],
+        "drives": [pw.Drive("crank", speed=30.0)],
+        "guess": {"rod": 0.0},
+        "output": "slider.centre",
+    }
+    linkage = pw.assemble(**parts)
+    pins = {"name": "A", "first": first, "second": second}
+    laws = {
+        "normal": pw.NormalLaw(1e10),
+        "friction": pw.FrictionLaw(0.1),
+        "wear": pw.WearLaw(1.2e-15),
+    }
+    radii = {"bearing_radius": 0.01, "clearance": 1e-4, "width": 0.02}
+    joint = {"name": "A", "bearing": first, "pin": second, **radii, **laws}
+    table = [(0.0, 0.0), (1.0, 0.01), (3.0, 0.02), (5.0, 0.01)]
+    ends = {"first": (0.3, 0.0), "second": "slider.centre"}
+    return {
+        "changed": {"scene": pw.Scene(), "settings": {}},
+        "function_of": {"scene": pw.Scene(), "responses": "A.force_max"},
+        "assemble": parts,
+        "Linkage": {one: getattr(linkage, one) for one in parts if one != "guess"},
+        "deflection": {"linkage": linkage, "force": 10.0},
+        "total_clearance": {"linkage": linkage},
+        "Attachment": {"body": "crank", "x": 0.0, "y": 0.0},
+        "Bar": {"name": "crank", "length": 0.05, "mass": 0.3},
+        "Body": {"name": "slider", "mass": 0.5},
+        "ClearanceJoint": joint,
+        "Revolute": pins,
+        "Pin": {"name": "A", "first": "crank.head", "second": "rod.tail"},
+        "Guide": {"name": "G", "body": "slider"},
+        "OutputPoint": {"body": "slider"},
+        "Drive": {"body": "crank"},
+        "Follow": {"point": "slider.centre", "table": table},
+        "Rise": {"start": 0.0, "end": 2.0, "by": 1.0},
+        "Spring": {"name": "s", **ends, "stiffness": 100.0, "length": 0.1},
+        "Load": {"body": "slider"},
+        "Force": {"point": "slider.centre", "direction": 0.0, "law": 1.0},
+        "Moment": {"body": "rod", "law": 1.0},
+        "OverTime": {"table": table},
+        "OverPosition": {"table": table},
+        "Reading": {"joint": "A", "strokes": 1.0, "quantity": "depth", "value": 1e-6},
+    }
+
+
+RIGHT = right_arguments()
+
+
 def calls_of(name: str) -> list[dict[str, Any]]:
-    """Return arguments of a call, each wrong in one argument, and in those that are needed."""
-    right = {"changed": {"scene": pw.Scene(), "settings": {}}}.get(name, {})
+    """Return arguments of calls that are wrong in one argument.
+
+    Without an entry in ``RIGHT`` those that are needed are wrong, too.
+    """
+    right = RIGHT.get(name, {})
     calls = []
     for parameter in inspect.signature(getattr(pw, name)).parameters.values():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
@@ -87,6 +156,26 @@ def test_sweep_names_the_wrong_argument(name: str, tmp_path: Path) -> None:
         arguments[name] = value
         with pytest.raises(pw.InputError, match=f"^{name} = "):
             pw.sweep(pw.scenes.ideal(), **arguments)
+
+
+def test_a_reading_is_taken_with_units_and_refused_by_name() -> None:
+    reading = pw.Reading("B", "1e6", "depth", "12 um", "2 um")  # type: ignore[arg-type]
+    assert (reading.strokes, reading.error) == (1e6, 2e-6)
+    assert reading.value == pytest.approx(12e-6, rel=1e-15)
+    with pytest.raises(pw.InputError, match="strokes of B = -1: allowed is 0 to"):
+        pw.Reading("B", -1.0, "depth", 1e-5)
+
+
+def test_the_settings_of_a_function_of_a_scene_are_a_mapping() -> None:
+    peak = pw.function_of(pw.Scene(), "A.force_max")
+    with pytest.raises(pw.InputError, match="parameters = None: a mapping is expected"):
+        peak(None)  # type: ignore[arg-type]
+
+
+def test_surfaces_of_a_linkage_are_pairs_of_surfaces() -> None:
+    for worn in (3, {"A": 3}, {"A": (None, None)}):
+        with pytest.raises(pw.InputError, match=r"worn = .*a mapping is expected"):
+            pw.Scene().linkage(worn)  # type: ignore[arg-type]
 
 
 def test_a_number_of_5000_digits_is_refused(tmp_path: Path) -> None:

@@ -356,7 +356,8 @@ def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
             rows[k] = make(f"bodies[{k}]", Bar if "length" in body else Body, body)
     if not rows:
         raise InputError("bodies: at least one is needed")
-    end = output or getattr(rows[-1], "name", "")
+    is_default = output is None or (isinstance(output, str) and not output)
+    end = getattr(rows[-1], "name", "") if is_default else output
     tables = rows, joints, drives, springs, loads
     convert: Any = Parts  # takes texts for numbers
     parts: Parts = convert(

@@ -1,8 +1,7 @@
 """Readings of worn joints at inspections, in a file or from a script."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from presswear.scene.files import read_table
@@ -10,7 +9,7 @@ from presswear.scene.options import FOLLOWED
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Quantity, parse_quantity
-from presswear.tools.serialize import checked_arguments
+from presswear.tools.serialize import check_type, checked_arguments
 
 FILE = "readings.csv"  # in the folder of a result
 HEADER = "joint,strokes,diametral_clearance (mm),error (mm)"
@@ -27,7 +26,7 @@ _STROKES = Quantity("", 0.0, 1e15)
 
 @dataclass(frozen=True)
 class Reading:
-    """Reading of a worn joint at an inspection, SI."""
+    """Reading of a worn joint at an inspection; numbers in SI, or texts with units."""
 
     joint: str
     strokes: float  # since new
@@ -36,16 +35,17 @@ class Reading:
     error: float | None = None  # standard deviation; None: unknown
 
     def __post_init__(self) -> None:
+        check_type("joint", self.joint, str)
+        check_type("quantity", self.quantity, str)
         if self.quantity not in QUANTITIES.values():
             raise unknown("quantity of a reading", self.quantity, QUANTITIES.values())
-        label = f"{self.joint}, {self.strokes:g} strokes"
-        if not 0.0 <= self.strokes < math.inf:
-            raise InputError(f"{label}: allowed is 0 or more")
-        if not math.isfinite(self.value):
-            fault = f"{self.quantity} = {self.value}: a finite number is expected"
-            raise InputError(f"{label}: {fault}")
-        if self.error is not None and not 0.0 < self.error < math.inf:
-            raise InputError(f"{label}: error = {self.error:g}: must be positive")
+        size = Quantity(FOLLOWED[self.quantity].unit)
+        meanings = {"strokes": _STROKES, "value": size}
+        if self.error is not None:
+            meanings["error"] = replace(size, low=0.0, open_low=True)
+        for name, meaning in meanings.items():
+            number = meaning.convert(f"{name} of {self.joint}", getattr(self, name))
+            object.__setattr__(self, name, float(number))
 
     @property
     def key(self) -> str:

@@ -464,6 +464,9 @@ class Scene(Checked):
         self, worn: Mapping[str, tuple[Surface, Surface]] | None = None
     ) -> Linkage:
         """Return the linkage on worn surfaces, bearing and pin by joint, or on initial ones."""
+        if worn is None:
+            return self._initial_linkage
+        check_type("worn", worn, Mapping[str, tuple[Surface, Surface]])
         return self._linkage_on(worn) if worn else self._initial_linkage
 
     @cached_property

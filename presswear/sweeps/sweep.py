@@ -343,6 +343,7 @@ def _evaluate(
     parameters: Mapping[str, Any],
 ) -> float | list[float]:
     """Return responses of the scene with changed settings."""
+    check_type("parameters", parameters, Mapping[str, Any])
     settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
     settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
     varied = changed(scene, settings)

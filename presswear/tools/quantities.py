@@ -386,8 +386,8 @@ class Choice:
         if self.kinds is not None and value is not None:
             if isinstance(value, tuple(self.kinds.values())):
                 return value
-            data = {**value} if isinstance(value, Mapping) else {"kind": value}
-            if value == ON:
+            data = _by_name(value) if isinstance(value, Mapping) else {"kind": value}
+            if isinstance(value, str) and value == ON:
                 data |= self.needed
             kind = data.pop("kind", ON if self.needed else None)
             self.check(name, kind)
@@ -397,7 +397,7 @@ class Choice:
             if isinstance(value, class_):
                 return value
             if isinstance(value, Mapping):
-                return class_(**value)
+                return class_(**_by_name(value))
             self.check(name, value)
             return self.instances[value]
         is_function = callable(value) or isinstance(value, UserFunction | dict)
@@ -420,6 +420,10 @@ class Choice:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
         allowed = ", ".join(self.allowed()) + nearest(f"{value}", self.words)
         raise InputError(f"{name} = {shown(value)}: allowed is one of {allowed}")
+
+
+def _by_name(data: Mapping[Any, Any]) -> dict[str, Any]:
+    return {f"{key}": value for key, value in data.items()}
 
 
 def quantity(

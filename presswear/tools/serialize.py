@@ -67,7 +67,8 @@ def check_fields(owner: Any) -> None:
         name = item.name if item.name == first else f"{item.name}{whose}"
         meaning = meaning_of(item, owner)
         is_optional = item.default is None or NoneType in get_args(item.type)
-        if is_optional and isinstance(meaning, Quantity) and value == NONE:
+        is_none = isinstance(value, str) and value == NONE
+        if is_optional and isinstance(meaning, Quantity) and is_none:
             result = None
         elif value is not None or not is_optional:
             kind = item.type if meaning is None else Annotated[Any, meaning]
@@ -138,7 +139,8 @@ def _is_of(name: str, value: Any, kind: Any) -> bool:
         if not is_list or getattr(value, "ndim", 1) == 0:
             return False
         if origin is tuple and inner[-1] is not Ellipsis:
-            return len(value) == len(inner)
+            pairs = zip(value, inner, strict=False)
+            return len(value) == len(inner) and all(_is_of(name, *one) for one in pairs)
         return all(_is_of(name, one, inner[0]) for one in value)
     if origin is Mapping:
         is_mapping = isinstance(value, Mapping) and all(

@@ -264,7 +264,7 @@ def test_table_of_readings(tmp_path: Path) -> None:
         (f"{TABLE},depth (mm)\nB,1,2,1,1\n", "a header as joint,strokes"),
         (f"{TABLE}\nB,1,2\n", "line 2: 3 values for 4 columns"),
         (f"{TABLE}\nB,-1,2,1\n", "line 2: strokes = -1"),
-        (f"{TABLE}\nB,1,2,0\n", "line 2: B, 1 strokes: error = 0: must be positive"),
+        (f"{TABLE}\nB,1,2,0\n", "line 2: error of B = 0.0 m: allowed is above 0"),
         (f"{TABLE}\nB,1,many,1\n", "line 2: depth = 'many um'"),
         ("joint,strokes,depth\nB,1,2\n", "line 2: depth = '2' has no unit"),
         (f"{TABLE}\nX,1,2,1\n", "unknown joint with clearance in the readings 'X'"),
