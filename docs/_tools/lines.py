@@ -27,7 +27,7 @@ PAGES = sorted(
     for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
     if page.relative_to(ROOT).parts[1:2] != ("_build",)
 )
-LONGEST = 3.0  # s; a command that takes longer is stopped
+LONGEST = 2.0  # s; a command that takes longer is stopped
 TIME_TO_END = 60.0  # s; after it was stopped
 PAGES_AT_ONCE = 2
 PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])

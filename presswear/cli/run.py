@@ -70,9 +70,6 @@ def run_scene(
     ``change`` applies the options; without options a resumed run uses its stored scene
     and needs no scene file.
     """
-    from presswear.results.folder import ResultFolder
-    from presswear.results.result import load
-
     terminal.check_resume(arguments.resume, arguments.out)
     scene, remarks = _scene_to_run(arguments, change)
     name = f"{scene.name}-life" if scene.life else scene.name
@@ -81,6 +78,9 @@ def run_scene(
         advice = terminal.resume_command(arguments, unfinished, scene)
         remarks.append(f"{unfinished} holds an unfinished run; {advice}")
     folder = arguments.out or terminal.free_folder(name)
+    from presswear.results.folder import ResultFolder  # slow to import
+    from presswear.results.result import load
+
     with _window(scene, arguments) as windows:
         store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
         _print_start(store, scene, remarks, console)
