@@ -1,7 +1,9 @@
 """Public names; ``presswear`` loads each when it is first used."""
 
-from presswear.campaign.campaign import run as run
+from presswear.api import run as run
+from presswear.api import simulate as simulate
 from presswear.campaign.campaign import run_scenes as run_scenes
+from presswear.engines.base import Start as Start
 from presswear.engines.settings import ExudynJoints as ExudynJoints
 from presswear.engines.settings import ExudynTree as ExudynTree
 from presswear.engines.settings import InHouse as InHouse

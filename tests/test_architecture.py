@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+UPWARD = {("results", "show")}  # Result.plot and Result.report
 BEGINNINGS = {"Of", "What", "Where", "Whether", "Which", "How", "Who", "That", "Those"}
 NAMES = {"own", "told", "tell", "asked", "found", "known", "given", "other", "begun"}
 NAMES |= {"taken", "kept", "gone", "apart", "borne", "felt", "bed", "look"}
@@ -25,14 +26,12 @@ def test_rooms_import_only_rooms_below_them() -> None:
     assert set(floors) == {""} | {
         path.parent.name for path in ROOT.glob("presswear/*/__init__.py")
     }
+    begin = r'(?:(?:from|import) presswear\b\.?|import_module\("presswear\.)(\w*)'
     for file in ROOT.glob("presswear/*/**/*.py"):
         room = file.relative_to(ROOT).parts[1]
-        for name in re.findall(
-            r"(?:from|import) presswear\b\.?(\w*)", file.read_text()
-        ):
-            assert name == room or floors.get(name, 99) < floors[room], (
-                f"{file}: {name}"
-            )
+        for name in re.findall(begin, file.read_text()):
+            is_below = name == room or floors.get(name, 99) < floors[room]
+            assert is_below or (room, name) in UPWARD, f"{file}: {name}"
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,9 @@
 
 import logging
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib import import_module
-from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +61,6 @@ _UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval
 _DOCUMENT = "document"  # array of a checkpoint that holds everything but its arrays
 
 
-@checked_arguments
 def run(
     scene: Scene,
     folder: str | Path | None = None,
@@ -74,44 +70,7 @@ def run(
     check: bool = True,
     interval: float = INTERVAL,
 ) -> Result:
-    """Run a scene through all its stages.
-
-    Parameters
-    ----------
-    scene : Scene
-    folder : path or None
-        Folder of the result. An interrupted run of the same scene in it resumes, and a
-        finished one is read. None: the result is kept in memory only.
-    engine : str, engine or None
-        A name, such as ``dae``, or an engine with its settings, such as
-        ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
-    jobs : int or None
-        Replicates that run at a time; None: as many as there are cores. No number
-        depends on it.
-    observers : sequence of Observer
-        Notified of what happens. Without one, a run of more than a few seconds shows
-        its progress if the standard error is a terminal.
-    check : bool
-        Whether a failed run raises `RunFailed`.
-    interval : float
-        Time between two checkpoints in the folder, s.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    RunFailed
-        With its finding, if the run failed and `check` is set, or if its folder is
-        lost.
-    InputError
-        If the scene, or the content of the folder, does not allow the run.
-    """
-    if not observers and sys.stderr.isatty() and parent_process() is None:
-        # Imported here, because commands are in a higher layer.
-        with import_module("presswear.cli.run_observer").late_bar(scene) as bar:
-            return run(scene, folder, engine, jobs, (bar,), check, interval)
+    """Run a scene through all its stages, without showing its progress; see ``api.run``."""
     check_jobs(jobs)
     scene = with_engine(scene, engine)
     scene.check()

@@ -1,0 +1,49 @@
+"""Functions that scripts call: a linkage alone."""
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.physics.ideal import motion_of
+
+FOUR_BAR = pw.FourBar(speed="60 rpm")
+
+
+def test_a_linkage_without_clearance_follows_its_ideal_motion() -> None:
+    run = pw.simulate(FOUR_BAR.linkage(), duration="0.2 s")
+    assert (run.status, run.time) == ("completed", 0.2)
+    ideal = motion_of(FOUR_BAR).at(np.array([0.2])).position[0]
+    np.testing.assert_allclose(run.end.position, ideal, atol=1e-7)
+
+
+def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
+    linkage = pw.scenes.slider_crank().linkage()
+    whole = pw.simulate(linkage)
+    assert whole.time == linkage.period
+    assert whole.recorder.series("penetration", 0).max() > 0.0
+    ideal = motion_of(linkage.ideal).at(np.zeros(1))
+    start = pw.Start(ideal.position[0], ideal.velocity[0])
+    again = pw.simulate(linkage, start)
+    np.testing.assert_array_equal(again.end.position, whole.end.position)
+
+
+def test_engines_agree() -> None:
+    linkage = pw.scenes.slider_crank().linkage()
+    tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
+    own = pw.simulate(linkage, duration=1e-3, engine=pw.InHouse())
+    np.testing.assert_allclose(tree.end.position, own.end.position, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"engine": "da"}, "unknown engine 'da'; did you mean dae"),
+        ({"duration": "0 s"}, "duration = .* above 0"),
+        ({"duration": 1e7}, "duration = 1e.* up to 1e"),
+        ({"start": pw.Start(np.zeros(3), np.zeros(3))}, r"position .* \(9,\), three"),
+        ({"begin": 0.0}, "unknown argument of simulate 'begin'"),
+    ],
+)
+def test_bad_input_is_refused(options: dict[str, object], message: str) -> None:
+    with pytest.raises(pw.InputError, match=message):
+        pw.simulate(FOUR_BAR.linkage(), **options)  # type: ignore[arg-type]
