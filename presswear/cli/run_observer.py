@@ -13,6 +13,7 @@ from rich.progress import Progress as ProgressBar
 from presswear.cli import terminal
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import Estimate
+from presswear.results.motions import state_of
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import counted, large, lasting, unit_scale
 from presswear.tools.processes import check_stopped
@@ -91,7 +92,7 @@ class RunObserver(Observer):
         self._compile_time = 0.0  # it belongs to no stage
 
     def on_stage(self, stage: "StageResult") -> None:
-        """Print the cost of a stage, and peak forces and wear of the joints most loaded."""
+        """Print the cost of a stage, forces and wear, and whether the motion has settled."""
         model = stage.diagnostics["model"]
         solver = stage.diagnostics["solver"]
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
@@ -108,6 +109,8 @@ class RunObserver(Observer):
             if not joint.is_unworn
         }
         lines += _largest("mean peak force", "N", forces)
+        settling = stage.statistics.settling
+        lines += [] if settling is None else [f"  motion: {state_of(settling)}"]
         wear = _largest("wear per 10⁶ strokes", "m^3", volumes)
         remark = self._scene.bin_remark
         lines += [f"{line} ({remark})" if remark else line for line in wear]

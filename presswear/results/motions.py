@@ -16,6 +16,22 @@ def sentence_of(settling: Settling) -> str:
     return _SENTENCES[settling.verdict](settling)
 
 
+def state_of(settling: Settling) -> str:
+    """Return whether the replicates have settled, in a few words."""
+    runs = counted(settling.runs, "run")
+    strokes = counted(settling.watched, "stroke")
+    regular = len(_regular(settling))
+    if settling.verdict == "unwatched":
+        return f"{strokes} are too few to see whether it settles"
+    if settling.verdict == "irregular":
+        return f"not settled, irregular in {runs} of {strokes}"
+    if settling.verdict == "mixed":
+        return f"not settled, regular in {settling.settled} of {runs}"
+    if settling.verdict == "coexisting":
+        return f"settled on {regular} different regular motions in {runs}"
+    return f"settled, regular in {runs} after {_strokes_before(settling)}"
+
+
 def needs_warning(settling: Settling) -> bool:
     """Return whether a mean over the motions, or over the first strokes, misleads."""
     if settling.is_mixture:

@@ -30,6 +30,7 @@ from presswear.recording.film import Film
 from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import Estimate
+from presswear.results.motions import state_of
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, Arrays
 from presswear.tools.errors import InputError, NotStored, unknown
@@ -351,7 +352,7 @@ class StageResult:
     )
 
     def __repr__(self) -> str:
-        """Return the cycles, and peak force and wear of each joint."""
+        """Return the cycles, peak force and wear of each joint, and the kind of motion."""
         statistics = self.statistics
         cycles = counted(statistics.cycles, "cycle")
         lines = [f"{self.name}: {self.message or self.status}, {cycles}"]
@@ -360,6 +361,8 @@ class StageResult:
             force = f"mean peak force {joint.peak_force_per_cycle} N"
             worn = f", worn volume per million strokes {volume} mm³"
             lines.append(f"{name}: {force}{worn if volume.mean > 0.0 else ''}")
+        if statistics.settling is not None:
+            lines.append(f"motion: {state_of(statistics.settling)}")
         return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
 
     @property

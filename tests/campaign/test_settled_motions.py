@@ -12,7 +12,7 @@ import presswear as pw
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.columns import cycle_column, cycle_columns
-from presswear.results.motions import needs_warning, sentence_of
+from presswear.results.motions import needs_warning, sentence_of, state_of
 from presswear.results.stage import StageStatistics
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers
@@ -75,6 +75,7 @@ def test_runs_of_which_some_have_settled_are_mixed(
         "2 of 3 runs came to rest on a regular motion (peak force 300 N at B)"
         in sentence_of(settling)
     )
+    assert state_of(settling) == "not settled, regular in 2 of 3 runs"
     assert not any(settling.skipped(k) for k in range(3))
 
 
@@ -88,6 +89,7 @@ def test_motions_of_different_forces_coexist(
     assert settling.verdict == "coexisting"
     assert settling.is_mixture
     assert "2 with 300 N at B, 1 with 600 N at B" in sentence_of(settling)
+    assert state_of(settling) == "settled on 2 different regular motions in 3 runs"
 
 
 def test_settled_runs_have_their_samples_from_the_regular_motion(
@@ -111,6 +113,7 @@ def test_runs_that_settle_at_once_need_no_warning(
         sentence_of(settling)
         == "The motion is regular: 2 runs repeat after 2 to 3 strokes"
     )
+    assert state_of(settling) == "settled, regular in 2 runs after 2 to 3 strokes"
 
 
 def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) -> None:
@@ -122,6 +125,7 @@ def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) 
         -192.0 * np.log(2.0) / np.log(0.05)
     )
     assert "none of 4 runs came to rest" in sentence_of(settling)
+    assert state_of(settling) == "not settled, irregular in 4 runs of 60 strokes"
 
 
 def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]) -> None:
@@ -129,6 +133,7 @@ def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]) -> None:
     assert settling is not None
     assert settling.verdict == "unwatched"
     assert "7 strokes are too few" in sentence_of(settling)
+    assert state_of(settling) == "7 strokes are too few to see whether it settles"
 
 
 def test_a_linkage_without_clearance_has_nothing_to_settle() -> None:

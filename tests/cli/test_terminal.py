@@ -28,6 +28,7 @@ from presswear.cli.terminal import (
     progress_bar,
 )
 from presswear.recording.observer import COMPILING, Progress
+from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import JointStatistics, StageResult, StageStatistics
 from presswear.scene.catalog import wear_times
@@ -212,6 +213,17 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))
     observer.on_stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
+
+
+def test_a_stage_says_whether_its_motion_has_settled(clock: Clock) -> None:
+    """An interval of an irregular motion never stands alone, and neither does a stage in Python."""
+    console = console_of(120, clock)
+    settling = Settling(watched=22, starts=(None,) * 4, motions=())
+    stage = stage_of(StageStatistics(cycles=88, settling=settling), 2.0, 30.0)
+    RunObserver(progress_bar(console), SCENE).on_stage(stage)
+    line = "motion: not settled, irregular in 4 runs of 22 strokes"
+    assert line in console.export_text()
+    assert line in f"{stage}"
 
 
 def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> None:
