@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.linkage.elements import GuideCorner, WallMap
+from presswear.linkage.elements import WALLS, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
-from presswear.physics.wall_wear import WALLS, bin_centres_of, wall_volume
+from presswear.physics.wall_wear import bin_centres_of, wall_volume
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import (
     Estimate,

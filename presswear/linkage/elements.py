@@ -391,6 +391,7 @@ class ClearanceJoint:
 
 # of the map of a wall along its length; those of a press are half a millimetre long
 WALL_BINS = 1000
+WALLS = ("left", "right")  # of a guide, seen along its direction
 
 
 @dataclass(frozen=True)
@@ -413,13 +414,19 @@ class GuideCorner(ClearanceJoint):
 
     ``pin`` is the corner and ``bearing`` the point beside the guide's at half the width
     of the slide. The clearance lies between this point and the wall. The pin radius is
-    half the width.
+    half the width. The surface of the bearing is that of the wall, over the bins of its
+    map; both corners on a side share it. The slide does not wear.
     """
 
     guide: Guide = field(kw_only=True)
     side: float = field(kw_only=True)  # of the wall: 1 left of the direction, -1 right
     # None: no wear of the wall is computed
     wall: WallMap | None = field(default=None, kw_only=True)
+
+    @property
+    def deepest_wear(self) -> float:
+        """Depth up to which the model of a worn wall holds, m."""
+        return deepest_wear("foundation", self.clearance, self.pin_radius)
 
 
 def slide_inertia(mass: float, guide: Guide) -> float:

@@ -24,6 +24,7 @@ from presswear.physics.foundation import (
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
+from presswear.physics.wall_wear import wall_profile
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 
@@ -47,8 +48,8 @@ CONTACT = np.dtype(
         ("closing", np.float64),  # rate that damps the elastic force, m/s
         ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
-        # on a foundation the direction of the greatest overlap, rad; of a corner its
-        # place along the guide, m
+        # on a foundation the direction of the greatest overlap, rad; of a corner on a
+        # wall with a map its place along the guide, m
         ("place", np.float64),
         # Of the pressure on the worn pin about the contact point, N m; the bearing's is
         # opposite.
@@ -277,10 +278,16 @@ def penetration_acceleration(
 
 
 @compiled
-def corner_acceleration(joint: Records, contact: Records, a: Array) -> float:
+def corner_acceleration(
+    joint: Records, surfaces: Array, contact: Records, a: Array
+) -> float:
     """Return the second time derivative of the penetration of a corner, m/s^2."""
     c = contact
     ax, ay, _ = end_acceleration(
         joint.pin_body, c.pin_lever_x, c.pin_lever_y, c.pin_spin, a
     )
-    return ax * c.normal_x + ay * c.normal_y
+    result = ax * c.normal_x + ay * c.normal_y
+    if joint.surface_bins > 0:
+        _, _, curvature = wall_profile(joint, surfaces, c.place)
+        result -= curvature * c.sliding * c.sliding
+    return result

@@ -265,7 +265,9 @@ def next_step(records: Any, steps: Records, a: Array) -> float:
             chosen = min(chosen, max(wanted, steps[0].least))
             continue
         if joint.is_flat:
-            acceleration = corner_acceleration(joint, records.contacts[k], a)
+            acceleration = corner_acceleration(
+                joint, packed.surfaces[k], records.contacts[k], a
+            )
         else:
             acceleration = penetration_acceleration(
                 joint, packed.surfaces[k], records.contacts[k], a

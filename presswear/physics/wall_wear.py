@@ -1,20 +1,39 @@
-"""Wear of the walls of a guide with clearance, along their length: dV = K_d F_n ds.
+"""Worn walls of a guide with clearance, along their length: dV = K_d F_n ds.
 
 A map holds the mean depth of equal bins along a wall. Both corners of the slide on the
-side of the wall wear it, over its width, and the slide does not wear. The wall itself
-stays flat: its map is an account, which does not act on the motion.
+side of the wall wear it, over its width, and the slide does not wear. Between the
+middles of the bins a worn wall is the monotone cubic of ``linkage.surface``.
 """
 
 import math
 
 import numpy as np
 
-from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap
+from presswear.linkage.elements import WALL_BINS, WALLS, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
+from presswear.physics.foundation import BEARING, depth_at
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
+from presswear.tools.compile import Records, compiled, inlined
 
-WALLS = ("left", "right")  # of a guide, seen along its direction
+
+@inlined
+def wall_profile(
+    joint: Records, surfaces: Array, along: float
+) -> tuple[float, float, float]:
+    """Return depth, m, slope and second derivative, 1/m, of a wall at a place along it, m.
+
+    Beyond the middles of the bins at both ends the wall is flat.
+    """
+    bins = joint.surface_bins
+    if bins == 0:
+        return 0.0, 0.0, 0.0
+    length = joint.wall_bin
+    position = (along - joint.wall_start) / length - 0.5
+    if not 0.0 <= position < bins - 1.0:
+        return surfaces[BEARING, 0 if position < 0.0 else bins - 1], 0.0, 0.0
+    node = int(position)
+    depth, slope, curvature = depth_at(surfaces, BEARING, node, position - node)
+    return depth, slope / length, curvature / (length * length)
 
 
 @compiled

@@ -34,7 +34,8 @@ def with_bearings(
         Bearings by joint. A pin with a clearance of 0 stays rigid, with friction.
     conventions : Conventions
     surfaces : mapping of str to pair of Surface
-        Worn surfaces of bearing and pin by joint; the other ones are round.
+        Worn surfaces of bearing and pin by joint, of the left and the right wall by
+        guide; the other ones are round, or flat.
     """
     round_surfaces = Surface(), Surface()
     joints: list[Joint] = []
@@ -43,13 +44,13 @@ def with_bearings(
     corners: list[GuideCorner] = []
     for joint in ideal.joints:
         bearing = bearings.get(joint.name)
+        worn = surfaces.get(joint.name, round_surfaces)
         if bearing is None:
             joints.append(joint)
         elif isinstance(joint, Guide):
             loose_guides.append(joint)
-            corners += corners_of(bearing, joint)
+            corners += corners_of(bearing, joint, worn)
         elif bearing.clearance > 0.0:
-            worn = surfaces.get(joint.name, round_surfaces)
             loose_pins.append(bearing.joint(joint, conventions, worn))
         else:
             joints.append(bearing.rigid(joint))

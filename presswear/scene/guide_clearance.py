@@ -4,6 +4,7 @@ import math
 from dataclasses import fields, replace
 
 from presswear.linkage import elements, laws
+from presswear.linkage.surface import Surface
 from presswear.scene.bearing import AUTO, LEAST_CLEARANCE, Bearing
 from presswear.scene.conventions import Conventions
 from presswear.tools.errors import InputError
@@ -24,12 +25,13 @@ _ROUND = (
 
 
 def corners_of(
-    bearing: Bearing, guide: elements.Guide
+    bearing: Bearing, guide: elements.Guide, walls: tuple[Surface, Surface]
 ) -> tuple[elements.GuideCorner, ...]:
     """Return the corners of a slide in a guide with the clearance and laws of a bearing.
 
-    Without a contact stiffness, each corner is a line contact of the total width b of
-    the bearing: F = (pi / 4) E* b delta.
+    ``walls`` are the surfaces of the left and the right wall. Without a contact
+    stiffness, each corner is a line contact of the total width b of the bearing: F =
+    (pi / 4) E* b delta.
     """
     check_guide(bearing, guide)
     assert guide.width is not None
@@ -44,7 +46,9 @@ def corners_of(
             bearing.total_width,
             normal,
             bearing.friction_parameters,
+            map_frame="fixed",
             contact="radial",
+            bearing_surface=walls[0 if side > 0.0 else 1],
             guide=guide,
             side=side,
         )

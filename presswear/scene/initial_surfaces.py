@@ -1,12 +1,13 @@
 """Initial surfaces of a scene: depths from the user, on the bins of the wear maps."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from presswear.linkage import elements
+from presswear.linkage.elements import WALL_BINS, WALLS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.bearing import MIN_ANGLES, Bearing
 from presswear.tools.arrays import Array
@@ -14,17 +15,22 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import written
 
 Surfaces = Mapping[str, tuple[Any, Any]]
-"""Bearing and pin by joint; see ``Scene.surfaces`` for the form of a side."""
+"""Bearing and pin by joint, left and right wall by guide; see ``Scene.surfaces``."""
 _TURN = 2.0 * math.pi
 
 
 def initial_surfaces(
     surfaces: Any,
     joints: tuple[str, ...],
+    guides: Sequence[elements.Guide],
     bearing: Callable[[str], Bearing],
     contact: elements.SurfaceContact,
 ) -> dict[str, tuple[Surface, Surface]]:
-    """Return the initial surfaces on the bins of the wear maps, without round joints."""
+    """Return the initial surfaces on the bins of the wear maps, without round joints.
+
+    ``joints`` have clearance, and ``guides`` are those of them whose walls have maps.
+    """
+    by_name = {guide.name: guide for guide in guides}
     if not isinstance(surfaces, Mapping):
         raise InputError(
             f"surfaces = {surfaces!r}: bearing and pin by joint are expected"
@@ -35,13 +41,20 @@ def initial_surfaces(
             raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
         if name not in joints:
             raise unknown("joint in surfaces", name, joints)
-        if not isinstance(pair, tuple | list) or len(pair) != len(SIDES):
+        sides = WALLS if name in by_name else SIDES
+        if not isinstance(pair, tuple | list) or len(pair) != len(sides):
             raise InputError(
-                f"surfaces of {name}: a pair, bearing and pin, is expected"
+                f"surfaces of {name}: a pair, {' and '.join(sides)}, is expected"
             )
+
+        def surface(where: str, value: Any, name: str = name) -> Surface:
+            if name in by_name:
+                return _wall(where, value, bearing(name), by_name[name])
+            return _surface(where, value, bearing(name), contact)
+
         first, second = (
-            _surface(f"{side} at {name}", value, bearing(name), contact)
-            for side, value in zip(SIDES, pair, strict=True)
+            surface(f"{side} at {name}", value)
+            for side, value in zip(sides, pair, strict=True)
         )
         if first.is_worn or second.is_worn:
             result[name] = first, second
@@ -67,6 +80,31 @@ def _surface(
     if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
         return Surface(depth)
     return Surface(_means_of_bins(angle, depth, bins.size))
+
+
+def _wall(where: str, value: Any, bearing: Bearing, guide: elements.Guide) -> Surface:
+    """Return a wall of a guide on the bins of its map; an empty surface if it is flat."""
+    surface = value if isinstance(value, Surface) else _surface_of(value)
+    depth = surface.depth
+    if depth.size not in (0, WALL_BINS):
+        raise InputError(
+            f"{where}: {depth.size} depths; allowed are {WALL_BINS}, of equal bins along the wall"
+        )
+    assert guide.width is not None
+    deepest = elements.deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
+    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
+        raise InputError(
+            f"{where}: depth {written(depth[k], 'm')} in bin {k}: allowed is 0 to "
+            f"{written(deepest, 'm')}"
+        )
+    return surface if surface.is_worn else Surface()
+
+
+def _surface_of(value: Any) -> Surface:
+    """Return the surface of depths as a user or a stored scene gives them."""
+    if value is None:
+        return Surface()
+    return Surface(value.get("depth") if isinstance(value, Mapping) else value)
 
 
 def _points_of(where: str, value: Any) -> tuple[Array, Array]:

@@ -79,7 +79,8 @@ class Scene(Checked):
         round. A side is a ``Surface``, None, depths of equal bins of a turn, shape
         (m,), m, or rows of angle, rad, and depth, m, shape (n, 2). Where its angles are
         not those of the bins of the joint, each bin takes the mean of the monotone
-        cubic through the points, which conserves the worn volume.
+        cubic through the points, which conserves the worn volume. Of a guide they are
+        the left and the right wall, each on the bins of its map.
     origins : mapping of str to str
         Origins of values by key, where they differ from those of the fields.
     """
@@ -206,7 +207,8 @@ class Scene(Checked):
             },
             surfaces=initial_surfaces(
                 self.surfaces,
-                self.clearance_joints,
+                (*self.loose_pins, *(guide.name for guide in self.worn_guides)),
+                self.worn_guides,
                 self.bearing,
                 self.conventions.contact,
             ),
@@ -344,6 +346,16 @@ class Scene(Checked):
         )
 
     @property
+    def worn_guides(self) -> tuple[Guide, ...]:
+        """Guides with clearance whose walls wear, with maps along the ideal motion."""
+        has_drives = bool(self.mechanism.linkage().drives)
+        return tuple(
+            guide
+            for guide in self.loose_guides
+            if has_drives and self.bearing(guide.name).materials.wear_coefficient > 0.0
+        )
+
+    @property
     def _loose_joints(self) -> tuple[str, ...]:
         """Names of the pins and the guides with clearance."""
         return (*self.loose_pins, *(guide.name for guide in self.loose_guides))
@@ -463,7 +475,7 @@ class Scene(Checked):
     def linkage(
         self, worn: Mapping[str, tuple[Surface, Surface]] | None = None
     ) -> Linkage:
-        """Return the linkage on worn surfaces, bearing and pin by joint, or on initial ones."""
+        """Return the linkage on worn surfaces, or on initial ones; see ``surfaces``."""
         if worn is None:
             return self._initial_linkage
         check_type("worn", worn, Mapping[str, tuple[Surface, Surface]])

@@ -11,9 +11,9 @@ from importlib.resources import files
 from typing import Any
 
 from presswear.analysis.contact_modes import MODES
+from presswear.linkage.elements import WALLS
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
-from presswear.physics.wall_wear import WALLS
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.soundness import ENERGY_BOUND, RESIDUAL
 from presswear.results.frame_load import ALLOWED_REVERSE

@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from presswear.linkage.elements import WALL_BINS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
-from presswear.scene.catalog import wear_times
+from presswear.scene.catalog import press_off_centre, wear_times
 from presswear.scene.files import read_profiles, scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -110,6 +111,43 @@ def test_surfaces_that_do_not_fit_are_refused_in_one_line(
 ) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         wear_times(surfaces=surfaces)
+
+
+FLAT = np.zeros(WALL_BINS)
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "message"),
+    [
+        (
+            {"guide left front": (None, None)},
+            "unknown joint in surfaces 'guide left front'; known are guide",
+        ),
+        ({"guide": FLAT}, "surfaces of guide: a pair, left and right, is expected"),
+        (
+            {"guide": (None, np.ones(360))},
+            "right at guide: 360 depths; allowed are 1000",
+        ),
+        ({"guide": (FLAT - 1e-6, None)}, "left at guide: depth -0.001 mm in bin 0"),
+        ({"guide": (FLAT + 0.6e-3, None)}, "in bin 0: allowed is 0 to 0.5 mm"),
+    ],
+)
+def test_walls_that_do_not_fit_are_refused_in_one_line(
+    surfaces: Any, message: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        press_off_centre(surfaces=surfaces)
+
+
+def test_walls_of_a_scene_are_stored() -> None:
+    depth = np.linspace(0.0, 1e-5, WALL_BINS)
+    scene = press_off_centre(surfaces={"guide": (depth, FLAT)})
+    again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
+    assert again == scene
+    corners = again.linkage().corners
+    sides = {corner.side: corner.bearing_surface for corner in corners}
+    assert np.array_equal(sides[1.0].depth, depth)
+    assert not sides[-1.0].is_worn
 
 
 HEADER = "joint,side,angle (deg),depth (um)"

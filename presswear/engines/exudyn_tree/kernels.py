@@ -206,7 +206,9 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
             system.expected[k] = records.onset[k]
             continue
         if joint.is_flat:
-            acceleration = corner_acceleration(joint, records.contacts[k], a)
+            acceleration = corner_acceleration(
+                joint, records.packed.surfaces[k], records.contacts[k], a
+            )
         else:
             acceleration = penetration_acceleration(
                 joint, records.packed.surfaces[k], records.contacts[k], a

@@ -111,11 +111,15 @@ class ContactText:
         self.pin = page.chain.of(joint.pin.body)
         self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
-        self.is_worn = bool(record["surface_bins"] > 0)
         self.fields: dict[str, str] = {}
         self.friction = friction_of(
             page, self.prefix, self.number, joint.friction, self.record["friction"]
         )
+
+    @property
+    def is_worn(self) -> bool:
+        """True if a kernel for worn surfaces fills in the contact."""
+        return bool(self.record["surface_bins"] > 0)
 
     @property
     def makes_energy(self) -> bool:

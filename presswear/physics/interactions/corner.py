@@ -4,6 +4,10 @@ m is the direction of the guide turned by +90 degrees, sigma = 1 on the left wal
 on the right one, and n = sigma m points into the wall. A corner r stands at e = ((r -
 r_0) . n) n from a point r_0 at half the width of the slide beside the middle of the
 guide, and presses on the wall by delta = |e| - c. Four corners let the slide tilt.
+
+A worn wall lies deeper by h(s) at the place s = (r - r_0) . d along the direction d of
+the guide: delta = |e| - c - h(s). The force is the gradient of the elastic energy, along
+n - h' d, so that a worn wall creates no energy.
 """
 
 import math
@@ -22,6 +26,7 @@ from presswear.physics.equations.text import (
 from presswear.physics.interactions.clearance import ContactText
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed, onset_floor
+from presswear.physics.wall_wear import wall_profile
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
@@ -34,7 +39,8 @@ class CornerContact:
     record: Records  # of JOINT
     number: int  # among the clearance joints
 
-    kernels: ClassVar[Kernels] = ()  # those of a clearance joint
+    # and those of a clearance joint
+    kernels: ClassVar[Kernels] = (wall_profile,)
 
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
@@ -65,6 +71,16 @@ class _CornerText(ContactText):
     """Writer of the equations of a corner on a flat wall."""
 
     joint: GuideCorner
+
+    @property
+    def is_worn(self) -> bool:
+        """False: the text itself has the worn wall."""
+        return False
+
+    @property
+    def has_profile(self) -> bool:
+        """True if the wall is worn, or wears during the run."""
+        return bool(self.record["surface_bins"] > 0)
 
     @property
     def onset_floor(self) -> str:
@@ -102,16 +118,20 @@ class _CornerText(ContactText):
         across = self.let("across", normal.dot(self._from_wall()))
         velocity = slide.velocity_at(arm)
         velocity = self.text.let_vector(self.name("velocity"), velocity)
-        rate = self.let("rate", normal.dot(velocity))
-        self.fields |= {"across": across, "rate": rate, "is_flat": ONE}
+        word = "rate_across" if self.has_profile else "rate"
+        rate = self.let(word, normal.dot(velocity))
+        self.fields |= {"across": across, "rate_across": rate, "rate": rate}
+        self.fields["is_flat"] = ONE
         self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
         self._set_fields("pin_lever", arm)
         self._set_fields("velocity", velocity)
 
     def _write_round(self) -> None:
-        """Write the contact with the flat wall, at half of the penetration."""
+        """Write the contact with the wall, at half of the penetration."""
         clearance = self.parameter("clearance", self.joint.clearance)
         penetration = difference(self.value("across"), clearance)
+        if self.has_profile:
+            penetration = difference(penetration, self._write_profile())
         penetration = self.let("penetration", penetration)
         self.fields["penetration"] = penetration
         depth = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
@@ -120,24 +140,42 @@ class _CornerText(ContactText):
         self.fields |= dict.fromkeys(("approach", "closing"), rate)
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
 
+    def _write_profile(self) -> str:
+        """Write the gradient of the penetration and its rate; return the depth of the wall."""
+        self._write_place()
+        depth, slope = self.name("wall_depth"), self.name("wall_slope")
+        k, place = self.number, self.value("place")
+        call = f"wall_profile(data.joints[{k}], data.surfaces[{k}], {place})"
+        self.text.write(f"{depth}, {slope}, _ = {call}")
+        gradient = self._wall_normal().minus(self._forwards().times(slope))
+        gradient = self.text.let_vector(self.name("gradient"), gradient)
+        self._set_fields("normal", gradient)
+        rate = gradient.dot(self.vector("velocity"))
+        self.fields["rate"] = self.let("rate", rate)
+        return depth
+
     def _turning(self) -> str:
         """Return zero: the normal of the wall does not turn."""
         return ZERO
 
+    def _forwards(self) -> Vector:
+        """Return d, the direction of the guide."""
+        normal = self._wall_normal()
+        forwards = Vector(normal.y, negative(normal.x))
+        return forwards.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
+
     def _write_place(self) -> None:
         """Write the position of the corner along the guide, from the point of the guide."""
-        normal, side = self.vector("normal"), self.joint.side
-        forwards = Vector(normal.y, negative(normal.x))
-        along = forwards.times(ONE if side > 0.0 else f"-{ONE}").dot(self._from_wall())
+        along = self._forwards().dot(self._from_wall())
         self.fields["place"] = self.let("along", along)
 
     def _write_record(self) -> None:
         """Write the contact for the recorder, with the components of e and its rate along n."""
-        if self.wears:
+        if self.wears and not self.has_profile:
             self._write_place()
         across = self.fields.pop("across")
-        normal = self.vector("normal")
-        rate = self.value("rate")
+        rate = self.fields.pop("rate_across")
+        normal = self._wall_normal()
         self.fields["eccentricity"] = self.let("eccentricity", f"abs({across})")
         self._set_fields("eccentricity", normal.times(across))
         self._set_fields("velocity", normal.times(rate))

@@ -3,8 +3,7 @@
 import math
 from itertools import chain
 
-from presswear.linkage.elements import CORNERS, Guide
-from presswear.physics.wall_wear import WALLS
+from presswear.linkage.elements import CORNERS, WALLS, Guide
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result

@@ -1,0 +1,111 @@
+"""Worn walls of a guide: closed forms of a slide that rests on a wall or runs along it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.engines.base import Plan, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import WALL_BINS, WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import Surface
+from presswear.physics.packed import pack
+from presswear.physics.wall_wear import bin_centres_of, wall_profile
+from presswear.tools.arrays import Array
+from tests.physics.test_wall_wear import (
+    AMPLITUDE,
+    FORCE,
+    PERIOD,
+    WALL,
+    C,
+    swinging_slide,
+)
+
+WEDGE = 20e-6  # slope of a wall
+ENGINES = [InHouse(integration_tolerance=1e-9), ExudynTree(), ExudynJoints()]
+
+
+def on_wall(depth: Array) -> tuple[Linkage, float]:
+    """Return the swinging slide with a worn left wall, and half the force over the stiffness."""
+    linkage, _ = swinging_slide()
+    corners = tuple(
+        replace(one, bearing_surface=Surface(depth if one.side > 0.0 else ()))
+        for one in linkage.corners
+    )
+    sink = 0.5 * FORCE / corners[0].normal.stiffness
+    return replace(linkage, clearances=corners), sink
+
+
+def wedge(place: Array) -> Array:
+    """Return the depth of a wall with a constant slope, m."""
+    return WEDGE * (place - WALL.start)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
+@pytest.mark.parametrize("part", [0.5, 1.0])
+def test_a_slide_follows_a_wall_with_a_constant_slope(
+    engine: Engine, part: float
+) -> None:
+    """Both corners of a side touch, so that the tilt is that of the wall at every place."""
+    linkage, sink = on_wall(wedge(bin_centres_of(WALL)))
+
+    def across(along: float) -> float:
+        return -C - sink - float(wedge(np.array(along)))
+
+    start = Start(np.array([across(AMPLITUDE), AMPLITUDE, WEDGE]), np.zeros(3))
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(part * PERIOD, 1))
+    assert run.status == "completed", run.message
+    x, y, tilt = run.end.position
+    assert y == pytest.approx(AMPLITUDE * math.cos(2.0 * math.pi * part), abs=1e-6)
+    assert x == pytest.approx(across(y), abs=1e-9)
+    assert tilt == pytest.approx(WEDGE, rel=1e-3)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
+def test_a_worn_wall_creates_no_energy(engine: Engine) -> None:
+    """Waves of 5 um over 100 mm throw the slide about, without a loss."""
+    place = bin_centres_of(WALL)
+    linkage, sink = on_wall(2.5e-6 * (1.0 - np.cos(2.0 * math.pi * place / 0.1)))
+    corners = tuple(
+        replace(one, normal=replace(one.normal, damping=0.0)) for one in linkage.corners
+    )
+    linkage = replace(linkage, clearances=corners)
+    start = Start(np.array([-C - sink, AMPLITUDE, 0.0]), np.zeros(3))
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
+    assert run.status == "completed", run.message
+    energy = 0.5 * 300.0 * (2.0 * math.pi / PERIOD * AMPLITUDE) ** 2
+    residual = abs(float(run.diagnostics["energy_residual_J"]))
+    within = 1e-4 if isinstance(engine, ExudynJoints) else 1e-6
+    assert residual < within * energy
+
+
+def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends() -> None:
+    place = bin_centres_of(WALL)
+    linkage, _ = on_wall(1e-5 * np.exp(-((place / 0.03) ** 2)))
+    packed = pack(linkage)
+    joint, surfaces = packed.joints[0], packed.surfaces[0]
+    assert joint["surface_bins"] == WALL_BINS
+    for s in (-0.2, -0.0312, 0.01, 0.0571):
+        depth, slope, curvature = wall_profile(joint, surfaces, s)
+        wanted = 1e-5 * math.exp(-((s / 0.03) ** 2))
+        assert depth == pytest.approx(wanted, abs=1e-10)
+        assert slope == pytest.approx(-2.0 * s / 0.03**2 * wanted, abs=2e-7)
+        ahead = wall_profile(joint, surfaces, s + 1e-8)
+        assert (ahead[0] - depth) / 1e-8 == pytest.approx(slope, rel=1e-3, abs=1e-9)
+        assert (ahead[1] - slope) / 1e-8 == pytest.approx(curvature, rel=1e-3, abs=1e-6)
+    for s, k in ((WALL.start - 1.0, 0), (WALL.start + WALL.length + 1.0, -1)):
+        depth = float(linkage.corners[0].bearing_surface.depth[k])
+        assert wall_profile(joint, surfaces, s) == (depth, 0.0, 0.0)
+    assert wall_profile(joint, surfaces, math.nan)[1:] == (0.0, 0.0)
+
+
+def test_the_walls_of_a_scene_are_the_surfaces_of_its_guide() -> None:
+    scene = pw.scenes.press_off_centre()
+    left, right = Surface(np.full(WALL_BINS, 1e-6)), Surface()
+    for corner in scene.linkage({"guide": (left, right)}).corners:
+        assert corner.bearing_surface == (left if corner.side > 0.0 else right)
+        assert isinstance(corner.wall, WallMap)
+        assert not corner.pin_surface.is_worn
