@@ -16,11 +16,12 @@ import numpy as np
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of, with_velocity
 from presswear.engines.settings import Engine
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ideal import IdealMotion, bottom_of
+from presswear.physics.wall_wear import walls_of
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
@@ -128,13 +129,16 @@ def linkage_on(scene: Scene, depth: Array) -> Linkage:
 
 @lru_cache(maxsize=64)  # each run of a stage requests it three times
 def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage:
-    surfaces = {}
     depth = np.frombuffer(numbers).reshape(shape)
-    for joint, (bearing, pin) in zip(scene.linkage().clearances, depth, strict=True):
+    linkage = scene.linkage()
+    surfaces = {}
+    for joint, (bearing, pin) in zip(linkage.clearances, depth, strict=True):
         surfaces[joint.name] = (
             Surface(bearing[: joint.bins]),
             Surface(pin[: joint.bins]),
         )
+    for guide, (left, right) in walls_of(linkage, depth).items():
+        surfaces[guide] = Surface(left), Surface(right)
     return scene.linkage(surfaces)
 
 
@@ -156,7 +160,8 @@ def worn_out(
         worn = quantity_text(deepest[(*run, k, side)], "m")
         limit = quantity_text(joints[k].deepest_wear, "m")
         clearance = quantity_text(joints[k].clearance, "m")
-        what = f"{where}the {SIDES[side]} would lose {worn}, more than {limit}, "
+        part = "wall" if isinstance(joints[k], GuideCorner) else SIDES[side]
+        what = f"{where}the {part} would lose {worn}, more than {limit}, "
         what += f"with a clearance of {clearance}"
         tenth = 0.1 * strokes * joints[k].clearance / float(deepest[(*run, k, side)])
         advice = f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"

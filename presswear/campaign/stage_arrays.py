@@ -9,6 +9,7 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.stage_wear import StageWear
 from presswear.campaign.wall_statistics import wall_arrays
 from presswear.engines.base import Plan
+from presswear.linkage.elements import GuideCorner
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.columns import JOINT_ARRAYS
 from presswear.recording.recorder import Recorder
@@ -74,14 +75,17 @@ def arrays_of(scene: Scene, ensemble: Ensemble, wear: StageWear) -> dict[str, Ar
                 arrays[f"{name}_{array}"] = stacked(*names, joint=k)
         arrays[f"{name}_contacts"] = recorder.stored_contacts(k).copy()
         arrays[f"{name}_flight"] = each[:, len(COLUMNS) + k].copy()
+        if isinstance(joint, GuideCorner):
+            continue
         arrays[f"{name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = depth[k, i, : joint.bins]
             arrays[f"{name}_wear_{side}"] = wear.added_depth[k, i, : joint.bins]
-    arrays |= wall_arrays(ensemble.linkage, ensemble.together.recorders)
-    are_alike = len({joint.bins for joint in joints}) == 1
+    arrays |= wall_arrays(ensemble.linkage, depth, ensemble.together.recorders)
+    pins = [joint for joint in joints if not isinstance(joint, GuideCorner)]
+    are_alike = len({joint.bins for joint in pins}) == 1
     angles = {
-        "angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in joints
+        "angle" if are_alike else f"{joint.name}_angle": joint.bins for joint in pins
     }
     return arrays | {name: bin_centres(bins) for name, bins in angles.items()}
 

@@ -33,7 +33,7 @@ from presswear.campaign.wear_update import (
     cycles_of_update,
     wear_error,
 )
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.physics.wear import worn_volume
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE
 from presswear.recording.soundness import Finding
@@ -169,7 +169,13 @@ def _joint_statistics(
     mean_peak: Mean,
     bumps: Bumps | None,
 ) -> JointStatistics:
-    """Return the statistics of a joint, of the number ``k``."""
+    """Return the statistics of a joint, of the number ``k``.
+
+    The wear of a wall, by both of its corners, is in the statistics of the walls.
+    """
+    is_corner = isinstance(joint, GuideCorner)
+    if is_corner:
+        wear = wear.without_wear
     added_depth = wear.added_depth[k, :, : joint.bins]
     maps = wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
@@ -204,7 +210,7 @@ def _joint_statistics(
         wear_depth_max_by_replicate=tuple(
             wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
         ),
-        wear_peaks={} if wear.is_frozen else wear_peaks_of(joint, k, wear),
+        wear_peaks={} if wear.is_frozen or is_corner else wear_peaks_of(joint, k, wear),
         bumps=bumps,
         means=means,
     )

@@ -1,7 +1,7 @@
 """Wear of a stage: depth that its wear update adds, its deepest places and their intervals."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,18 @@ class StageWear:
     is_smoothed: bool  # True if ``added_depth`` is smoothed
     # depth by which smoothing lowers ``added_depth`` and the samples alike
     flattening: Array | None
+
+    @property
+    def without_wear(self) -> "StageWear":
+        """Wear of a stage whose surfaces do not wear."""
+        return replace(
+            self,
+            added_depth=np.zeros_like(self.added_depth),
+            maps=np.zeros_like(self.maps),
+            coarser=None,
+            by_replicate=np.zeros_like(self.by_replicate),
+            flattening=None,
+        )
 
     def series(self, values: Array) -> list[Array]:
         """Return values of the samples by run."""

@@ -1,4 +1,4 @@
-"""Wear rates of the walls of guides with clearance, from the maps of all replicates."""
+"""Wear of the walls of guides with clearance, from the maps of all replicates."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from presswear.linkage.elements import WALLS, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
-from presswear.physics.wall_wear import bin_centres_of, wall_volume
+from presswear.physics.wall_wear import bin_centres_of, wall_volume, walls_of
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import (
     Estimate,
@@ -22,12 +22,12 @@ def wall_statistics(
     linkage: Linkage, recorders: Sequence[Recorder]
 ) -> dict[str, dict[str, WallStatistics]]:
     """Return the wear rates of the walls of each guide by side."""
-    runs = [run.wall_maps for run in recorders]
-    means = _by_guide(linkage, mean_map(runs))
+    runs = [run.maps for run in recorders]
+    means = walls_of(linkage, mean_map(runs))
     batches = [run.batches for run in runs]
     if len(runs) > 1:
         batches = [run.sampled[np.newaxis] / run.samples for run in runs]
-    samples = [_by_guide(linkage, each) for each in batches]
+    samples = [walls_of(linkage, each) for each in batches]
     statistics: dict[str, dict[str, WallStatistics]] = {}
     for name, corner in _corners(linkage).items():
         statistics[name] = {
@@ -39,12 +39,20 @@ def wall_statistics(
     return statistics
 
 
-def wall_arrays(linkage: Linkage, recorders: Sequence[Recorder]) -> dict[str, Array]:
-    """Return the mean depth that a cycle adds along the walls of each guide, m, by array."""
-    means = _by_guide(linkage, mean_map([run.wall_maps for run in recorders]))
+def wall_arrays(
+    linkage: Linkage, depth: Array, recorders: Sequence[Recorder]
+) -> dict[str, Array]:
+    """Return arrays of the walls of each guide by name, m.
+
+    They are the places of the bins, the depth of the walls in the stage from the
+    ``depth`` of all joints, (joints, 2, bins), and the mean depth that a cycle adds.
+    """
+    depths = walls_of(linkage, depth)
+    means = walls_of(linkage, mean_map([run.maps for run in recorders]))
     arrays: dict[str, Array] = {}
     for name, corner in _corners(linkage).items():
         arrays[f"{name}_wall_place"] = bin_centres_of(_map_of(corner))
+        arrays[f"{name}_wall_depth"] = depths[name]
         arrays[f"{name}_wall_wear"] = means[name]
     return arrays
 
@@ -58,14 +66,6 @@ def _corners(linkage: Linkage) -> dict[str, GuideCorner]:
 def _map_of(corner: GuideCorner) -> WallMap:
     assert corner.wall is not None
     return corner.wall
-
-
-def _by_guide(linkage: Linkage, maps: Array) -> dict[str, Array]:
-    """Return maps of shape (.., walls, bins) as (.., 2, bins) by guide."""
-    return {
-        guide.name: maps[..., 2 * k : 2 * k + 2, :]
-        for k, guide in enumerate(linkage.worn_guides)
-    }
 
 
 def _of_wall(

@@ -21,7 +21,6 @@ from presswear.physics.ledger import SETTLED
 from presswear.physics.loads import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
-from presswear.physics.wall_wear import wall_maps_shape
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import (
     FILM_CYCLE_COUNT,
@@ -199,7 +198,6 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         depth=np.zeros(shape),
         film_columns=_film_columns(linkage),
         film_losses=np.zeros(count),
-        walls=np.zeros(wall_maps_shape(linkage)),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros(shape[1:]),
         torque=np.zeros(drives),
@@ -214,8 +212,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     )
     if records.packed.loads is not None:
         place_loads(records.packed.loads, start.position, start.velocity)
-    maps = MapBatches(shape), MapBatches(records.walls.shape)
-    return Recorder(records, *maps, len(plan.sections))
+    return Recorder(records, MapBatches(shape), len(plan.sections))
 
 
 def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:

@@ -382,6 +382,11 @@ class ClearanceJoint:
         return self.normal
 
     @property
+    def map_area(self) -> float:
+        """Area of the surface of which the wear maps are, m^2."""
+        return self.width * self.bearing_radius * 2.0 * math.pi
+
+    @property
     def bins(self) -> int:
         """Angular bins of the wear maps; without an account those of the surfaces, or one."""
         if self.wear is not None:
@@ -427,6 +432,16 @@ class GuideCorner(ClearanceJoint):
     def deepest_wear(self) -> float:
         """Depth up to which the model of a worn wall holds, m."""
         return deepest_wear("foundation", self.clearance, self.pin_radius)
+
+    @property
+    def map_area(self) -> float:
+        """Area of the map of the wall, m^2; zero without a map."""
+        return 0.0 if self.wall is None else self.width * self.wall.length
+
+    @property
+    def bins(self) -> int:
+        """Bins of the map of the wall; one without a map."""
+        return 1 if self.wall is None else WALL_BINS
 
 
 def slide_inertia(mass: float, guide: Guide) -> float:

@@ -75,7 +75,7 @@ JOINT = np.dtype(
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
         ("is_flat", np.bool_),  # a corner on a wall
-        ("wall", np.int64),  # row of its map; see ``physics.wall_wear``
+        ("wall_partner", np.int64),  # number of the second corner on its wall
         ("wall_start", np.float64),  # of the map along the guide, m
         ("wall_bin", np.float64),  # length of a bin, m
         # 1 where the corner moves along the guide with a positive sliding speed, or -1
@@ -172,7 +172,8 @@ def _surface_bins(joint: ClearanceJoint, wearing: bool) -> int:
     ]
     if sizes:
         return max(sizes)
-    return joint.bins if wearing and joint.wear else 0
+    wall = joint.wall if isinstance(joint, GuideCorner) else None
+    return joint.bins if wearing and (joint.wear or wall) else 0
 
 
 def onset_floor(joint: ClearanceJoint) -> float:
@@ -182,16 +183,25 @@ def onset_floor(joint: ClearanceJoint) -> float:
 
 def _pack_walls(joints: Records, linkage: Linkage) -> None:
     """Write the maps of the walls into the records of the corners that wear them."""
-    guides = linkage.worn_guides
-    for record, joint in zip(joints, linkage.clearances, strict=True):
+    partners = partners_of(linkage)
+    for k, (record, joint) in enumerate(zip(joints, linkage.clearances, strict=True)):
         if not isinstance(joint, GuideCorner) or joint.wall is None:
             continue
         record["wear_coefficient"] = joint.wall.coefficient
-        record["wall"] = 2 * guides.index(joint.guide) + (joint.side < 0.0)
+        record["wall_partner"] = partners[k]
         record["wall_start"] = joint.wall.start
         record["wall_bin"] = joint.wall.bin_length
         # Tangent of a contact: the direction into the wall turned by +90 degrees.
         record["wall_sense"] = -joint.side
+
+
+def partners_of(linkage: Linkage) -> dict[int, int]:
+    """Return the number of the second corner on the wall of each corner of a slide."""
+    on_wall: dict[tuple[str, float], list[int]] = {}
+    for k, joint in enumerate(linkage.clearances):
+        if isinstance(joint, GuideCorner):
+            on_wall.setdefault((joint.guide.name, joint.side), []).append(k)
+    return {k: sum(pair) - k for pair in on_wall.values() for k in pair}
 
 
 def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from presswear.linkage.elements import WALL_BINS, WALLS, GuideCorner, WallMap
+from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
 from presswear.physics.foundation import BEARING, depth_at
 from presswear.tools.arrays import Array
@@ -38,16 +38,19 @@ def wall_profile(
 
 @compiled
 def deposit_on_wall(
-    depth: Array, joint: Records, contact: Records, load_distance: float, h: float
+    depth: Array, k: int, joint: Records, contact: Records, dose: float, h: float
 ) -> None:
-    """Add the wear of a dose F_n ds, N m, to the depths along a wall, shape (bins,), m.
+    """Add the wear of a dose F_n ds, N m, of corner ``k`` to the depths of its wall, m.
 
-    It is spread over the way of the corner in the step, which takes ``h`` seconds.
+    ``depth`` are those of all joints, shape (joints, 2, bins); both corners on a wall
+    hold them. The wear is spread over the way of the corner in the step, which takes
+    ``h`` seconds.
     """
     end = (contact.place - joint.wall_start) / joint.wall_bin
     start = end - joint.wall_sense * contact.sliding * h / joint.wall_bin
-    volume = joint.wear_coefficient * load_distance
-    spread_along(depth, start, end, volume / (joint.width * joint.wall_bin))
+    depth_sum = joint.wear_coefficient * dose / (joint.width * joint.wall_bin)
+    spread_along(depth[k, 0], start, end, depth_sum)
+    spread_along(depth[joint.wall_partner, 0], start, end, depth_sum)
 
 
 @compiled
@@ -80,6 +83,25 @@ def wall_volume(corner: GuideCorner, depth: Array) -> float:
     return float(depth.sum()) * corner.width * corner.wall.bin_length
 
 
-def wall_maps_shape(linkage: Linkage) -> tuple[int, int]:
-    """Return the shape of the maps of all walls: the left and the right one of each guide."""
-    return len(WALLS) * len(linkage.worn_guides), WALL_BINS
+def walls_of(linkage: Linkage, maps: Array) -> dict[str, Array]:
+    """Return the left and the right wall of each guide from maps of all joints.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    maps : ndarray, shape (..., joints, 2, bins)
+        Depths, m. Both corners on a side hold the depths of its wall, as bearing.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (..., 2, WALL_BINS)
+        Depths, m, by guide.
+    """
+    rows: dict[str, dict[float, int]] = {}
+    for k, joint in enumerate(linkage.clearances):
+        if isinstance(joint, GuideCorner) and joint.wall is not None:
+            rows.setdefault(joint.guide.name, {})[joint.side] = k
+    return {
+        name: maps[..., [each[1.0], each[-1.0]], 0, :WALL_BINS]
+        for name, each in rows.items()
+    }

@@ -213,11 +213,12 @@ def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
-    """Return the volume lost by both surfaces, m^3: the integral of depth times b R over angle.
+    """Return the volume lost by both surfaces, m^3: the integral of depth over their area.
 
-    ``depth`` is the added depth of bearing and pin, m, shape (2, m).
+    ``depth`` is the added depth of bearing and pin, m, shape (2, m). A corner has the
+    volume of its wall.
     """
-    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
+    bin_area = joint.map_area / depth.shape[1]
     return float(depth.sum()) * bin_area
 
 

@@ -175,8 +175,6 @@ class RecorderState(NamedTuple):
     # first columns of FILM_CYCLE in this row, of each joint; -1 without a film
     film_columns: NDArray[np.int64]
     film_losses: Array  # power in the last accepted state, W, of each joint
-    # depth that it added to the walls of guides, m, (walls, bins), see ``wall_maps_shape``
-    walls: Array
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
     shares: Array  # working space of ``deposit_over_arc``, (2, m)
     torque: Array  # of the drives in the present state, N m
@@ -436,8 +434,8 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
     if not integrals.work > 0.0:
         return
     if joint.is_flat:
-        wall = records.walls[joint.wall]
-        deposit_on_wall(wall, joint, records.contacts[k], integrals.work, h)
+        depths = records.depth[:, :, : joint.map_bins]
+        deposit_on_wall(depths, k, joint, records.contacts[k], integrals.work, h)
         return
     depth = records.depth[k, :, : joint.map_bins]
     if joint.over_arc:

@@ -65,7 +65,6 @@ class Recorder:
 
     records: RecorderState  # arrays that the kernels fill
     maps: MapBatches  # depth that the finished cycles added to bearing and pin, m
-    wall_maps: MapBatches  # depth that they added to the walls of guides, m
     sections_per_cycle: int = 0
     # Rows of the finished cycles: columns CYCLE, JOINT_CYCLE, LEADER_CYCLE, FILM_CYCLE and
     # DRIVE_CYCLE
@@ -154,7 +153,6 @@ class Recorder:
         later = copy(self)
         later.cycles = self.cycles[cycle:]
         later.maps = self.maps.since(cycle)
-        later.wall_maps = self.wall_maps.since(cycle)
         return later
 
     @property
@@ -220,7 +218,6 @@ class Recorder:
             leader[LEADER_SPEED_MIN] = math.inf if is_first else speed
             leader[LEADER_SPEED_MAX] = -math.inf if is_first else speed
         records.depth[:] = 0.0
-        records.walls[:] = 0.0
 
     @property
     def last_time(self) -> float:
@@ -277,7 +274,6 @@ class Recorder:
         self.cycles = np.append(self.cycles, [self.records.cycle], axis=0)
         depth = self.records.depth.copy()
         self.maps.add(depth)
-        self.wall_maps.add(self.records.walls)
         self.start_cycle()
         return depth
 
@@ -307,7 +303,6 @@ class Recorder:
         arrays = {
             **{name: getattr(records, name).copy() for name in _COPIED},
             **named("maps", self.maps.save()),
-            **named("wall_maps", self.wall_maps.save()),
             "series": self.rows,
             "stretches": self._stretches,
             "turns": self.turns,
@@ -331,7 +326,6 @@ class Recorder:
         for name in _COPIED:
             getattr(records, name)[...] = saved[name]
         self.maps = MapBatches.load(part(saved, "maps"))
-        self.wall_maps = MapBatches.load(part(saved, "wall_maps"))
         records.series[: len(saved["series"])] = saved["series"]
         for name in ("stretches", "turns"):
             getattr(records, name)[: len(saved["series"])] = saved[name]

@@ -207,7 +207,7 @@ def quantile(freedom: float) -> float:
 class MapBatches:
     """Wear maps of a run, summed over batches of neighbouring cycles, in constant memory."""
 
-    shape: tuple[int, ...]  # (joints, 2, bins), or (walls, bins)
+    shape: tuple[int, ...]  # (joints, 2, bins)
     cycles: int = 0  # added, start-up included
     size: int = 1  # cycles in a full batch
     _last: Array = field(init=False)

@@ -157,7 +157,7 @@ class JointStatistics:
 
 @dataclass(frozen=True)
 class WallStatistics:
-    """Wear rate of a wall of a guide with clearance, which stays flat in the run; SI units.
+    """Wear rate of a wall of a guide with clearance in a stage; SI units.
 
     All wear is at the wall, over its width, by the constant coefficient.
     """
@@ -373,11 +373,9 @@ class StageResult:
     @property
     def is_worn(self) -> bool:
         """True if a surface in the stage is worn."""
-        return any(
-            bool(np.any(self.arrays.get(f"{name}_depth_{side}", 0.0)))
-            for name in self.joint_names
-            for side in SIDES
-        )
+        names = [f"{name}_depth_{side}" for name in self.joint_names for side in SIDES]
+        names += [f"{guide}_wall_depth" for guide in self.statistics.walls]
+        return any(bool(np.any(self.arrays.get(name, 0.0))) for name in names)
 
     @property
     def has_joint_series(self) -> bool:
@@ -386,11 +384,19 @@ class StageResult:
 
     @property
     def surfaces(self) -> dict[str, tuple[Surface, Surface]]:
-        """Surfaces of bearing and pin in the stage by joint, mean over the replicates."""
-        return {
+        """Surfaces in the stage, mean over the replicates.
+
+        They are bearing and pin by joint, and the left and the right wall by guide.
+        """
+        surfaces = {
             name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
             for name, joint in self.joints.items()
+            if "depth_bearing" in joint.arrays
         }
+        for guide in self.statistics.walls:
+            left, right = self.wall_depth(guide)[1]
+            surfaces[guide] = Surface(left), Surface(right)
+        return surfaces
 
     def wall_wear(self, guide: str) -> tuple[Array, Array]:
         """Return places along a guide and the mean depth that a cycle adds to its walls.
@@ -399,10 +405,20 @@ class StageResult:
         and the right wall, seen along the direction of the guide, m, shape (2, bins).
         InputError for a guide whose walls have no map.
         """
-        if f"{guide}_wall_wear" not in self.arrays:
+        return self._of_walls("wear", guide)
+
+    def wall_depth(self, guide: str) -> tuple[Array, Array]:
+        """Return places along a guide and the depth of its walls in the stage, m.
+
+        The depth is the mean of the replicates; shapes as in ``wall_wear``.
+        """
+        return self._of_walls("depth", guide)
+
+    def _of_walls(self, name: str, guide: str) -> tuple[Array, Array]:
+        if f"{guide}_wall_{name}" not in self.arrays:
             walls = self.statistics.walls
             raise unknown("guide with wear of its walls", guide, walls)
-        return self.arrays[f"{guide}_wall_place"], self.arrays[f"{guide}_wall_wear"]
+        return self.arrays[f"{guide}_wall_place"], self.arrays[f"{guide}_wall_{name}"]
 
     @property
     def failed(self) -> bool:

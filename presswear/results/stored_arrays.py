@@ -6,7 +6,7 @@ A result may come from anybody: nothing larger than a run can write is read into
 import math
 
 from presswear.engines.base import Plan
-from presswear.linkage.elements import WALL_BINS
+from presswear.linkage.elements import WALL_BINS, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS
@@ -52,7 +52,7 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     has_leader, films = linkage.leader is not None, len(linkage.oiled_joints)
     width = cycle_columns(joints, drives, has_leader, films)
     width += sections + 8 + joints * (1 + 2 * bins)
-    walls = 3 * WALL_BINS * len(linkage.worn_guides)
+    walls = 5 * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
     series += LEADER_SERIES_COUNT
     series += len(linkage.elastic_joints) + 2 * drives
@@ -97,13 +97,15 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
             "flight": ("deviation",),
             "wear_batches": ("wear_batch_cycles", 2, joint.bins),
         }
-        for side in SIDES:
+        for side in () if isinstance(joint, GuideCorner) else SIDES:
             series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
             arrays[f"{joint.name}_depth_{side}"], arrays[f"{joint.name}_wear_{side}"]
         shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
     for guide in linkage.worn_guides:
         shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
-        shapes[f"{guide.name}_wall_wear"] = (2, WALL_BINS)
+        for name in ("depth", "wear"):
+            shapes[f"{guide.name}_wall_{name}"] = (2, WALL_BINS)
+            arrays[f"{guide.name}_wall_{name}"]
     check_shapes(arrays, shapes)
 
 

@@ -213,7 +213,7 @@ class Scene(Checked):
                 self.conventions.contact,
             ),
         )
-        if self.life is None and not self.loose_pins:
+        if self.life is None and not (self.loose_pins or self.worn_guides):
             self._set(wear_updates=0)  # no joint wears
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in self._bearings_of_pins.items():
@@ -270,7 +270,7 @@ class Scene(Checked):
         than the checks of single values.
         """
         coefficients = [
-            self.bearing(j).materials.wear_coefficient for j in self.loose_pins
+            self.bearing(j).materials.wear_coefficient for j in self._loose_joints
         ]
         if self.wear_updates > 0 and coefficients and not any(coefficients):
             raise InputError(
@@ -329,7 +329,7 @@ class Scene(Checked):
 
     @property
     def loose_pins(self) -> tuple[str, ...]:
-        """Names of the pin joints with clearance, whose worn surfaces act on the motion."""
+        """Names of the pin joints with clearance."""
         guides = [guide.name for guide in self.loose_guides]
         return tuple(
             name

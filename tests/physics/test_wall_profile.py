@@ -82,6 +82,19 @@ def test_a_worn_wall_creates_no_energy(engine: Engine) -> None:
     assert residual < within * energy
 
 
+def test_a_flat_map_changes_no_digit() -> None:
+    """A run whose walls may wear has a map of depth 0, and the same numbers as without one."""
+    linkage, start = swinging_slide()
+    engine = InHouse().for_cycle(PERIOD)
+    plan = Plan(PERIOD, 1)
+    flat = engine.simulate(linkage, start, plan)
+    wearing = replace(plan, wear=lambda cycle, added, depth: np.zeros_like(added))
+    worn = engine.simulate(linkage, start, wearing)
+    assert np.array_equal(flat.end.position, worn.end.position)
+    assert np.array_equal(flat.recorder.rows, worn.recorder.rows)
+    assert flat.diagnostics["steps"] == worn.diagnostics["steps"]
+
+
 def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends() -> None:
     place = bin_centres_of(WALL)
     linkage, _ = on_wall(1e-5 * np.exp(-((place / 0.03) ** 2)))
@@ -108,4 +121,5 @@ def test_the_walls_of_a_scene_are_the_surfaces_of_its_guide() -> None:
     for corner in scene.linkage({"guide": (left, right)}).corners:
         assert corner.bearing_surface == (left if corner.side > 0.0 else right)
         assert isinstance(corner.wall, WallMap)
+        assert corner.bins == WALL_BINS
         assert not corner.pin_surface.is_worn

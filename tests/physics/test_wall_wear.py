@@ -9,12 +9,13 @@ import pytest
 import presswear as pw
 from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import WALL_BINS, WallMap
+from presswear.linkage.elements import WallMap
 from presswear.linkage.linkage import Linkage
 from presswear.physics.wall_wear import (
     bin_centres_of,
     spread_along,
     wall_volume,
+    walls_of,
 )
 
 L, W, C = 0.4, 0.3, 0.05e-3  # of the slide, m
@@ -66,7 +67,7 @@ def test_a_constant_force_wears_both_ends_of_the_way_evenly(
     linkage, start = swinging_slide()
     run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
     assert run.status == "completed", run.message
-    left, right = run.recorder.wall_maps.sampled
+    left, right = walls_of(linkage, run.recorder.maps.sampled)["guide"]
     assert not right.any()
     place = bin_centres_of(WALL)
     half = 0.5 * WALL.bin_length
@@ -100,6 +101,43 @@ def test_the_way_of_a_step_is_that_of_the_corner() -> None:
 
 
 @pytest.mark.parametrize(
+    ("engine", "within"),
+    [
+        (InHouse(integration_tolerance=1e-9), 2e-3),
+        (ExudynTree(), 2e-3),
+        (ExudynJoints(), 1e-2),
+    ],
+)
+def test_the_slide_sinks_into_the_wall_that_it_wears(
+    engine: Engine, within: float
+) -> None:
+    """Each of four cycles stands for 5: the depth is the wear rate times 20 cycles."""
+    linkage, start = swinging_slide()
+    speed = 2.0 * math.pi / PERIOD * AMPLITUDE
+    start = Start(start.position * [1.0, 0.0, 1.0], np.array([0.0, speed, 0.0]))
+    share, cycles = 5.0, 4
+    plan = Plan(PERIOD, cycles, wear=lambda cycle, added, depth: share * added)
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, plan)
+    assert run.status == "completed", run.message
+    left, right = walls_of(linkage, run.recorder.surface_depth)["guide"]
+    assert not right.any()
+    loads = [run.recorder.each_cycle("load_distance", k).sum() for k in range(4)]
+    volume = wall_volume(linkage.corners[0], left)
+    assert volume == pytest.approx(share * COEFFICIENT * sum(loads), rel=1e-12)
+    off = np.abs(np.abs(bin_centres_of(WALL)) - 0.5 * L)
+    wanted = share * cycles * COEFFICIENT * FORCE / WIDTH
+    assert left[off < 0.9 * AMPLITUDE].mean() == pytest.approx(wanted, rel=within)
+    # The slide swings about the wall that three cycles have worn.
+    time, away = (
+        run.recorder.series(*one) for one in (("time",), ("eccentricity_x", 0))
+    )
+    last = time > 3.0 * PERIOD
+    mean = np.trapezoid(-away[last], time[last]) / np.ptp(time[last])
+    sink = -start.position[0] - C
+    assert mean - C - sink == pytest.approx(0.75 * wanted, rel=0.05)
+
+
+@pytest.mark.parametrize(
     ("start", "end", "parts"),
     [
         (1.25, 3.5, {1: 0.75, 2: 1.0, 3: 0.5}),
@@ -130,7 +168,7 @@ def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide() -> None:
     (wall,) = set(walls)
     assert wall is not None
     assert wall.length == pytest.approx(1.02 * reach, rel=1e-6)
-    assert scene.linkage().worn_guides == scene.loose_guides
+    assert scene.linkage().worn_guides == scene.worn_guides == scene.loose_guides
 
 
 def test_walls_without_wear_or_clearance_have_no_map() -> None:
@@ -141,5 +179,6 @@ def test_walls_without_wear_or_clearance_have_no_map() -> None:
         linkage = scene.linkage()
         bodies = np.zeros(3 * len(linkage.bodies))
         recorder = recorder_of(linkage, Start(bodies, bodies), Plan(1.0, 1))
-        assert recorder.records.walls.shape == (0, WALL_BINS)
+        assert not walls_of(linkage, recorder.records.depth)
         assert not linkage.worn_guides
+        assert not scene.worn_guides

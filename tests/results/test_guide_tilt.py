@@ -47,7 +47,13 @@ def press(offset: float = OFFSET, friction: float = 0.1) -> pw.Scene:
         force=FORCE, height=5e-3, thickness=3e-3, rise=0.2e-3, snap=0.15e-3
     )
     process = replace(sheet, offset=offset)
-    return pw.Scene(crank, bearings={"guide": bearing}, process=process, cycles=2)
+    return pw.Scene(
+        crank,
+        bearings={"guide": bearing},
+        process=process,
+        wear_updates=0,
+        cycles=2,
+    )
 
 
 @pytest.fixture(scope="module")
