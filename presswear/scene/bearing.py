@@ -234,10 +234,6 @@ class Bearing(Checked):
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
-        if self.clearance >= self.bearing_radius:
-            radius = f"the bearing radius, {written(self.bearing_radius, 'm')}"
-            clearance = written(self.clearance, "m")
-            raise InputError(f"clearance = {clearance}: allowed is below {radius}")
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
             low, high, ramp = (
                 written(one, "m/s")
@@ -387,10 +383,16 @@ class Bearing(Checked):
     def check_contact(
         self, where: str, contact: elements.SurfaceContact, is_worn: bool
     ) -> None:
-        """Raise InputError if the laws do not fit the contact of the surfaces.
+        """Raise InputError if sizes and laws of a pin do not fit the contact of the surfaces.
 
         ``where`` is the start of the message.
         """
+        if self.clearance >= self.bearing_radius:
+            radius = f"the bearing radius, {written(self.bearing_radius, 'm')}"
+            clearance = written(self.clearance, "m")
+            raise InputError(
+                f"{where}clearance = {clearance}: allowed is below {radius}"
+            )
         if contact != "foundation":
             return
         if self.elasticity not in (AUTO, "foundation"):

@@ -58,11 +58,10 @@ def corners_of(
 
 def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
     """Return the normal law of a corner of a slide."""
-    law = replace(bearing.normal(Conventions(contact="radial")), elasticity="power")
-    if bearing.contact_stiffness is not None:
-        return law
-    stiffness = 0.25 * math.pi * bearing.total_width / bearing.materials.compliance
-    return replace(law, stiffness=stiffness, exponent=1.0)
+    if bearing.contact_stiffness is None:
+        stiffness = 0.25 * math.pi * bearing.width / bearing.materials.compliance
+        bearing = replace(bearing, contact_stiffness=stiffness, exponent=1.0)
+    return replace(bearing.normal(Conventions(contact="radial")), elasticity="power")
 
 
 def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
@@ -100,6 +99,12 @@ def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
         raise InputError(
             f"{guide.name}.elasticity = {bearing.elasticity}: in a guide allowed is auto or power"
         )
+
+
+def deepest_wall(bearing: Bearing, guide: elements.Guide) -> float:
+    """Return the depth up to which the model of a worn wall holds, m."""
+    assert guide.width is not None
+    return elements.deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
 
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:

@@ -121,6 +121,21 @@ def test_a_table_that_is_switched_on_works(
         ] is not None
 
 
+@pytest.mark.parametrize("kind", ["press", "slider-crank"])
+def test_a_guide_that_is_switched_on_has_clearance(kind: str, tmp_path: Path) -> None:
+    text = example_file(kind).replace("#guide_", "guide_")
+    table = re.search(r"(# .*\n)+", text[text.index("# [bearings.guide]") :])
+    assert table is not None
+    text = text.replace(table[0], re.sub("(?m)^# ", "", table[0]))
+    joints = re.search(r'with (joints = ".*")', table[0])
+    assert joints is not None
+    text = re.sub('(?m)^joints = ".*"', joints[1], text)
+    scene = scene_from(written(tmp_path, text))
+    (guide,) = scene.loose_guides
+    assert scene.bearing(guide.name).clearance == 0.05e-3
+    assert scene.bearing(guide.name).width == 0.04
+
+
 def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:
     scene = scene_from(written(tmp_path, OFF.sub("", example_file("slider-crank"))))
     assert scene.bottom == pytest.approx(

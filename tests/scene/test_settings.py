@@ -179,6 +179,8 @@ off-centre | guide_length=none | length of guide: a guide with clearance needs i
 off-centre | guide_width=0.1mm | guide_width = 0\.1 mm: allowed is 1 to 10000 mm
 off-centre | guide_width=15mm clearance=8mm | .* = 8 mm: allowed is up to half .*, 7\.5 mm
 off-centre | guide_length=30mm clearance=3mm | .* by 300 mm can turn over
+off-centre | clearance=200mm | .* = 200 mm: allowed is up to half .*, 150 mm
+off-centre | clearance=120mm | .* by 300 mm can turn over
 off-centre | elasticity=liu | guide\.elasticity = liu: in a guide allowed is auto or power
 off-centre | process.offset=60 | process\.offset = '60' has no unit
 off-centre | process.offset=11m | process\.offset = 11 m: allowed is -10 to 10 m
