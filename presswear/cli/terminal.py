@@ -28,7 +28,7 @@ from presswear.scene.catalog import SCENES, scene_named
 from presswear.scene.files import EXAMPLES, SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import InputError, RunFailed, printable
 from presswear.tools.files import check_folder
 from presswear.tools.numbers import lasting
 from presswear.tools.processes import check_stopped, is_stopped
@@ -188,8 +188,11 @@ def load_result(path: Path, console: Console) -> "Result":
 
 
 def print_lines(console: Console, *lines: str) -> None:
-    """Print lines without colours or markup; a terminal that is too narrow gets them in parts."""
-    for line in lines:
+    """Print lines without colours or markup; a terminal that is too narrow gets them in parts.
+
+    Texts of a result may come from anybody: control characters are printed as escapes.
+    """
+    for line in map(printable, lines):
         indent = line[: len(line) - len(line.lstrip())] + "  "
         wrapping: Any = {"break_long_words": False, "break_on_hyphens": False}
         parts = textwrap.wrap(line, console.width, subsequent_indent=indent, **wrapping)
@@ -211,7 +214,10 @@ def print_table(
             head.lstrip(">"), **(number if head[:1] == ">" else {"overflow": "fold"})
         )
     for row in rows:
-        table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
+        cells = (
+            Text(printable(cell)) if isinstance(cell, str) else cell for cell in row
+        )
+        table.add_row(*cells)
     console.print(table, highlight=False)
 
 

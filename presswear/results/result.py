@@ -25,6 +25,7 @@ from presswear.results.pin_load import elastic_pin_forces
 from presswear.results.stage import JointStatistics, StageResult
 from presswear.results.stored_arrays import (
     CURVE_BYTES,
+    check_numbers,
     check_shapes,
     check_stage,
     most_film_bytes,
@@ -38,7 +39,7 @@ from presswear.scene.initial_surfaces import Surfaces
 from presswear.scene.scene import Scene
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, read_numbers
-from presswear.tools.errors import InputError, shown
+from presswear.tools.errors import InputError, printable, shown
 from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import large, readable
 from presswear.tools.serialize import check_type, checked_arguments
@@ -165,7 +166,8 @@ class Result:
         first += [] if self.life is None else [f"{self.life}"]
         remark = self.scene.bin_remark
         lines += [f"worn volume: {remark}"] if remark else []
-        return "\n".join([*first, *lines, *contact_warnings(self.scene, self.stages)])
+        lines += contact_warnings(self.scene, self.stages)
+        return printable("\n".join([*first, *lines]))
 
     def _wall_volume(self, corner: str, joint: JointStatistics) -> float:
         """Return the volume that a corner wears off its wall in a cycle, m^3."""
@@ -237,6 +239,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
         most = most_stage_bytes(scene, linkage, stage)
         arrays = read_numbers(path / name, stored.files[name], most)
         check_stage(arrays, scene, linkage)
+        check_numbers(arrays, scene, stage)
         read_checked(path / film, stored.files[film], most_film_bytes(linkage))
         read = partial(_film, path / film, stored.files[film], linkage)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))

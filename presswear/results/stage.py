@@ -33,7 +33,7 @@ from presswear.recording.statistics import Estimate
 from presswear.results.motions import state_of
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, Arrays
-from presswear.tools.errors import InputError, NotStored, unknown
+from presswear.tools.errors import InputError, NotStored, printable, unknown
 from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
 
@@ -363,7 +363,8 @@ class StageResult:
             lines.append(f"{name}: {force}{worn if volume.mean > 0.0 else ''}")
         if statistics.settling is not None:
             lines.append(f"motion: {state_of(statistics.settling)}")
-        return "\n".join([*lines, "more: statistics, diagnostics, joints, arrays"])
+        lines.append("more: statistics, diagnostics, joints, arrays")
+        return printable("\n".join(lines))
 
     @property
     def name(self) -> str:

@@ -5,6 +5,8 @@ A result may come from anybody: nothing larger than a run can write is read into
 
 import math
 
+import numpy as np
+
 from presswear.engines.base import Plan
 from presswear.linkage.elements import WALL_BINS, GuideCorner
 from presswear.linkage.linkage import Linkage
@@ -107,6 +109,24 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
             shapes[f"{guide.name}_wall_{name}"] = (2, WALL_BINS)
             arrays[f"{guide.name}_wall_{name}"]
     check_shapes(arrays, shapes)
+
+
+def check_numbers(arrays: Arrays, scene: Scene, stage: StageResult) -> None:
+    """Raise InputError for a number of a stage that is not finite, or a time beyond its rows.
+
+    A stage that failed may hold any numbers but its times. A recorded cycle has many rows.
+    """
+    for name, values in arrays.items():
+        most = math.inf
+        if name in ("time", "clock"):
+            most = scene.run_up + scene.mechanism.period * values.size
+        elif stage.failed:
+            continue
+        if not np.all(np.isfinite(values) & (np.abs(values) <= most)):
+            limit = "" if math.isinf(most) else f" of at most {most:.3g} s"
+            raise InputError(
+                f"{arrays.source}: {name} must contain finite numbers{limit}"
+            )
 
 
 def check_shapes(arrays: Arrays, shapes: dict[str, tuple[str | int, ...]]) -> None:

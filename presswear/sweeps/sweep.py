@@ -28,7 +28,7 @@ from presswear.sweeps.responses import (
     parse_limits,
     request,
 )
-from presswear.tools.errors import InputError, RunFailed, not_installed
+from presswear.tools.errors import InputError, RunFailed, not_installed, printable
 from presswear.tools.files import (
     check_ending,
     digest,
@@ -138,7 +138,7 @@ class Sweep:
         lines = self.table.texts(SHOWN_ROWS)
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
         rows = ("  ".join(map(str.ljust, line, widths)).rstrip() for line in lines)
-        return "\n".join([*rows, self.summary])
+        return printable("\n".join([*rows, self.summary]))
 
 
 def load_sweep(folder: Path) -> Sweep:

@@ -15,6 +15,7 @@ from presswear.tools.files import digest, read_checked, write_bytes
 
 Array = NDArray[np.float64]
 _MOST_BYTES = 2**26  # of compressed arrays whose size is not known better
+_MOST_RATIO = 100  # of the sizes of more bytes, unpacked over packed; zeros have 1000
 
 # Arrays of numbers or of records by name, from which a computation resumes. They may be
 # views, so that they cost little: copy or write them before their owner changes.
@@ -62,12 +63,16 @@ def read_arrays(
 
     InputError for a file that is missing, damaged, holds anything else or more than
     ``most`` bytes, or whose digest is not the expected one. Without ``most`` they may
-    have 64 MiB or, if they are not compressed, any size.
+    have 64 MiB or, if they are not compressed, any size. With ``most``, which may come
+    from the same stranger, bytes beyond 64 MiB may be 100 times those of the file.
     """
     data = read_checked(file, expected, most or sys.maxsize)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            _check_members(archive, most or max(len(data), _MOST_BYTES))
+            unpacked = _MOST_BYTES + _MOST_RATIO * len(data)
+            _check_members(
+                archive, min(most, unpacked) if most else max(len(data), _MOST_BYTES)
+            )
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
             arrays = Arrays({name: stored[name] for name in stored.files}, f"{file}")
     # A damaged file shows as a dozen kinds of errors, none of them promised: of

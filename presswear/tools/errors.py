@@ -79,6 +79,7 @@ MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
 # space between groups of three digits, which is not printable to Python
 NARROW = "\u202f"
+_KEPT = (NARROW, "\xa0", "\n")  # though Python does not call them printable
 
 
 def shown(value: Any) -> str:
@@ -90,11 +91,12 @@ def shown(value: Any) -> str:
     return text if len(text) <= MAX_VALUE else f"{text[: MAX_VALUE - 3]}..."
 
 
+def printable(text: str) -> str:
+    """Return a text with escapes in place of characters that would control a terminal."""
+    return "".join(c if c.isprintable() or c in _KEPT else ascii(c)[1:-1] for c in text)
+
+
 def one_line(text: str) -> str:
     """Return a message as one line of printable characters, the rest as escapes."""
-    characters = (
-        c if c.isprintable() or c == NARROW else ascii(c)[1:-1]
-        for c in text[: MAX_MESSAGE + 1]
-    )
-    shown = "".join(characters)
+    shown = printable(text[: MAX_MESSAGE + 1]).replace("\n", "\\n")
     return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."

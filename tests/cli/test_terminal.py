@@ -25,6 +25,7 @@ from presswear.cli.terminal import (
     load_result,
     named_progress,
     print_lines,
+    print_table,
     progress_bar,
 )
 from presswear.recording.observer import COMPILING, Progress
@@ -288,6 +289,15 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
         monkeypatch.setattr("presswear.tools.processes._received", [2])
         with pytest.raises(KeyboardInterrupt):
             report("second", 0.2)
+
+
+def test_control_characters_are_escaped(clock: Clock) -> None:
+    console = console_of(80, clock)
+    print_lines(console, "a\x1b[2Jb")
+    print_table(console, ["name"], [["c\x1b[2Jd"]])
+    text = console.export_text(styles=True)
+    assert r"a\x1b[2Jb" in text
+    assert r"c\x1b[2Jd" in text
 
 
 def test_names_are_no_markup(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ import pytest
 
 import presswear as pw
 from presswear.results.folder import FILE
+from presswear.results.result import stored_scene
 from presswear.show.report import render_report
 from presswear.sweeps.runner import ROWS, read_row
 from presswear.tools.files import digest
@@ -167,6 +168,66 @@ def test_missing_arrays_are_named(received: Path) -> None:
                 with suppress(pw.InputError):
                     render_report(pw.load(received))
         plant(received, name, packed(arrays))
+
+
+def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received: Path) -> None:
+    document = json.loads((received / FILE).read_text())
+    for stage in document["stages"]:
+        stage["statistics"]["cycles"] = 10**12
+    (received / FILE).write_text(json.dumps(document))
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("time.npy", bytes(100 * 2**20))
+    plant(received, STAGE, data.getvalue())
+    with pytest.raises(pw.InputError, match="its arrays have 105 MB, expected are 7"):
+        pw.load(received)
+
+
+def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(
+    received: Path,
+) -> None:
+    """A cycle takes memory, so that a late time would take all of it."""
+    arrays = arrays_of(received, STAGE)
+    for name, value, message in (
+        ("time", 1e9, "time must contain finite numbers of at most"),
+        ("time", np.nan, "time must"),
+        ("A_force", np.inf, "A_force must contain finite numbers$"),
+        ("cycles", np.nan, "cycles must"),
+    ):
+        wrong = arrays[name].copy()
+        wrong.flat[-1] = value
+        plant(received, STAGE, packed(arrays | {name: wrong}))
+        with pytest.raises(pw.InputError, match=message):
+            pw.load(received)
+
+
+def test_control_characters_are_printed_as_escapes(received: Path) -> None:
+    document = json.loads((received / FILE).read_text())
+    document["message"] = document["stages"][0]["message"] = "\x1b]0;title\x07"
+    (received / FILE).write_text(json.dumps(document))
+    result = pw.load(received)
+    for text in (f"{result}", f"{result.stages[0]!r}"):
+        assert r"\x1b]0;title\x07" in text
+        assert "\x1b" not in text
+
+
+def test_an_empty_checkpoint_is_refused(received: Path) -> None:
+    document = json.loads((received / FILE).read_text())
+    data = io.BytesIO()
+    np.savez(data, document=np.frombuffer(b"\x80", np.uint8))  # an empty mapping
+    (received / "checkpoint-1.npz").write_bytes(data.getvalue())
+    document |= {
+        "status": "interrupted",
+        "checkpoint": {
+            "file": "checkpoint-1.npz",
+            "digest": digest(data.getvalue()),
+            "words": "stage 0",
+            "index": 0,
+        },
+    }
+    (received / FILE).write_text(json.dumps(document))
+    with pytest.raises(pw.InputError, match="its checkpoint is of another scene"):
+        pw.run(stored_scene(received)[0], received)
 
 
 def test_row_of_a_sweep_that_is_a_pipe_is_no_row(tmp_path: Path) -> None:
