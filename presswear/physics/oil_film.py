@@ -15,9 +15,14 @@ import math
 from typing import NamedTuple
 
 from presswear.linkage.laws import NARROWEST, WIDEST
+from presswear.physics.rotation import cos_sin
 from presswear.tools.compile import compiled
 
 _SMALL = 1.0  # rad, below which a series has more digits than the closed form
+# (-1)^k (k - 1) / (2 (2 k + 1)!) from k = 2: factors of double^(2 k + 1) in the series
+_SERIES = tuple(
+    (-1) ** k * (k - 1) / (2.0 * math.factorial(2 * k + 1)) for k in range(2, 10)
+)
 
 
 class OilFilm(NamedTuple):
@@ -78,25 +83,28 @@ def squeeze_number(gap: float, is_closing: bool, width_ratio: float) -> float:
     a8 = 0.70038 + b * (3.2415 + b * (-12.2486 + b * (18.895 - b * 9.3561)))
     a9 = -0.999935 + b * (0.0157434 + b * (-0.74224 + b * (0.42278 - b * 0.368928)))
     root = math.sqrt(gap * (1.0 + e))  # sqrt(1 - x^2)
-    pressure = _squeeze_pressure(math.atan2(root, -x)) / root**5
+    square = root * root
+    pressure = _squeeze_pressure(x, root) / (square * square * root)
     narrow = gap if is_closing else 1.0 + e  # 1 - x
     return 4.0 * b * b * pressure * a8 * narrow / (-a9 - x)
 
 
 @compiled
-def _squeeze_pressure(angle: float) -> float:
-    """Return (pi/2 - acos(x)/2) (1 + 2 x^2) + 1.5 x sqrt(1 - x^2) with x = -cos(angle)."""
+def _squeeze_pressure(x: float, root: float) -> float:
+    """Return (pi/2 - acos(x)/2) (1 + 2 x^2) + 1.5 x sqrt(1 - x^2).
+
+    ``root`` is sqrt(1 - x^2).
+    """
+    angle = math.atan2(root, -x)
     double = 2.0 * angle
     if double > _SMALL:
-        return 0.25 * double * (2.0 + math.cos(double)) - 0.75 * math.sin(double)
-    # The terms cancel to order 5: sum of (-1)^k (k - 1) / (2 (2 k + 1)!) double^(2 k + 1).
+        return 0.5 * angle * (1.0 + 2.0 * x * x) + 1.5 * x * root
+    # The terms cancel to order 5 in the angle.
     square = double * double
-    term = double * square * square / 240.0  # k = 2
-    total = term
-    for k in range(3, 10):
-        term *= -square * (k - 1.0) / ((k - 2.0) * 2.0 * k * (2.0 * k + 1.0))
-        total += term
-    return total
+    rest = _SERIES[-1]
+    for k in range(2, len(_SERIES) + 1):
+        rest = _SERIES[-k] + square * rest
+    return square * square * double * rest
 
 
 @compiled
@@ -131,12 +139,12 @@ def film_force(
     film : OilFilm
         Parameters of the film.
     """
-    beta = attitude(gap, film.width_ratio)
+    cosine, sine = cos_sin(attitude(gap, film.width_ratio))
     slope = rotation_slope(gap, film.width_ratio)
     rotation = film.size * wedge_speed * (1.0 - gap) * slope
     squeeze = film.size * rate * squeeze_number(gap, rate > 0.0, film.width_ratio)
-    along = -abs(rotation) * math.cos(beta) - squeeze
-    across = rotation * math.sin(beta)
+    along = -abs(rotation) * cosine - squeeze
+    across = rotation * sine
     return along, across
 
 
@@ -160,9 +168,9 @@ def film_velocity(
         Parameters of the film.
     """
     b = film.width_ratio
-    beta = attitude(gap, b)
+    cosine, sine = cos_sin(attitude(gap, b))
     # A |Omega| So_rot = |F_t| / sin(beta)
-    squeeze = -along - abs(across) * math.cos(beta) / math.sin(beta)
+    squeeze = -along - abs(across) * cosine / sine
     rate = squeeze / (film.size * squeeze_number(gap, squeeze > 0.0, b))
-    wedge = across / (film.size * rotation_slope(gap, b) * math.sin(beta))
+    wedge = across / (film.size * rotation_slope(gap, b) * sine)
     return rate, 0.5 * wedge
