@@ -54,3 +54,26 @@ def test_names_and_docstrings_are_plain(room: str) -> None:
             if name in NAMES:
                 wrong.append(f"{file}:{getattr(node, 'lineno', 0)}: {name}")
     assert not wrong
+
+
+def test_kernels_make_no_array_and_raise_no_error() -> None:
+    makers = {"zeros", "empty", "full", "ones", "array", "arange", "copy"}
+    kernels = 0
+    wrong = []
+    for file in (ROOT / "presswear").rglob("*.py"):
+        for function in ast.walk(ast.parse(file.read_text())):
+            if not isinstance(function, ast.FunctionDef):
+                continue
+            decorators = map(ast.unparse, function.decorator_list)
+            if not any(
+                re.match(r"(lazily_)?compiled|inlined", one) for one in decorators
+            ):
+                continue
+            kernels += 1
+            for node in ast.walk(function):
+                called = node.func if isinstance(node, ast.Call) else None
+                is_maker = isinstance(called, ast.Attribute) and called.attr in makers
+                if is_maker or isinstance(node, ast.Raise):
+                    wrong.append(f"{file}:{node.lineno}: {function.name}")
+    assert kernels > 100
+    assert not wrong
