@@ -6,7 +6,6 @@ beside it. The start-up cycles are left out, if enough other ones ran.
 
 import json
 import math
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -154,7 +153,7 @@ def _statistics(
         walls=wall_statistics(ensemble.linkage, recorders),
     )
     try:
-        json.dumps(asdict(statistics), allow_nan=False)
+        json.dumps(statistics, default=vars, allow_nan=False)
     except ValueError:  # of a run that failed
         return StageStatistics(count)
     return statistics

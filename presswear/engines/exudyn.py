@@ -57,6 +57,9 @@ class Solver:
     # allow it (``following``) and as the solver proposes it, s
     sums: dict[str, float] = field(init=False)
     _end: float = 0.0  # of the present section, s; nominal with a leader
+    # the present section ends at an angle of the leader; reading it takes as long as a
+    # stage
+    _ends_by_angle: bool = False
     _has_ended: bool = False  # the cycle ran to its end
     _is_broken: bool = False
     _limit: float = 0.0  # of the step to come, s
@@ -133,7 +136,7 @@ class Solver:
                     proposed = STEP_SAFETY * iteration.currentStepSize * factor
                     sums["proposed"] = min(proposed, iteration.maxStepSize)
                 return False
-            if not self.recorder.ends_by_angle:
+            if not self._ends_by_angle:
                 following = min(following, self._end - t)
             self._take(following)
             if sums["steps"] % _PROGRESS_STEPS == 0:
@@ -149,13 +152,13 @@ class Solver:
 
     def _is_at_end(self, t: float) -> bool:
         """Return whether the section has ended at a time, s, or at its angle."""
-        if self.recorder.ends_by_angle:
+        if self._ends_by_angle:
             return self.recorder.nominal_time >= self._end - SECTION_TOL
         return t >= self._end - END_TOLERANCE
 
     def _first_step(self, t: float) -> float:
         """Return the longest first step of a section, s."""
-        if not self.recorder.ends_by_angle:
+        if not self._ends_by_angle:
             return self._end - t
         # The last section chose the step that follows without this end.
         rate = float(self.recorder.records.nominal["rate"][0])
@@ -189,12 +192,13 @@ class Solver:
             End of the section, s; with a leader its nominal time.
         """
         self._end, self._has_ended, self._iteration = end, False, None
+        self._ends_by_angle = self.recorder.ends_by_angle
         data, initial = system.systemData, exu.ConfigurationType.Initial
         for name, values in live.items():
             getattr(data, f"Set{name}")(np.array(values), initial)
         integration = self.settings.timeIntegration
         steps = MOST_STEPS
-        if not self.recorder.ends_by_angle:
+        if not self._ends_by_angle:
             steps = math.ceil((end - self.time) / self.longest) + 2
         integration.startTime = self.time
         integration.endTime = self.time + steps * self.longest

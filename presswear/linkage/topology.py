@@ -7,6 +7,7 @@ from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Body,
+    Guide,
     Joint,
     Revolute,
     ends_of,
@@ -26,7 +27,9 @@ class Branch(NamedTuple):
 
 def bodies_of(joint: Joint) -> set[str]:
     """Return the bodies that a joint holds, without the frame."""
-    return {end.body for end in ends_of(joint)} - {GROUND}
+    if isinstance(joint, Guide):
+        return {joint.body}
+    return {joint.first.body, joint.second.body} - {GROUND}
 
 
 def prescribed_of(linkage: Linkage) -> frozenset[str]:
@@ -39,7 +42,9 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     prescribed. It is sufficient to count equations, because away from dead points the
     equations of a linkage are independent.
     """
-    rows = [bodies_of(joint) for joint in linkage.joints for _ in range(joint.rows)]
+    rows = list[set[str]]()
+    for joint in linkage.joints:
+        rows += [bodies_of(joint)] * joint.rows
     rows += [{drive.body} for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
     for row in rows:

@@ -6,7 +6,7 @@ parts. A part that may be absent and a single joint are named before a dot:
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
 
@@ -144,11 +144,15 @@ def name_of_key(key: str) -> str:
 
 
 def _by_key(scene: Scene) -> dict[str, Setting]:
-    """Return all settings that a scene has, also those of each joint with a bearing."""
-    settings = [*settings_in(scene, scene.origins)]
+    """Return all settings that a scene has by key; see ``_all_settings``."""
+    return {setting.key: setting for setting in _all_settings(scene)}
+
+
+def _all_settings(scene: Scene) -> Iterator[Setting]:
+    """Yield all settings that a scene has, also those of each joint with a bearing."""
+    yield from settings_in(scene, scene.origins)
     for joint in scene.bearing_joints:
-        settings += _of_joint(scene, joint)
-    return {setting.key: setting for setting in settings}
+        yield from _of_joint(scene, joint)
 
 
 def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
@@ -174,7 +178,9 @@ def settings_in(
             yield setting
         elif meaning is not None:
             origin = (origins or {}).get(key, meaning.origin)
-            plain.append(Setting(key, value, replace(meaning, origin=origin)))
+            if origin != meaning.origin:
+                meaning = replace(meaning, origin=origin)
+            plain.append(Setting(key, value, meaning))
         if _has_settings(value):
             for setting in settings_in(value, origins, inner):
                 if name != _COMMON or setting.key not in SINGLE:
@@ -244,18 +250,28 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     origins = {**scene.origins, **dict.fromkeys(named, origin)}
     # In one step: a new mechanism may have joints of other names.
     result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
-    allowed = _by_key(result)
-    for key in named:
-        if key not in allowed:
-            raise _unknown_key(result, key, allowed)
+    _check_keys(result, named)
     if in_file := [key for key in named if scene.origins.get(key) == IN_FILE]:
         # A value that the file has already is no change of it.
+        allowed = _by_key(result)
         before = _by_key(scene)
         same = [
             k for k in in_file if k in before and before[k].value == allowed[k].value
         ]
         result = replace(result, origins={**origins, **dict.fromkeys(same, IN_FILE)})
     return result
+
+
+def _check_keys(scene: Scene, keys: Iterable[str]) -> None:
+    """Raise InputError for a key that a scene does not have."""
+    missing = set(keys)
+    for setting in _all_settings(scene):
+        if not missing:
+            return
+        missing.discard(setting.key)
+    for key in keys:
+        if key in missing:
+            raise _unknown_key(scene, key, _by_key(scene))
 
 
 def _without_single(settings: Mapping[str, Any]) -> dict[str, Any]:

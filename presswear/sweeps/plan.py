@@ -159,7 +159,10 @@ class Plan:
         return settings | ({SEED: self.scene.seed + replicate} if replicate else {})
 
     def scene_of(self, row: int) -> Scene:
-        """Return the scene of a row; `InputError` if its settings do not fit together."""
+        """Return the scene of a row; `InputError` if its settings do not fit together.
+
+        The run checks whether it can run.
+        """
         scene = _with_requested_wear(changed(self.scene, self.settings(row)))
         if scene.purpose == "auto" and scene.wear_updates == 0:
             # rows are compared by peaks and means
@@ -171,7 +174,6 @@ class Plan:
         ):
             advice = "set it, as in cycles_per_update=1e6, so that all rows wear by equal strokes"
             raise InputError(f"cycles_per_update = none: {advice}, or wear_updates=0")
-        scene.check()
         return scene
 
     @property
@@ -208,11 +210,13 @@ class Plan:
 
     @cached_property
     def example(self) -> Scene:
-        """First scene that can be made; `InputError` if none can."""
+        """First scene that can run; `InputError` if none can."""
         problem = None
         for row in np.unique(np.linspace(0, self.rows - 1, TRIED_ROWS).astype(int)):
             try:
-                return self.scene_of(int(row))
+                scene = self.scene_of(int(row))
+                scene.check()
+                return scene
             except InputError as error:
                 problem = problem or error
         raise InputError(f"no scene of this plan can be made: {problem}")

@@ -331,12 +331,17 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
     A response without a stage is that of the last one.
     """
     values: dict[str, Response | None] = {}
+    pins = result.scene.loose_pins
+    joints_of = {}
+    for stage in result.stages:
+        all_joints = stage.joints
+        joints_of[stage.index] = [all_joints[pin] for pin in pins]
     for name, (_, _, scope, function, is_optional) in RESPONSES.items():
         if scope == "result":
             values[name] = function(result, None, None)
         elif not is_optional or name in requested.optional:
             for stage in result.stages:
-                joints = [stage.joints[name] for name in result.scene.loose_pins]
+                joints = joints_of[stage.index]
                 for joint in joints if scope == "joint" else (None,):
                     key = f"{joint.name}.{name}" if joint else name
                     values[f"{key}@{stage.index}"] = function(result, stage, joint)

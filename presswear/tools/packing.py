@@ -8,7 +8,7 @@ they are hundreds of numbers.
 
 import ctypes
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any, TypeVar, cast
 
 import numba
@@ -57,9 +57,14 @@ register_model(_Reference)(OpaqueModel)
 class PackedArguments(int):
     """Address of stored arguments, which it keeps alive."""
 
-    arguments: tuple[Any, ...]
+    stored: tuple[Any, ...]
     kind: _Reference
     memory: Any
+
+    @cached_property
+    def arguments(self) -> Any:
+        """Arguments for kernels in plain Python."""
+        return readable(self.stored)
 
 
 @typeof_impl.register(PackedArguments)
@@ -128,7 +133,7 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     """Return arguments for kernels that unpack them; arrays may change, but not their memory."""
     if config.DISABLE_JIT:
         packed = PackedArguments()
-        packed.arguments = readable(arguments)
+        packed.stored = arguments
         return packed
     key = _key(arguments)
     if key not in _references:
@@ -136,19 +141,16 @@ def pack_arguments(*arguments: Any) -> PackedArguments:
     reference = _references[key]
     memory = _stored(reference.kind, arguments)
     packed = PackedArguments(ctypes.addressof(memory))
-    packed.arguments, packed.kind, packed.memory = (
-        readable(arguments),
-        reference,
-        memory,
-    )
+    packed.stored = arguments
+    packed.kind = reference
+    packed.memory = memory
     return packed
 
 
 def bind(
-    kernel: Callable[[PackedArguments, float], T], *arguments: Any
+    kernel: Callable[[PackedArguments, float], T], packed: PackedArguments
 ) -> "partial[T]":
     """Return a kernel of packed arguments and a number as a function of the number."""
-    packed = pack_arguments(*arguments)
     return partial(specialised(kernel, packed, 0.0), packed)
 
 

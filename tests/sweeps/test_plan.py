@@ -91,7 +91,7 @@ def test_plans_are_stored_as_plain_data() -> None:
 def test_one_impossible_point_does_not_refuse_the_others() -> None:
     plan = Plan(SCENE, ("length_3=0.1m,0.2m",))
     with pytest.raises(InputError, match="assembled"):
-        plan.scene_of(0)
+        plan.scene_of(0).check()
     assert plan.example == plan.scene_of(1)
 
 

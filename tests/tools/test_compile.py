@@ -42,7 +42,7 @@ from presswear.tools.compile import (
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import lock
 from presswear.tools.kernel_cache import KernelCache, _entry_digest
-from presswear.tools.packing import PackedArguments, bind, unpack
+from presswear.tools.packing import PackedArguments, bind, pack_arguments, unpack
 
 
 @compiled
@@ -693,7 +693,7 @@ def _sum_springs(packed: PackedArguments, x: float) -> float:
 def test_kernels_read_the_parts_of_stored_tuples(is_loose: bool) -> None:
     spring = Spring(2.0, is_loose, np.array([[1.0, 9.0], [3.0, 9.0], [5.0, 9.0]])[:, 0])
     springs = Springs(2, None, spring, (0.25, np.full(1, 0.5)))
-    total = bind(_sum_springs, springs, 100.0)
+    total = bind(_sum_springs, pack_arguments(springs, 100.0))
     assert total(10.0) == 110.75 + (0.0 if is_loose else 8.0)
     spring.lengths[1] = 4.0
     assert total(10.0) == 110.75 + (0.0 if is_loose else 10.0)
@@ -737,7 +737,7 @@ def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     pairs["calls"] = random.random(count) < 0.5
     pairs["factor"] = random.random(count)
     out = np.zeros(1)
-    call = bind(_gather, (pairs, rows, None, single), out)
+    call = bind(_gather, pack_arguments((pairs, rows, None, single), out))
     expected = single.sum() + rows.sum() + pairs["factor"][pairs["calls"] > 0].sum()
     assert call(0.5) == pytest.approx(0.5 + expected, abs=1e-12)
     single += 1.0

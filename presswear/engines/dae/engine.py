@@ -46,7 +46,7 @@ from presswear.recording.soundness import Finding, Progress, check_motor
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError
-from presswear.tools.packing import bind
+from presswear.tools.packing import bind, pack_arguments
 
 # Advice for a run with steps that are too long
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
@@ -231,12 +231,13 @@ class _Solver:
         rest = self.records, self.control, self.steps
         if settings.has_equal_steps:
             run = Integration(system, None, 4, *rest, last=3)
-            self._kernel = bind(march_fixed, run)
         else:
             tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
             run = Integration(system, tableau, None, *rest, last=tableau.b.size)
-            self._kernel = bind(march_controlled, run)
-        self._place = bind(place_state, run)
+        packed_run = pack_arguments(run)
+        march = march_fixed if settings.has_equal_steps else march_controlled
+        self._kernel = bind(march, packed_run)
+        self._place = bind(place_state, packed_run)
 
     @property
     def time(self) -> float:

@@ -41,7 +41,7 @@ from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
-from presswear.tools.packing import bind
+from presswear.tools.packing import bind, pack_arguments
 
 exu = exudyn_module()
 
@@ -129,11 +129,14 @@ class _Tree:
         self.tree.pace["parts"] = settings.impact_steps
         self.tree.start[:] = live[:2]
         self.tree.start_states[:] = states
-        self._stage = bind(stage_forces, self.tree, self.records)
-        self._fill_start = bind(fill_start, self.tree, self.records)
+        packed_run = pack_arguments(self.tree, self.records)
+        self._stage = bind(stage_forces, packed_run)
+        self._fill_start = bind(fill_start, packed_run)
         if states.size:
-            self._states = bind(stage_states, self.tree, self.state_rates)
-        self.solver = self._prepare_solver(plan, recorder)
+            packed_rates = pack_arguments(self.tree, self.state_rates)
+            self._states = bind(stage_states, packed_rates)
+        accept = bind(accept_tree_step, packed_run)
+        self.solver = self._prepare_solver(plan, recorder, accept)
         self._fill_start(0.0)
         # Pins that are closed in the initial state store energy.
         self.records.memory["energy"] = self.records.contacts["energy"]
@@ -157,13 +160,15 @@ class _Tree:
             )
         return initial, (x, u, accelerations, live_states, np.frombuffer(self.force))
 
-    def _prepare_solver(self, plan: Plan, recorder: Recorder) -> Solver:
-        """Return Exudyn's solver, which calls the kernel of accepted steps."""
+    def _prepare_solver(
+        self, plan: Plan, recorder: Recorder, accept: Callable[[float], float]
+    ) -> Solver:
+        """Return Exudyn's solver, which calls ``accept``, the kernel of accepted steps."""
         longest = self.settings.longest(plan.cycle)
         solver = Solver(
             recorder,
             plan,
-            bind(accept_tree_step, self.tree, self.records),
+            accept,
             exu.DynamicSolverType.DOPRI5,
             _solver_settings(self.settings, longest),
             longest,
