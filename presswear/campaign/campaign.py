@@ -296,7 +296,8 @@ def run_into(
         if store.is_finished:
             return None
         checkpoint = None if store.resumed is None else Checkpoint.load(store.resumed)
-        if checkpoint and checkpoint.depth.shape != initial_depth(scene).shape:
+        # A jump adds replicates on surfaces of their own.
+        if checkpoint and checkpoint.depth.shape[1:] != initial_depth(scene).shape[1:]:
             raise InputError(f"{store.path}: its checkpoint is of another scene")
         workers = workers or Workers(lasts=store.interval / _UNITS_PER_CHECKPOINT)
         outcome = run_campaign(scene, (store, *observers), checkpoint, workers)
