@@ -49,7 +49,9 @@ class JointFilm:
     orbit: FilmOrbit
     clearance: float  # m
     roughness: float  # R_q of both surfaces together, m
-    loss: float = 0.0  # mean power that the oil takes, W
+    loss: float = (
+        0.0  # mean power that the oil takes; in the run also the asperities, W
+    )
 
     @property
     def thickness(self) -> Array:
@@ -226,8 +228,13 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     text = (
         f"With {bearing.viscosity:g} Pa s the least film of the cycle is {least} µm, at "
         f"{place:.0f}° ({phase} since the start) under {readable(force)} kN; the roughness of both "
-        f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}. The oil takes "
-        f"{readable(film.loss)} W on average, without the friction of asperities."
+        f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}. "
+    )
+    loss = f"{readable(film.loss)} W on average"
+    text += (
+        f"Oil and asperities take {loss}."
+        if bearing.has_film
+        else f"The oil takes {loss}, without the friction of asperities."
     )
     if not film.orbit.is_closed:
         text += (

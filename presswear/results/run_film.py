@@ -5,17 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Revolute
-from presswear.physics.oil_film import OilFilm, film_force, film_of
 from presswear.results.film_orbit import FilmOrbit
+from presswear.results.motor_load import period_in
 from presswear.results.oil_film import (
     ASSUMES,
     JointFilm,
     film_text,
-    shear_power,
 )
 from presswear.results.stage import StageResult
-from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import NotStored
@@ -27,17 +24,18 @@ _ROUND_OFF = 1e-9  # of a cycle, by which the series ends earlier than the cycle
 def run_films(scene: Scene, stage: StageResult) -> dict[str, JointFilm]:
     """Return the films in the last recorded cycle of a stage, of joints with a film in the run.
 
-    Empty if no cycle, or no series of the joints, was stored.
+    The loss is the mean over the sampled cycles. Empty if no cycle, or no series of the
+    joints, was stored.
     """
-    names = [name for name in scene.clearance_joints if scene.bearing(name).has_film]
+    joints = stage.statistics.joints.items()
+    names = [name for name, joint in joints if joint.has_film]
     if not names or "time" not in stage.arrays:
         return {}
     rows = _last_cycle(scene, stage.time)
     if rows.size == 0:
         return {}
-    pins = [pin for pin in scene.loaded.revolutes if pin.name in names]
     try:
-        return {pin.name: _film(scene, stage, pin, rows) for pin in pins}
+        return {name: _film(scene, stage, name, rows) for name in names}
     except NotStored:
         return {}
 
@@ -53,65 +51,21 @@ def _last_cycle(scene: Scene, time: Array) -> NDArray[np.int64]:
 
 
 def _film(
-    scene: Scene, stage: StageResult, pin: Revolute, rows: NDArray[np.int64]
+    scene: Scene, stage: StageResult, name: str, rows: NDArray[np.int64]
 ) -> JointFilm:
     """Return the film of a joint; an event stores two rows at one instant."""
-    joint, bearing = stage.joints[pin.name], scene.bearing(pin.name)
+    joint, bearing = stage.joints[name], scene.bearing(name)
     rows = rows[np.append(True, np.diff(stage.time[rows]) > 0.0)]
-    time, clock = stage.time[rows], stage.clock[rows]
+    time = stage.time[rows]
     place = joint.eccentricity[rows] @ np.array([1.0, 1.0j]) / bearing.clearance
-    orbit = FilmOrbit(1.0 - np.abs(place), place, is_closed=True)
-    speeds = stage.nominal_rate[rows] * _speed_sum(scene, pin, time)
-    power = _power(bearing, orbit, clock, speeds)
-    power += shear_power(bearing, orbit, joint.sliding[rows] / bearing.bearing_radius)
-    mean = float(np.trapezoid(power, clock) / (clock[-1] - clock[0]))
+    loss = joint.statistics.means["film_loss"].mean
     return JointFilm(
         360.0 * (time - time[0]) / scene.mechanism.period,
         joint.series("normal")[rows],
-        orbit,
+        FilmOrbit(1.0 - np.abs(place), place, is_closed=True),
         bearing.clearance,
         math.sqrt(2.0) * bearing.roughness,
-        bearing.parallel_rods * mean,
-    )
-
-
-def _speed_sum(scene: Scene, pin: Revolute, time: Array) -> Array:
-    """Return the speeds of pin and bearing in the linkage without clearance, rad/s, shape (n,)."""
-    linkage, velocity = scene.loaded, scene.ideal.at(time).velocity
-    speeds = [
-        velocity[:, 3 * linkage.index(end.body) + 2]
-        for end in pin.ends
-        if end.body != GROUND
-    ]
-    return np.sum(speeds, axis=0)
-
-
-def _power(bearing: Bearing, orbit: FilmOrbit, time: Array, speeds: Array) -> Array:
-    """Return the power that wedge and squeeze take in one of parallel rods, W.
-
-    ``speeds`` are those of pin and bearing together, rad/s.
-    """
-    size, rate = np.abs(orbit.place), np.gradient(orbit.place, time)
-    direction = np.divide(
-        orbit.place, size, out=np.ones_like(orbit.place), where=size > 0.0
-    )
-    on_film = rate * direction.conj()
-    turning = np.divide(on_film.imag, size, out=np.zeros(time.size), where=size > 0.0)
-    film = _film_of(bearing)
-    power = np.zeros(time.size)
-    rows = zip(orbit.gap, on_film.real, speeds - 2.0 * turning, strict=True)
-    for i, (gap, closing, speed) in enumerate(rows):
-        along, across = film_force(float(gap), float(closing), float(speed), film)
-        power[i] = 0.5 * across * (1.0 - gap) * speed - along * closing
-    return bearing.clearance * power
-
-
-def _film_of(bearing: Bearing) -> OilFilm:
-    return film_of(
-        bearing.width,
-        bearing.bearing_radius,
-        bearing.clearance,
-        bearing.viscosity or 0.0,
+        loss / period_in(scene, stage),
     )
 
 

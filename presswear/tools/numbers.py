@@ -45,9 +45,9 @@ DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
 }
 
 
-# Least magnitudes of SI units that are not printed as 0: a smaller length or load distance
-# is round-off, and a smaller volume less than an atom
-_LEAST_VALUES = {"m": 1e-18, "m^3": 1e-30, "N m": 1e-15}
+# Least magnitudes of SI units that are not printed as 0: less is round-off of a
+# mechanism, or a part of an atom
+_LEAST_VALUES = {"m": 1e-15, "m^3": 1e-24, "N m": 1e-15}
 
 
 def _decimals(value: float, digits: int) -> int:
