@@ -6,7 +6,7 @@ import pytest
 import presswear as pw
 from presswear.physics.ideal import motion_of
 
-FOUR_BAR = pw.FourBar(speed="60 rpm")
+FOUR_BAR = pw.FourBar()
 
 
 def test_a_linkage_without_clearance_follows_its_ideal_motion() -> None:

@@ -74,6 +74,6 @@ def test_kernels_make_no_array_and_raise_no_error() -> None:
                 called = node.func if isinstance(node, ast.Call) else None
                 is_maker = isinstance(called, ast.Attribute) and called.attr in makers
                 if is_maker or isinstance(node, ast.Raise):
-                    wrong.append(f"{file}:{node.lineno}: {function.name}")
+                    wrong.append(f"{file}:{function.lineno}: {function.name}")
     assert kernels > 100
     assert not wrong

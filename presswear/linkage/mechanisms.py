@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from presswear.linkage.drives import Drive, torque_limit
 from presswear.linkage.elements import Body, Guide, Pin
-from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     CHOSEN,
     DEFAULT_OF_ROD,
@@ -37,6 +37,7 @@ from presswear.linkage.mechanism import (
     motor_field,
 )
 from presswear.linkage.motor import Motor
+from presswear.linkage.parts import gravity, run_up
 from presswear.tools.quantities import choice, quantity
 
 

@@ -13,7 +13,7 @@ from functools import partial
 
 from presswear.linkage.drives import Drive, torque_limit
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
-from presswear.linkage.linkage import Linkage, assemble, gravity, run_up
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     LEFT,
     MAX_LINK,
@@ -33,6 +33,7 @@ from presswear.linkage.mechanism import (
     paper_mass,
 )
 from presswear.linkage.motor import Motor
+from presswear.linkage.parts import gravity, run_up
 from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import named_set, one_of, quantity, written

@@ -20,6 +20,7 @@ from presswear.recording.columns import (
     LEADER_CYCLE,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
+    Column,
     cycle_column,
     first_film_column,
     first_leader_column,
@@ -292,7 +293,7 @@ class JointResult:
 
         Its name is of ``JOINT_CYCLE``, or of ``FILM_CYCLE`` with an oil film in the run.
         """
-        columns = JOINT_CYCLE
+        columns: tuple[Column, ...] = JOINT_CYCLE
         if self.arrays["cycles"].shape[1] > JOINT_CYCLE_COUNT:
             columns += FILM_CYCLE
         place = index_of("quantity of a joint's cycle", name, names_of(columns))

@@ -5,6 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from swinging_slide import (
+    AMPLITUDE,
+    FORCE,
+    PERIOD,
+    WALL,
+    C,
+    swinging_slide,
+)
 
 import presswear as pw
 from presswear.engines.base import Plan, Start
@@ -15,14 +23,6 @@ from presswear.linkage.surface import Surface
 from presswear.physics.packed import pack
 from presswear.physics.wall_wear import bin_centres_of, wall_profile
 from presswear.tools.arrays import Array
-from tests.physics.test_wall_wear import (
-    AMPLITUDE,
-    FORCE,
-    PERIOD,
-    WALL,
-    C,
-    swinging_slide,
-)
 
 WEDGE = 20e-6  # slope of a wall
 ENGINES = [InHouse(integration_tolerance=1e-9), ExudynTree(), ExudynJoints()]
@@ -32,7 +32,7 @@ def on_wall(depth: Array) -> tuple[Linkage, float]:
     """Return the swinging slide with a worn left wall, and half the force over the stiffness."""
     linkage, _ = swinging_slide()
     corners = tuple(
-        replace(one, bearing_surface=Surface(depth if one.side > 0.0 else ()))
+        replace(one, bearing_surface=Surface(depth) if one.side > 0.0 else Surface())
         for one in linkage.corners
     )
     sink = 0.5 * FORCE / corners[0].normal.stiffness

@@ -1,0 +1,118 @@
+"""Numbers with their 95 % confidence interval."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import final
+
+from presswear.tools.numbers import readable, with_interval
+
+LEVEL = 0.95
+MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
+MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
+
+
+@final
+@dataclass(frozen=True)
+class Estimate:
+    """Number with its 95 % confidence interval."""
+
+    mean: float
+    low: float | None = None  # end of the interval; None: too few samples
+    high: float | None = None
+    samples: int = 0  # cycles, batches of cycles or replicates behind it
+
+    @staticmethod
+    def symmetric(
+        mean: float, half_width: float | None, samples: int = 0
+    ) -> "Estimate":
+        """Return an estimate whose interval reaches as far to both sides."""
+        if half_width is None:
+            return Estimate(mean, samples=samples)
+        return Estimate(mean, mean - half_width, mean + half_width, samples)
+
+    @property
+    def half_width(self) -> float | None:
+        """Half the length of the interval; None: too few samples."""
+        return (
+            None
+            if self.low is None or self.high is None
+            else 0.5 * (self.high - self.low)
+        )
+
+    @property
+    def positive(self) -> "Estimate":
+        """Estimate of a positive quantity, with the interval of its logarithm (delta method).
+
+        Without an interval if an end is more than ``MAX_FACTOR`` times away: too few
+        samples.
+        """
+        half = self.half_width
+        if half is None or self.mean <= 0.0:
+            return self
+        if half > self.mean * math.log(MAX_FACTOR):
+            return self.without_interval
+        factor = math.exp(half / self.mean)
+        return Estimate(self.mean, self.mean / factor, self.mean * factor, self.samples)
+
+    @property
+    def without_interval(self) -> "Estimate":
+        """Mean alone."""
+        return Estimate(self.mean, samples=self.samples)
+
+    def __str__(self) -> str:
+        """Return the mean with its interval; ``±`` where both ends are about as far away.
+
+        An interval over more than ``MAX_FACTOR`` squared says no more than too few
+        cycles.
+        """
+        if self.low is None and self.samples >= MIN_SAMPLES:
+            # of different motions, or too wide
+            return f"{readable(self.mean)} (no interval)"
+        if (
+            self.low is None
+            or self.high is None
+            or 0.0 < MAX_FACTOR**2 * self.low < self.high
+        ):
+            return with_interval(self.mean, None)
+        half = 0.5 * (self.high - self.low)
+        if abs(0.5 * (self.low + self.high) - self.mean) <= 0.05 * half:
+            return with_interval(self.mean, half)
+        mean, *ends = (
+            readable(number, 2) for number in (self.mean, self.low, self.high)
+        )
+        return f"{mean} ({' to '.join(ends)})"
+
+    def scaled(self, factor: float) -> "Estimate":
+        """Return the estimate in another unit; the factor is positive."""
+        low, high = (
+            None if end is None else factor * end for end in (self.low, self.high)
+        )
+        return Estimate(factor * self.mean, low, high, self.samples)
+
+
+def widened(estimate: Estimate, error: float) -> Estimate:
+    """Return an estimate with an independent error added as the root of the sum of squares."""
+    if estimate.low is None or estimate.high is None:
+        return estimate
+    mean, (below, above) = estimate.mean, (estimate.low, estimate.high)
+    low = mean - math.copysign(math.hypot(mean - below, error), mean - below)
+    high = mean + math.copysign(math.hypot(above - mean, error), above - mean)
+    return replace(estimate, low=low, high=high)
+
+
+def about(mean: float, estimate: Estimate) -> Estimate:
+    """Return an estimate moved to another mean and widened by the distance."""
+    off = mean - estimate.mean
+    if estimate.low is None or estimate.high is None:
+        return replace(estimate, mean=mean)
+    return widened(
+        Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples), off
+    )
+
+
+def quantile(freedom: float) -> float:
+    """Return Student's quantile at the upper end of an interval; the normal one for infinity."""
+    # slow to import, and scipy.stats three times as slow
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.5 + 0.5 * LEVEL))
