@@ -13,7 +13,9 @@ from presswear.recording.statistics import half_width, widened
 from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.tools.arrays import Array
 
-TRIES, LONG_RUNS = 80, 4  # long runs take the seeds after those of the tries
+TRIES = 80
+LONG_RUNS = 4
+LONG_SEEDS = range(TRIES + 1, TRIES + 1 + LONG_RUNS)  # no try has them
 CYCLES = 300  # of a replicate in a long run
 LEAST = 0.875  # of 80 intervals of 95 %, fewer hold by chance in one case of 150
 
@@ -28,6 +30,7 @@ class Subject:
 
     scene: pw.Scene
     cycles: int = CYCLES  # of a replicate in a long run
+    tries: int = TRIES
 
 
 def _slider_crank(rpm: float, **settings: Any) -> pw.Scene:
@@ -55,17 +58,17 @@ SUBJECTS = {
     "four-bar-motor": Subject(
         replace(_FOUR_BAR, mechanism=pw.FourBar(motor=_MOTOR)), 400
     ),
-    "four-bar-worn": Subject(replace(_FOUR_BAR, wear_updates=1), 800),
+    "four-bar-worn": Subject(replace(_FOUR_BAR, wear_updates=1), 800, 2 * TRIES),
 }
 
 
-def scenes_of(subject: Subject, tries: int = TRIES) -> dict[str, pw.Scene]:
-    """Return the tries of a subject and its long runs, by name."""
+def scenes_of(subject: Subject, tries: int | None = None) -> dict[str, pw.Scene]:
+    """Return the tries of a subject, all by default, and its long runs, by name."""
+    seeds = [k for k in range(1, subject.tries + LONG_RUNS + 1) if k not in LONG_SEEDS]
     scenes = {
-        f"try-{k}": pw.changed(subject.scene, {"seed": f"{k}"})
-        for k in range(1, tries + 1)
+        f"try-{k}": pw.changed(subject.scene, {"seed": f"{k}"}) for k in seeds[:tries]
     }
-    for k in range(TRIES + 1, TRIES + 1 + LONG_RUNS):
+    for k in LONG_SEEDS:
         changes = {"seed": f"{k}", "cycles": f"{subject.cycles}"}
         scenes[f"long-{k}"] = pw.changed(subject.scene, changes)
     return scenes

@@ -11,7 +11,6 @@ from intervals.coverage import (
     HEADER,
     LONG_RUNS,
     SUBJECTS,
-    TRIES,
     coverages,
     scenes_of,
     table,
@@ -28,7 +27,7 @@ def test_intervals_contain_the_true_value(
 ) -> None:
     """Tries with seeds of their own against long runs; the table is printed and stored."""
     is_quick = bool(request.config.getoption("--quick"))
-    scenes = scenes_of(SUBJECTS[name], FEW if is_quick else TRIES)
+    scenes = scenes_of(SUBJECTS[name], FEW if is_quick else None)
     jobs = request.config.getoption("--jobs")
     results = pw.run_scenes(scenes, FOLDER / name, jobs=int(jobs) if jobs else None)
     failures = []
@@ -64,6 +63,6 @@ def test_tries_share_no_seed_with_each_other_or_the_long_runs() -> None:
     for subject in SUBJECTS.values():
         scenes = scenes_of(subject)
         seeds = sorted(scene.seed for scene in scenes.values())
-        assert seeds == list(range(1, TRIES + LONG_RUNS + 1))
+        assert seeds == list(range(1, subject.tries + LONG_RUNS + 1))
         for name, scene in scenes.items():
             assert (scene.cycles == subject.cycles) == name.startswith("long")
