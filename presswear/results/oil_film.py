@@ -27,7 +27,7 @@ from presswear.results.rigid_joints import ideal_forces
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import percent, readable
+from presswear.tools.numbers import percent, quantity_text, readable
 
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
 WIDEST_CLEARANCE = (
@@ -217,7 +217,8 @@ def _reason(bearing: Bearing) -> str:
 def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     """Return the least film and where it is, and the shares of the states."""
     least = readable(1e6 * float(film.thickness.min()))
-    place, force = film.angle[film.thinnest], 1e-3 * film.force[film.thinnest]
+    place = film.angle[film.thinnest]
+    force = quantity_text(float(film.force[film.thinnest]), "N")
     states = "full film", "mixed lubrication", "contact of asperities"
     shares = ", ".join(
         f"{state} for {percent(time)} of the time and {percent(load)} of the load"
@@ -227,7 +228,7 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     )
     text = (
         f"With {bearing.viscosity:g} Pa s the least film of the cycle is {least} µm, at "
-        f"{place:.0f}° ({phase} since the start) under {readable(force)} kN; the roughness of both "
+        f"{place:.0f}° ({phase} since the start) under {force}; the roughness of both "
         f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}. "
     )
     loss = f"{readable(film.loss)} W on average"
