@@ -196,8 +196,8 @@ def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
     )
     scene = pw.Scene(slider, bearings={"B": pw.Bearing()}, cycles=1)
     message = (
-        "hold 7; slider can move freely, because fewer than two joints hold it; add joints, "
-        "guides or drives that hold 2 more$"
+        "hold 7; body slider can move freely, only one joint holds it; add joints, guides or "
+        "drives that hold 2 more$"
     )
     with pytest.raises(pw.InputError, match=message) as refused:
         pw.run(scene)

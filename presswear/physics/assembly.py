@@ -413,7 +413,8 @@ def assembled(linkage: Linkage) -> Array:
         held_bodies += [guide.body for guide in linkage.guides]
         single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
         hint = "".join(
-            f"; {name} can move freely, because fewer than two joints hold it"
+            f"; body {name} can move freely, "
+            f"{'only one joint holds' if name in held_bodies else 'no joint holds'} it"
             for name in single
         )
         raise AssemblyError(

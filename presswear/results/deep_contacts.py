@@ -1,7 +1,7 @@
 """Contacts whose penetration is too deep for a contact law of small contacts."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import get_args
 
 from presswear.linkage.laws import Elasticity, NormalLaw
@@ -85,41 +85,77 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
 
     At an angle x from the line of centres the surfaces overlap by e cos(x) - c, with
     the eccentricity e and the clearance c. The cosine of half the arc of contact is
-    c / (c + penetration).
+    c / (c + penetration). Joints of which the same is to be said share a sentence.
     """
+    deep = {
+        name: ratio
+        for name, ratio in penetrations(scene, stages).items()
+        if ratio > SMALL_CONTACT
+    }
+    oiled = [name for name in deep if scene.bearing(name).has_film]
     sentences = []
-    for name, ratio in penetrations(scene, stages).items():
-        if ratio <= SMALL_CONTACT:
-            continue
-        arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
-        bearing = scene.bearing(name)
-        deepest = 1e6 * ratio * bearing.clearance
-        if bearing.has_film:
-            sentences.append(
-                f"Joint {name}: pin and bearing deform by {readable(deepest)} µm, "
-                f"{readable(ratio)} of the clearance, while the oil film is that between rigid "
-                "ones: a real film is wider, and its least thickness greater."
-            )
-            continue
-        text = (
-            f"Joint {name}: the pin penetrates its bearing by {readable(deepest)} µm, "
-            f"{readable(ratio)} of the clearance, and touches it over {arc:.0f} degrees. The "
-            "contact law is made for small contacts; here bottom dead centre under load may be "
-            "wrong, forces less so."
+    if oiled:
+        depths = _joined(
+            f"by {_depth(scene, name, deep[name])} at joint {name}" for name in oiled
         )
-        last = next(one for one in reversed(stages) if not one.failed)
-        joint = last.statistics.joints.get(name)
-        if joint and (
-            forces := forces_by_law(scene, name, joint.peak_force_per_cycle.mean)
-        ):
-            used = bearing.elastic_law(scene.conventions.contact)
-            rest = [
-                f"{quantity_text(force, 'N')} by {LAW_WORDS[law]}"
-                for law, force in forces.items()
-                if law != used
-            ]
-            text += f" The peak force is {quantity_text(forces[used], 'N')} by {LAW_WORDS[used]}. "
-            text += f"An impact of the same elastic energy gives {' and '.join(rest)}; a load that "
-            text += "prescribes the force gives the same by all."
-        sentences.append(f"{text} A measured contact_stiffness reduces this doubt.")
+        sentences.append(
+            f"Pin and bearing deform {depths}, while the oil film is that between rigid ones: a "
+            "real film is wider, and its least thickness greater."
+        )
+    if dry := [name for name in deep if name not in oiled]:
+        sentences.append(
+            _dry_contacts(scene, stages, {name: deep[name] for name in dry})
+        )
     return sentences
+
+
+def _dry_contacts(
+    scene: Scene, stages: Sequence[StageResult], deep: Mapping[str, float]
+) -> str:
+    """Return sentences on deep contacts without a film, from their relative penetrations."""
+    arcs = {
+        name: math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
+        for name, ratio in deep.items()
+    }
+    places = _joined(
+        f"joint {name} by {_depth(scene, name, ratio)}, over {arcs[name]:.0f} degrees"
+        for name, ratio in deep.items()
+    )
+    text = f"Contacts are deep: pins penetrate their bearings at {places}. The contact law is made "
+    text += "for small contacts; here bottom dead centre under load may be wrong, forces less so."
+    last = next(one for one in reversed(stages) if not one.failed)
+    peaks = [
+        words
+        for name in deep
+        if name in last.statistics.joints
+        and (
+            words := _forces_by_law_text(
+                scene, name, last.statistics.joints[name].peak_force_per_cycle.mean
+            )
+        )
+    ]
+    if peaks:
+        text += " Peak forces, and those of an impact of the same elastic energy by other laws: "
+        text += f"{'; '.join(peaks)}. A load that prescribes the force gives the same by all."
+    return f"{text} A measured contact_stiffness reduces this doubt."
+
+
+def _depth(scene: Scene, joint: str, ratio: float) -> str:
+    """Return a penetration in micrometres and relative to the clearance."""
+    deepest = readable(1e6 * ratio * scene.bearing(joint).clearance)
+    return f"{deepest} µm, {readable(ratio)} of the clearance"
+
+
+def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:
+    """Return the peak force of a joint by each elastic law, that of the run first."""
+    forces = forces_by_law(scene, joint, force)
+    if not forces:
+        return ""
+    used = scene.bearing(joint).elastic_law(scene.conventions.contact)
+    order = [used, *(law for law in forces if law != used)]
+    texts = [f"{quantity_text(forces[law], 'N')} by {LAW_WORDS[law]}" for law in order]
+    return f"{joint} {', '.join(texts)}"
+
+
+def _joined(texts: Iterable[str]) -> str:
+    return " and ".join(texts)

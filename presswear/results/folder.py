@@ -10,9 +10,11 @@ used, and nothing that is read is executed.
 import hashlib
 import os
 import platform
+import shlex
 import subprocess
+import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
@@ -52,6 +54,7 @@ class Provenance(TypedDict):
     source: str
     machine: str
     started: str
+    command: NotRequired[str]  # that started the run
     resumed: NotRequired[list[dict[str, str]]]
 
 
@@ -99,7 +102,16 @@ def _program() -> Provenance:
 def provenance() -> Provenance:
     """Return the provenance of numbers that are computed here and now."""
     started = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-    return {**_program(), "started": started}
+    return {**_program(), "started": started, "command": command_of(sys.argv)}
+
+
+def command_of(arguments: Sequence[str]) -> str:
+    """Return a process's arguments as a command line; empty without a script or in a notebook."""
+    script = Path(arguments[0]).name if arguments else ""
+    if not script or script.startswith(("ipykernel", "-")):
+        return ""
+    name = "presswear" if script == "__main__.py" else script
+    return shlex.join([name, *arguments[1:]])
 
 
 def _versions(origin: Provenance) -> dict[str, str]:

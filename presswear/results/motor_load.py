@@ -53,6 +53,7 @@ class LeaderSpeed:
     """Speed of the first motor, means over the sampled cycles and strokes."""
 
     stroke_rate: Estimate  # cycles in a second, 1/s
+    touch: Estimate | None  # at the touch of the work, part of the nominal speed
     # greatest drop from the touch until the force of the work has vanished, part of the
     # speed at the touch; None: no work
     drop: Estimate | None
@@ -80,16 +81,17 @@ def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
         for stroke in sampled_strokes(scene, stage)
         if not math.isnan(stroke.contact)
     ]
-    drops, recoveries = np.array(rows).reshape(-1, 2).T
+    touches, drops, recoveries = np.array(rows).reshape(-1, 3).T
     recovery = mean_of_strokes(abs(leader.speed) * recoveries)
-    return LeaderSpeed(rate, mean_of_strokes(drops), recovery)
+    return LeaderSpeed(rate, mean_of_strokes(touches), mean_of_strokes(drops), recovery)
 
 
-def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float]:
-    """Return the drop of the speed by the work, and the nominal time until it is back, s.
+def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float, float]:
+    """Return the speed at the touch, its drop, and the nominal time until it is back, s.
 
-    The drop is a part of the speed at the touch, and from the least speed in a row of
-    the series. Rows lie where the force of the work begins, breaks and vanishes.
+    The speed is over the nominal one. The drop by the work is a part of the speed at
+    the touch, and from the least speed in a row of the series. Rows lie where the force
+    of the work begins, breaks and vanishes.
     """
     clock, speed = stage.clock, stage.nominal_rate
     before = float(np.interp(stroke.contact, clock, speed))
@@ -98,9 +100,9 @@ def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float]:
     drop = max(1.0 - float(during.min(initial=before)) / before, 0.0)
     is_back = (clock >= stroke.done) & (speed >= RECOVERED * before)
     if drop <= 1.0 - RECOVERED or not is_back.any():
-        return drop, math.nan
+        return before, drop, math.nan
     touch = float(stage.nominal_of(np.array(stroke.contact)))
-    return drop, float(stage.time[is_back][0]) - touch
+    return before, drop, float(stage.time[is_back][0]) - touch
 
 
 def period_in(scene: Scene, stage: StageResult) -> float:

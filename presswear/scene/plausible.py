@@ -1,6 +1,7 @@
 """Warnings about numbers that machines hardly have, such as a mass in g that was written as kg."""
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 from operator import attrgetter
 
@@ -35,17 +36,45 @@ USUAL = {
 
 def unusual(key: str, value: float, words: str) -> list[str]:
     """Return a sentence on an SI value outside its usual range, else nothing."""
-    low, high, unit = USUAL[key]
+    low, high, _ = USUAL[key]
     if low <= value <= high:
         return []
-    limit = (
-        f"at least {readable(low)}"
-        if value < low
-        else f"up to {quantity_text(high, unit)}"
+    return [_unusual_text(key, [value], words)]
+
+
+def unusual_joints(key: str, values: Mapping[str, float], words: str) -> list[str]:
+    """Return sentences on SI values of joints outside their usual range, one for each side of it.
+
+    ``words`` have the place ``{joints}``.
+    """
+    low, high, _ = USUAL[key]
+    sides = (
+        {name: value for name, value in values.items() if value < low},
+        {name: value for name, value in values.items() if value > high},
     )
     return [
-        f"{words} is {quantity_text(value, unit)} (usual: {limit}); check the units"
+        _unusual_text(
+            key,
+            [*side.values()],
+            words.format(
+                joints=f"joint{'s' * (len(side) > 1)} {' and '.join(side)}",
+            ),
+        )
+        for side in sides
+        if side
     ]
+
+
+def _unusual_text(key: str, values: Sequence[float], words: str) -> str:
+    """Return the sentence on SI values on one side of their usual range."""
+    low, high, unit = USUAL[key]
+    limit = (
+        f"at least {readable(low)}"
+        if values[0] < low
+        else f"up to {quantity_text(high, unit)}"
+    )
+    texts = " and ".join(dict.fromkeys(quantity_text(value, unit) for value in values))
+    return f"{words} is {texts} (usual: {limit}); check the units"
 
 
 def doubts(scene: Scene) -> list[str]:
@@ -71,14 +100,16 @@ def doubts(scene: Scene) -> list[str]:
             lines += unusual("gyration", ratio, words)
     for drive in linkage.drives:
         lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
-    for name in scene.loose_pins:
-        bearing = scene.bearing(name)
-        words = f"the clearance of joint {name}, divided by the radius of its bearing,"
-        lines += unusual(
-            "relative clearance", bearing.clearance / bearing.bearing_radius, words
-        )
-        if bearing.viscosity is not None:
-            lines += _oil_doubts(name, bearing)
+    bearings = {name: scene.bearing(name) for name in scene.loose_pins}
+    relative = {
+        name: bearing.clearance / bearing.bearing_radius
+        for name, bearing in bearings.items()
+    }
+    words = "the clearance of {joints}, divided by the radius of the bearing,"
+    lines += unusual_joints("relative clearance", relative, words)
+    lines += _oil_doubts(
+        {name: one for name, one in bearings.items() if one.viscosity is not None}
+    )
     if scene.process is not None:
         # The body that is too light for the force of the process, as a bar.
         force = max(force for _, force in scene.process.curve)
@@ -104,24 +135,25 @@ def _unused_limit(scene: Scene) -> list[str]:
     ]
 
 
-def _oil_doubts(name: str, bearing: Bearing) -> list[str]:
-    """Return a sentence on each number of an oiled joint for which no film is known."""
-    numbers = (
-        ("viscosity", bearing.viscosity or 0.0, "the viscosity of"),
+def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
+    """Return sentences on numbers of oiled joints for which no film is known."""
+    numbers: tuple[tuple[str, Callable[[Bearing], float], str], ...] = (
+        ("viscosity", lambda one: one.viscosity or 0.0, "the viscosity of {joints}"),
         (
             "oiled clearance",
-            bearing.clearance / bearing.bearing_radius,
-            "the clearance divided by the radius of the oiled bearing of",
+            lambda one: one.clearance / one.bearing_radius,
+            "the clearance divided by the radius of the oiled bearing of {joints}",
         ),
         (
             "oiled width",
-            0.5 * bearing.width / bearing.bearing_radius,
-            "the width divided by the diameter of the oiled bearing of",
+            lambda one: 0.5 * one.width / one.bearing_radius,
+            "the width divided by the diameter of the oiled bearing of {joints}",
         ),
     )
     lines = list[str]()
-    for key, value, words in numbers:
-        lines += unusual(key, value, f"{words} joint {name}")
+    for key, value_of, words in numbers:
+        values = {name: value_of(bearing) for name, bearing in bearings.items()}
+        lines += unusual_joints(key, values, words)
     return lines
 
 

@@ -1,4 +1,4 @@
-"""Key numbers of the pins: peak force, pin pressure and p v."""
+"""Key number of the pins: peak force; and the loads of their bearings that have limits."""
 
 from collections.abc import Mapping
 
@@ -22,10 +22,8 @@ LOADS = {
 
 
 def joint_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
-    """Return peak force, pin pressure and p v at the joints where they are greatest."""
-    if not pins_of(scene, stages[-1]):
-        return []
-    return [_peak_force(scene, stages), *_load_numbers(scene, stages[-1])]
+    """Return the peak force at the pin where it is greatest; empty without a pin."""
+    return [_peak_force(scene, stages)] if pins_of(scene, stages[-1]) else []
 
 
 def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
@@ -58,36 +56,6 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     if penetrations(scene, stages)[at] > SMALL_CONTACT:
         peak = _with_laws(peak, forces_by_law(scene, at, forces[at].mean))
     return peak
-
-
-def _load_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
-    """Return pin pressure and p v at the pins where they are closest to their limits.
-
-    Without limits they are those of the pins where they are greatest.
-    """
-    settling = stage.statistics.settling
-    result = []
-    for key, loads in bearing_loads(scene, stage).items():
-        limits = {name: getattr(scene.bearing(name), key) for name in loads}
-        ratios = {
-            name: loads[name].scaled(1.0 / limit)
-            for name, limit in limits.items()
-            if limit
-        }
-        at = key_of_greatest(ratios or loads)
-        bearing = scene.bearing(at)
-        title, unit, words = LOADS[key]
-        size = f"{_mm(2.0 * bearing.bearing_radius)} × {_mm(bearing.width)} mm"
-        limit = (
-            numbers.quantity_text(limits[at], unit)
-            if limits[at]
-            else f"not given ({key})"
-        )
-        if key == "pressure_limit" and settling and settling.is_mixture:
-            words += ", of the motion with the largest force,"
-        text = f"{words} at joint {at} ({size}). Limit: {limit}."
-        result.append(measured(title, loads[at], unit, text))
-    return result
 
 
 def bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estimate]]:
@@ -159,7 +127,3 @@ def _with_laws(peak: KeyNumber, forces: Mapping[str, float]) -> KeyNumber:
     meaning += "foundation is that of an impact of the same elastic energy."
     interval = f"{peak.interval}; {laws}" if peak.interval else laws
     return peak._replace(interval=interval, meaning=meaning)
-
-
-def _mm(length: float) -> str:
-    return numbers.short_number(1e3 * length)

@@ -22,8 +22,9 @@ from presswear.show.figures.life import limit_text
 from presswear.show.joint_numbers import joint_numbers, pins_of, reason_without_interval
 from presswear.show.key_number import UNKNOWN, key_of_greatest
 from presswear.show.page import KeyNumber
-from presswear.show.stroke_numbers import motor_numbers, stroke_numbers
+from presswear.show.stroke_numbers import motion_numbers, stroke_numbers
 from presswear.show.wear_number import wear_per_million_strokes
+from presswear.show.words import number_in_words_of
 from presswear.tools import numbers
 
 _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
@@ -31,9 +32,7 @@ _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named
 
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Return the key numbers of a life, and of the last stage that did not fail, if any."""
-    stages = [
-        stage for stage in result.stages if stage.statistics.output and not stage.failed
-    ]
+    stages = stages_with_numbers(result)
     life = [] if result.life is None else [_life(result, result.life)]
     if not stages:
         return life
@@ -50,14 +49,22 @@ def key_numbers(result: Result) -> list[KeyNumber]:
             for peak in peaks
         ]
 
-    return [
+    found = [
         *life,
-        *explained(joint_numbers(scene, stages)),
-        *([] if life else wear_per_million_strokes(scene, stages)),
+        *motion_numbers(scene, last),
         *stroke_numbers(scene, last),
-        *motor_numbers(scene, last),
+        *explained(joint_numbers(scene, stages)),
         *explained(drive_numbers(scene, stages)),
+        *([] if life else wear_per_million_strokes(scene, stages)),
         *_improvement(scene, last, result.life),
+    ]
+    return [number_in_words_of(scene, number) for number in found]
+
+
+def stages_with_numbers(result: Result) -> list[StageResult]:
+    """Return the stages that did not fail and ran far enough for a number."""
+    return [
+        stage for stage in result.stages if stage.statistics.output and not stage.failed
     ]
 
 

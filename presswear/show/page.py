@@ -197,12 +197,30 @@ class KeyNumber(NamedTuple):
     note: str = ""
 
 
+class Verdict(NamedTuple):
+    """Verdict on a number beside its limit: word, sign, and class in the style sheet."""
+
+    word: str
+    sign: str
+    style: str
+
+
+class LimitLine(NamedTuple):
+    """Number beside its limit, both as texts, and the verdict."""
+
+    number: KeyNumber
+    limit: str
+    verdict: Verdict
+
+
 @dataclass(frozen=True)
 class FirstScreen:
-    """Top of a page: the status, the key numbers beside a picture, and the warnings."""
+    """Top of a page: the status, limits, key numbers beside a picture, and the warnings."""
 
     status: str = ""
     style: str = "completed"
+    made_by: str = ""  # command, version and date
+    limits: Sequence[LimitLine] = ()
     key_numbers: Sequence[KeyNumber] = ()
     warnings: Sequence[str] = ()
     picture: Illustration | None = None

@@ -30,8 +30,9 @@ from presswear.show import page
 from presswear.show.figures import drawings, first_drawings, remove_others
 from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import stage_names
-from presswear.show.key_numbers import key_numbers
+from presswear.show.key_numbers import key_numbers, stages_with_numbers
 from presswear.show.life_section import life_section
+from presswear.show.limits import limit_lines
 from presswear.show.motion_table import motion_table
 from presswear.show.page import Illustration, Table
 from presswear.show.scene_tables import mechanism_tables, setting_tables
@@ -44,6 +45,7 @@ from presswear.show.stage_tables import (
 from presswear.show.tables import Record, line_table, result_table
 from presswear.show.warnings import warnings
 from presswear.show.wear_law import wear_law_numbers
+from presswear.show.words import in_words_of
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, NotStored
 from presswear.tools.files import inside, write_bytes
@@ -75,7 +77,13 @@ def write_report(
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     notify(len(sheets))
     folder = inside(result.path, "figures")
-    figures = page.illustrated(sheets, folder)
+    figures = [
+        figure._replace(
+            title=in_words_of(result.scene, figure.title),
+            caption=in_words_of(result.scene, figure.caption),
+        )
+        for figure in page.illustrated(sheets, folder)
+    ]
     remove_others(folder, [figure.file for figure in figures])
     command = (
         "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
@@ -93,6 +101,7 @@ def render_report(
     The page states ``figures_command``, which draws all figures, unless it is empty.
     """
     scene = result.scene
+    sound = stages_with_numbers(result)
     changes = changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
@@ -134,6 +143,8 @@ def render_report(
         page.FirstScreen(
             status=_status(result),
             style=result.status if result.status in FINISHED else "unfinished",
+            made_by=made_by(result),
+            limits=limit_lines(scene, sound[-1]) if sound else (),
             key_numbers=key_numbers(result),
             warnings=[*warnings(result), *missing],
             picture=next(
@@ -144,6 +155,15 @@ def render_report(
         figures=figures,
         **content,
     )
+
+
+def made_by(result: Result) -> str:
+    """Return the command that started the run, the version of presswear and the date."""
+    origin = result.provenance
+    command = origin.get("command", "")
+    version = origin["packages"]["presswear"]
+    date = origin["started"].replace("T", " ").replace("Z", " UTC")
+    return f"{command}, presswear {version}, {date}".removeprefix(", ")
 
 
 def _status(result: Result) -> str:

@@ -1,9 +1,11 @@
-"""Key numbers of the strokes: work, frame, slide, bottom dead centre and motor."""
+"""Key numbers of the strokes: motion, work, frame, slide, flywheel and bottom dead centre."""
 
+from presswear.physics import statics
+from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import Estimate
-from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
-from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, guide_tilts
-from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
+from presswear.results.frame_load import frame_loads
+from presswear.results.guide_tilt import guide_tilts
+from presswear.results.motor_load import leader_speed
 from presswear.results.run_film import run_films
 from presswear.results.stage import BottomStatistics, StageResult
 from presswear.results.tonnage import tonnage_of
@@ -11,23 +13,38 @@ from presswear.scene.scene import Scene
 from presswear.show.key_number import measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
+from presswear.tools.errors import InputError, RunFailed
 
 NEGLIGIBLE = 1e-8  # m, error of bottom dead centre that no instrument of a press shows
-# Tilt that press makers ask for, as a text
-ALLOWED_TILT_TEXT = f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f} µm/m"
+
+
+def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the stroke and the strokes a minute, those that a motor reaches if there is one."""
+    result = []
+    if bottom_of(scene.ideal) is not None:
+        text = f"Between the lowest and the highest position of {scene.output}, without clearance."
+        stroke = numbers.quantity_text(scene.stroke, "m")
+        result.append(KeyNumber("Stroke", stroke, "", text))
+    nominal = numbers.readable(60.0 / scene.mechanism.period)
+    speed = leader_speed(scene, stage)
+    if speed is None:
+        text = "Prescribed by the drives."
+        return [*result, KeyNumber("Strokes a minute", nominal, "", text)]
+    text = f"Reached by the motor, on average; nominal: {nominal}."
+    reached = measured("Strokes a minute", speed.stroke_rate.scaled(60.0), "", text)
+    return [*result, reached._replace(value=reached.value.rstrip())]
 
 
 def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
-    """Return the numbers of work, frame, slide and bottom dead centre."""
-    tonnage = tonnage_of(scene, stage)
+    """Return the numbers of work, frame, slide, film, flywheel and bottom dead centre."""
+    result = [
+        *_work_numbers(scene, stage),
+        *_frame_numbers(scene, stage),
+        *_flywheel_numbers(scene, stage),
+        *_guide_numbers(scene, stage),
+        *_film_numbers(scene, stage),
+    ]
     bdc = stage.statistics.bdc
-    result = []
-    if tonnage is not None and tonnage.peak_force is not None:
-        text = f"Greatest force of the work on {scene.output} in a stroke."
-        result.append(measured("Working force", tonnage.peak_force, "N", text))
-    result += _frame_numbers(scene, stage)
-    result += _guide_numbers(scene, stage)
-    result += _film_numbers(scene, stage)
     if bdc is None or not scene.has_deviations:
         return result
     text = f"Lowest position of {scene.output} compared with rigid joints without clearance; "
@@ -38,6 +55,72 @@ def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text = "Standard deviation of bottom dead centre from stroke to stroke."
     scatter = bdc.standard_deviation
     return [*result, _of_bottom("Repeatability", scatter, text, bdc.strokes)]
+
+
+def _work_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return force and work of a stroke on the work, and the deflection under this force."""
+    tonnage = tonnage_of(scene, stage)
+    if tonnage is None or tonnage.peak_force is None:
+        return []
+    text = f"Greatest force of the work on {scene.output} in a stroke."
+    result = [measured("Working force", tonnage.peak_force, "N", text)]
+    if tonnage.work is not None:
+        text = f"Energy that the work takes from {scene.output} in a stroke."
+        result.append(measured("Work of a stroke", tonnage.work, "J", text))
+    force = tonnage.peak_force.mean
+    if (rise := _deflection(scene, stage, force)) is not None:
+        text = f"Rise of bottom dead centre under a static {numbers.quantity_text(force, 'N')}, "
+        text += "with clearance, contacts and springs, drives held."
+        value = numbers.quantity_text(rise, "m")
+        result.append(KeyNumber("Deflection under load", value, "", text))
+    return result
+
+
+def _deflection(scene: Scene, stage: StageResult, force: float) -> float | None:
+    """Return the rise of bottom dead centre under a static force, m; None if nothing deflects.
+
+    It is also None without a static equilibrium, and for stored laws that are not trusted.
+    """
+    if not scene.has_deviations or not all(
+        law.is_trusted for law in scene.user_laws.values()
+    ):
+        return None
+    try:
+        rise = float(statics.deflection(scene.linkage(stage.surfaces), force))
+    except (InputError, RunFailed):
+        return None
+    return (
+        rise if abs(rise) > NEGLIGIBLE else None
+    )  # joints that the load leaves closed
+
+
+def _flywheel_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the energy of the flywheel of the first motor, J, and what the work takes from it."""
+    leader = scene.linkage().leader
+    speed = leader_speed(scene, stage)
+    if leader is None or leader.motor is None or speed is None:
+        return []
+    inertia = leader.motor.reflected_inertia
+    if inertia == 0.0:
+        return []
+    energy = 0.5 * inertia * leader.speed**2
+    text = f"Of rotor and flywheel at the nominal speed of {leader.body}."
+    if speed.touch is not None and speed.drop is not None:
+        given = energy * speed.touch.mean**2 * (1.0 - (1.0 - speed.drop.mean) ** 2)
+        text += f" Its drop in the work gives {numbers.quantity_text(given, 'J')}."
+    value = numbers.quantity_text(energy, "J")
+    return [KeyNumber("Flywheel energy", value, "", text)]
+
+
+def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the tilt of each slide in a guide with clearance, if there is no work."""
+    if scene.process is not None:
+        return []  # the tilt is beside its limit
+    return [
+        measured("Tilt of the slide", tilt.working.scaled(1e6), "µm/m", f"In {name}.")
+        for name, tilt in guide_tilts(scene, stage).items()
+        if tilt.working is not None
+    ]
 
 
 def _of_bottom(
@@ -61,42 +144,14 @@ def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
 
 
 def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
-    """Return the stretch of each elastic frame, with its reverse force."""
+    """Return the stretch of each elastic frame."""
     result = []
     for name, load in frame_loads(scene, stage).items():
         if load.stretch is None or load.force is None:
             continue
         force = numbers.quantity_text(load.force.mean, "N")
         text = f"Stretch of {name} at its greatest force, {force}."
-        if load.reverse_fraction is not None:
-            part = numbers.percent(load.reverse_fraction.mean, 2)
-            text += (
-                f" The reverse force after the fracture is {part} of it; press makers "
-            )
-            text += f"allow {100.0 * ALLOWED_REVERSE:.0f} %."
         result.append(measured("Stretch of the frame", load.stretch, "m", text))
-    return result
-
-
-def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
-    """Return the tilt of each slide in a guide with clearance, and its greatest corner force."""
-    result = []
-    for name, tilt in guide_tilts(scene, stage).items():
-        tilts = dict(tilt.at_work)
-        if not tilts:
-            continue
-        at = next(iter(tilts))
-        text = f"Tilt in {name} at {at}; makers of presses ask for {ALLOWED_TILT_TEXT} under load."
-        first = tilts.pop(at)
-        rest = [f"at {words} {microns_per_metre(one)}" for words, one in tilts.items()]
-        if tilt.greatest is not None:
-            rest.append(f"greatest in a stroke {microns_per_metre(tilt.greatest)}")
-        text += f" Also {', '.join(rest)} µm/m."
-        if tilt.corner_force is not None:
-            force = numbers.quantity_text(tilt.corner_force.mean, "N")
-            text += f" Greatest force of a corner: {force}."
-        scaled = first.scaled(1e6)
-        result.append(measured("Tilt of the slide", scaled, "µm/m", text))
     return result
 
 
@@ -113,25 +168,3 @@ def _film_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text += f"{roughness}. Full film for {numbers.percent(film.time_shares[0])} of the cycle."
     value = numbers.quantity_text(thinnest[joint], "m")
     return [KeyNumber("Least oil film", value, "", text)]
-
-
-def motor_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
-    """Return the strokes a minute that the motor reaches, with its drop and its torque."""
-    speed = leader_speed(scene, stage)
-    if speed is None:
-        return []
-    text = "Strokes a minute, on average."
-    if speed.drop is not None:
-        part = numbers.percent(speed.drop.mean, 2)
-        text += f" The work slows the motor by {part}; press makers allow "
-        text += f"{100.0 * ALLOWED_DROP:.0f} %."
-    for body, load in motor_loads(scene, stage).items():
-        part = numbers.percent(load.rms_fraction.mean)
-        text += f" The rms torque of the motor of {body} is {part} of the rated one."
-    rate = speed.stroke_rate.scaled(60.0)
-    return [measured("Speed reached", rate, "strokes a minute", text)]
-
-
-def microns_per_metre(tilt: Estimate) -> str:
-    """Return the mean of a tilt, rad, in um/m as a text."""
-    return numbers.readable(1e6 * tilt.mean, 2)

@@ -4,22 +4,16 @@ import math
 
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.contact_warnings import contact_warnings
-from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
-from presswear.results.guide_tilt import ALLOWED_TILT, guide_tilts, self_locking
+from presswear.results.guide_tilt import self_locking
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
-from presswear.results.motor_load import (
-    ALLOWED_DROP,
-    leader_speed,
-    motor_loads,
-    saturated_servos,
-)
+from presswear.results.motor_load import saturated_servos
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.scene.plausible import doubts, unusual
+from presswear.scene.plausible import doubts, unusual_joints
 from presswear.scene.scene import Scene
-from presswear.show.joint_numbers import LOADS, bearing_loads
+from presswear.show.joint_numbers import bearing_loads
 from presswear.show.key_number import ENOUGH
-from presswear.show.stroke_numbers import ALLOWED_TILT_TEXT, microns_per_metre
+from presswear.show.words import in_words_of
 from presswear.tools import numbers
 from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
@@ -46,14 +40,12 @@ def warnings(result: Result) -> list[str]:
     for stage in stages:
         lines += _settling_warnings(stage)
     for stage in stages:
-        lines += _frame_warnings(scene, stage)
-        lines += _motor_warnings(scene, stage)
-        lines += _guide_warnings(scene, stage)
+        lines += _servo_warnings(scene, stage)
         lines += _energy_warnings(scene, stage)
     lines += _sampling_warnings(scene, stages)
     for stage in stages[-1:]:
-        lines += _limit_warnings(scene, stage)
-    return lines
+        lines += _load_warnings(scene, stage)
+    return [in_words_of(scene, line) for line in lines]
 
 
 def _settling_warnings(stage: StageResult) -> list[str]:
@@ -66,17 +58,6 @@ def _settling_warnings(stage: StageResult) -> list[str]:
     if (settling.starts[0] or 0) > STARTUP_CYCLES:
         text += " Figures over time show the first run before it came to rest."
     return [text]
-
-
-def _frame_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on frames with more reverse force than press makers allow."""
-    return [
-        f"{stage.name.capitalize()}: the reverse force of {name} after the fracture is "
-        f"{numbers.readable(100.0 * load.reverse_fraction.mean, 2)} % of its greatest force; "
-        f"press makers allow {100.0 * ALLOWED_REVERSE:.0f} %."
-        for name, load in frame_loads(scene, stage).items()
-        if load.is_excessive and load.reverse_fraction is not None
-    ]
 
 
 def _energy_warnings(scene: Scene, stage: StageResult) -> list[str]:
@@ -116,74 +97,29 @@ def _sampling_warnings(scene: Scene, stages: list[StageResult]) -> list[str]:
     return lines
 
 
-def _limit_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on pin pressure and p v above their limits, or of unusual size."""
+def _load_warnings(scene: Scene, stage: StageResult) -> list[str]:
+    """Return sentences on pin pressures of unusual size, and on a p v that is not computed."""
     lines = []
-    by_limit = bearing_loads(scene, stage)
-    is_limited = any(scene.bearing(name).pv_limit for name in stage.joints)
-    if is_limited and "pv_limit" not in by_limit:
+    loads = bearing_loads(scene, stage)
+    if "pv_limit" not in loads and any(
+        scene.bearing(name).pv_limit for name in stage.joints
+    ):
         lines.append(
             "pv_limit is not compared: it needs slip = sliding, as in refined, and no film."
         )
-    for key, loads in by_limit.items():
-        unit = LOADS[key][1]
-        for name, load in loads.items():
-            limit = getattr(scene.bearing(name), key)
-            if limit is None and key == "pressure_limit":
-                lines += unusual(
-                    "pin pressure", load.mean, f"the pin pressure of joint {name}"
-                )
-            elif limit and (highest := load.high or load.mean) > limit:
-                is_certain = load.mean > limit
-                value = numbers.quantity_text(
-                    load.mean if is_certain else highest, unit
-                )
-                fault = "exceeds" if is_certain else "is possible and exceeds"
-                text = f"{fault} {key} = {numbers.quantity_text(limit, unit)}"
-                lines.append(f"Joint {name}: {value} {text}.")
-    return lines
+    pressures = {
+        name: load.mean
+        for name, load in loads.get("pressure_limit", {}).items()
+        if scene.bearing(name).pressure_limit is None
+    }
+    words = "the pin pressure of {joints}"
+    return lines + unusual_joints("pin pressure", pressures, words)
 
 
-def _guide_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on slides of presses that tilt more than press makers ask for."""
-    lines: list[str] = []
-    if scene.process is None:
-        return lines
-    for name, tilt in guide_tilts(scene, stage).items():
-        if tilt.is_excessive:
-            tilts = ", ".join(
-                f"{microns_per_metre(one)} µm/m at {words}"
-                for words, one in tilt.at_work.items()
-                if one.mean > ALLOWED_TILT
-            )
-            lines.append(
-                f"{stage.name.capitalize()}: the slide tilts in {name} by {tilts}; press "
-                f"makers ask for {ALLOWED_TILT_TEXT}."
-            )
-    return lines
-
-
-def _motor_warnings(scene: Scene, stage: StageResult) -> list[str]:
-    """Return sentences on motors that are slowed too much, overloaded or saturated."""
-    name = stage.name.capitalize()
-    speed = leader_speed(scene, stage)
-    lines = []
-    if speed is not None and speed.drop is not None and speed.is_excessive:
-        part = numbers.readable(100.0 * speed.drop.mean, 2)
-        lines.append(
-            f"{name}: the work slows the motor by {part} %; press makers allow "
-            f"{100.0 * ALLOWED_DROP:.0f} %. A larger flywheel reduces the drop."
-        )
-    for body, load in motor_loads(scene, stage).items():
-        if load.is_overloaded:
-            part = numbers.readable(100.0 * load.rms_fraction.mean, 3)
-            lines.append(
-                f"{name}: the rms torque of the motor of {body} is {part} % of its rated "
-                "torque, so that the motor overheats."
-            )
-    for body, limit in saturated_servos(scene, stage).items():
-        lines.append(
-            f"{name}: the servo of {body} reaches its torque_limit of {written(limit, 'N m')} and "
-            "falls behind its motion."
-        )
-    return lines
+def _servo_warnings(scene: Scene, stage: StageResult) -> list[str]:
+    """Return a sentence on each servo that reaches the limit of its torque."""
+    return [
+        f"{stage.name.capitalize()}: the servo of {body} reaches its torque_limit of "
+        f"{written(limit, 'N m')} and falls behind its motion."
+        for body, limit in saturated_servos(scene, stage).items()
+    ]

@@ -36,6 +36,7 @@ from presswear.results.life import LifeResult
 from presswear.scene.settings import changed
 from presswear.show import figures
 from presswear.show.key_numbers import key_numbers
+from presswear.show.limits import limit_lines
 from presswear.tools.errors import NARROW
 
 ROOT = Path(__file__).parents[2]
@@ -232,7 +233,8 @@ def test_key_numbers_of_a_report_have_a_formula() -> None:
         for each in (result, replace(result, life=life))
         for one in key_numbers(each)
     }
-    assert len(names) == 11
+    names |= {one.number.name for one in limit_lines(result.scene, result.stages[-1])}
+    assert len(names) == 15
     assert [name for name in names if name not in numbers_explained()] == []
 
 

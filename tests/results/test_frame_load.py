@@ -10,9 +10,8 @@ import presswear as pw
 from presswear.results.export import table_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.strokes import sampled_strokes
-from presswear.show.key_numbers import key_numbers
+from presswear.show.limits import limit_lines
 from presswear.show.stage_tables import stage_tables
-from presswear.show.warnings import warnings
 
 FRAME = 0.5e9
 STOP = 2e9
@@ -75,9 +74,9 @@ def test_the_frame_swings_back_after_a_fracture() -> None:
         math.exp(-0.05 * math.pi) * at_break, rel=0.1
     )
     assert load.is_excessive
-    texts = [f"{number}" for number in key_numbers(result)]
-    assert any("press makers allow 10 %" in text for text in texts)
-    assert any("the reverse force of frame" in line for line in warnings(result))
+    lines = {one.number.name: one for one in limit_lines(result.scene, stage)}
+    line = lines["Reverse force of the frame"]
+    assert (line.limit, line.verdict.word) == ("10 %", "above the limit")
     assert "reverse force over greatest force" in f"{stage_tables(result)['tonnage']}"
     assert np.array_equal(table_of(result, 0)["frame_stretch"], stretch[:, 0])
 
@@ -97,8 +96,12 @@ def test_a_reverse_force_above_10_percent_is_warned_of(
     load = (FRAME * stage.arrays["stretch"][:, 0] + WEIGHT)[late]
     part = -load.min() / load.max()
     assert part == pytest.approx(0.1, abs=0.02)
-    warned = any("the reverse force of frame" in line for line in warnings(result))
-    assert warned == excessive == (part > 0.1)
+    (line,) = [
+        one
+        for one in limit_lines(result.scene, stage)
+        if one.number.name == "Reverse force of the frame"
+    ]
+    assert (line.verdict.word == "above the limit") == excessive == (part > 0.1)
 
 
 def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:

@@ -19,7 +19,7 @@ from presswear.results.guide_tilt import (
     self_locking,
 )
 from presswear.show.figures.guide import largest_tilt
-from presswear.show.key_numbers import key_numbers
+from presswear.show.limits import limit_lines
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
 from presswear.sweeps.responses import OF_GUIDES, RESPONSES, available
@@ -164,9 +164,13 @@ def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) 
 
 
 def test_the_report_has_the_tilt(result: pw.Result) -> None:
-    texts = [f"{number}" for number in key_numbers(result)]
-    assert any("ask for 20 to 50 µm/m under load" in text for text in texts)
-    assert any("slide tilts in guide by" in line for line in warnings(result))
+    (line,) = [
+        one
+        for one in limit_lines(result.scene, result.stages[0])
+        if one.number.name == "Tilt of the slide"
+    ]
+    assert (line.limit, line.verdict.word) == ("50 µm/m", "above the limit")
+    assert "makers of presses ask for the limit under load" in line.number.meaning
     jams = replace(result, scene=press(offset=1.0, friction=0.21))
     assert any("self-locking" in line for line in warnings(jams))
     assert not any("self-locking" in line for line in warnings(result))

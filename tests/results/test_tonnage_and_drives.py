@@ -590,9 +590,9 @@ SCENE = pw.scenes.press_blanking(
     conventions="paper", wear_updates=0, cycles=1, clearance="0.5 mm"
 )
 EQUAL = (
-    "Joint C: the pin penetrates its bearing by 500 µm, 1.00 of the clearance, and touches it over "
-    "120 degrees. The contact law is made for small contacts; here bottom dead centre under load "
-    "may be wrong, forces less so."
+    "Contacts are deep: pins penetrate their bearings at joint C by 500 µm, 1.00 of the clearance, "
+    "over 120 degrees. The contact law is made for small contacts; here bottom dead centre under "
+    "load may be wrong, forces less so."
 )
 MEASURED = "A measured contact_stiffness reduces this doubt."
 
@@ -655,10 +655,11 @@ def test_a_result_names_joints_whose_pins_sink_in_deep(force: str, joints: int) 
     scene = pw.changed(SCENE, {"process.force": force})
     result = pw.run(scene)
     sentences = deep_contacts(scene, result.stages)
-    assert all(
-        "An impact of the same elastic energy gives" in line for line in sentences
-    )
+    assert all("an impact of the same elastic energy" in line for line in sentences)
     card = next(one for one in key_numbers(result) if one.name == "Peak joint force")
     assert ("by contact law" in card.interval) == (joints > 0)
-    assert [line[:7] for line in sentences] == ["Joint A", "Joint C"][:joints]
+    assert len(sentences) == min(joints, 1)
+    assert all(
+        "at joint A by " in line and "and joint C by" in line for line in sentences
+    )
     assert all(line in str(result).splitlines() for line in sentences)

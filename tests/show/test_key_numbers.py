@@ -1,5 +1,6 @@
 """Key numbers and warnings of made-up results."""
 
+import re
 from dataclasses import replace
 
 import made_up_result as made
@@ -60,49 +61,31 @@ def test_an_interval_of_a_positive_number_is_that_of_its_logarithm() -> None:
     assert Estimate.symmetric(1.0, 3.0, 2).positive == Estimate(1.0, samples=2)
 
 
-def test_loads_stand_beside_their_limits() -> None:
-    bearing = pw.Bearing(bearing_radius=0.01, width=0.02, pressure_limit=1e5)
-    scene = pw.changed(replace(made.ONE, bearings={"C": bearing}), {"slip": "sliding"})
-    result = made_up(scene, 2)
-    numbers = {number.name: number for number in key_numbers(result)}
-    assert 6 <= len(numbers) <= 10
-    assert (
-        "Largest of all strokes of the last stage: 101 N."
-        in numbers["Peak joint force"].meaning
-    )
-    force = result.stages[1].statistics.joints["C"].peak_force_per_cycle.mean
-    assert numbers["Pin pressure p"].value == f"{1e-6 * force / 4e-4:.2f} MPa"
-    assert "Limit: 0.100 MPa." in numbers["Pin pressure p"].meaning
-    assert "not given (pv_limit)" in numbers["p v"].meaning
-    assert any(
-        "exceeds pressure_limit = 0.100 MPa" in line for line in warnings(result)
-    )
-    near = replace(bearing, pressure_limit=1.001 * force / 4e-4)
-    lines = warnings(made_up(replace(scene, bearings={"C": near}), 2))
-    assert any("is possible and exceeds pressure_limit" in line for line in lines)
-    allowed = replace(bearing, pressure_limit=1e9)
-    free = made_up(replace(scene, bearings={"C": allowed}), 2)
-    assert not any("exceeds" in line for line in warnings(free))
-    # The convention of the paper counts another distance.
-    turned = pw.changed(scene, {"slip": "angle", "C.pv_limit": "1 MPa m/s"})
-    result = made_up(turned, 2)
-    assert "p v" not in {number.name for number in key_numbers(result)}
-    assert any("pv_limit is not compared" in line for line in warnings(result))
-
-
 def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
     """With a limit from the file, the limit decides."""
-    for limit, words in (
-        (None, "the pin pressure of joint C is"),
-        (1e5, "exceeds pressure_limit"),
-    ):
+    for limit, count in ((None, 1), (1e5, 0)):
         bearing = pw.Bearing(
             bearing_radius=1e-3, clearance=1e-4, width=1e-4, pressure_limit=limit
         )
-        lines = warnings(made_up(replace(made.ONE, bearings={"C": bearing}), 2))
-        found = [line for line in lines if "pressure" in line]
-        assert len(found) == 1
-        assert words in found[0]
+        lines = warnings(made_up(replace(made.BOTH, bearings=bearing), 2))
+        found = [
+            line for line in lines if "the pin pressure of joints A and C is" in line
+        ]
+        assert len(found) == count
+
+
+def test_a_linkage_without_a_guide_has_cycles() -> None:
+    slider, rocker = (
+        made_up(pw.Scene(mechanism, joints="B", cycles=3), 2)
+        for mechanism in (pw.SliderCrank(), pw.FourBar())
+    )
+    words = re.compile(r"(?i)strokes?\b|slide|dead centre")
+    for result, has_words in ((slider, True), (rocker, False)):
+        texts = [*warnings(result), *map(str, key_numbers(result))]
+        assert bool(words.search(" ".join(texts))) is has_words
+    names = {one.name: one.value for one in key_numbers(rocker)}
+    assert names["Cycles a minute"] == "300"
+    assert names["Travel"] == quantity_text(rocker.scene.stroke, "m")
 
 
 def test_round_off_is_no_mean_power() -> None:

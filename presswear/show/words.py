@@ -1,0 +1,38 @@
+"""Words of a linkage: without a guide there is no slide, no stroke and no dead centre."""
+
+import re
+
+from presswear.scene.scene import Scene
+from presswear.show.page import KeyNumber
+
+# Words of a press, and those of a linkage without a guide
+_OF_CYCLES = {
+    "strokes": "cycles",
+    "stroke": "cycle",
+    "Strokes": "Cycles",
+    "Stroke": "Travel",
+    "bottom dead centre": "the lowest position",
+    "Bottom dead centre error": "Error of the lowest position",
+}
+_WORDS = re.compile(
+    rf"\b({'|'.join(sorted(_OF_CYCLES, key=len, reverse=True))})\b",
+)
+
+
+def has_guide(scene: Scene) -> bool:
+    """Return whether a body of the mechanism moves in a guide, as the slide of a press does."""
+    return bool(scene.mechanism.linkage().guides)
+
+
+def in_words_of(scene: Scene, text: str) -> str:
+    """Return a sentence of the report in the words of the linkage of a scene."""
+    if has_guide(scene):
+        return text
+    return _WORDS.sub(lambda match: _OF_CYCLES[match[0]], text)
+
+
+def number_in_words_of(scene: Scene, number: KeyNumber) -> KeyNumber:
+    """Return a key number in the words of the linkage of a scene."""
+    names = ("name", "value", "interval", "meaning", "note")
+    texts = {name: in_words_of(scene, getattr(number, name)) for name in names}
+    return number._replace(**texts)
