@@ -24,14 +24,16 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
 
+        if arguments.figures:
+            raise InputError(f"--figures needs a run; {arguments.folder} is a sweep")
         return sweep.report(arguments, console)
     if arguments.limit:
         raise InputError(f"--limit needs a sweep; {arguments.folder} is a run")
     from presswear.show.report import write_report
 
-    print_lines(
-        console, f"report in {write_report(load_result(arguments.folder, console))}"
-    )
+    names = [name.strip() for name in arguments.figures.split(",") if name.strip()]
+    result = load_result(arguments.folder, console)
+    print_lines(console, f"report in {write_report(result, also=names)}")
     return 0
 
 

@@ -49,7 +49,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
             for peak in peaks
         ]
 
-    found = [
+    result_numbers = [
         *life,
         *motion_numbers(scene, last),
         *stroke_numbers(scene, last),
@@ -58,7 +58,7 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         *([] if life else wear_per_million_strokes(scene, stages)),
         *_improvement(scene, last, result.life),
     ]
-    return [number_in_words_of(scene, number) for number in found]
+    return [number_in_words_of(scene, number) for number in result_numbers]
 
 
 def stages_with_numbers(result: Result) -> list[StageResult]:

@@ -7,19 +7,23 @@ sentences are in the template.
 
 import base64
 import gc
+import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 from PIL.Image import Image
 
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
+from presswear.show.figures.vector import svg_of
 from presswear.tools.numbers import (
     is_resolved,
     readable,
@@ -29,6 +33,9 @@ from presswear.tools.numbers import (
 )
 
 NOTHING = "–"
+MAX_SVG = (
+    200_000  # letters of a figure in a page; a figure with more is a picture of points
+)
 # a space is never part of a figure's data
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")
 
@@ -140,12 +147,19 @@ def plain_table(
 
 
 class Illustration(NamedTuple):
-    """Figure in a page: file name, title, caption and the PNG in base 64."""
+    """Figure in a page: file name, title, caption and an ``svg`` element."""
 
     file: str
     title: str
     caption: str
-    data: str
+    svg: str
+
+    @property
+    def element(self) -> Markup:
+        """Element with its title and caption as a label, which keys and a mouse can enlarge."""
+        label = escape(f"{self.title}. {self.caption}")
+        head = f'<svg tabindex="0" role="img" aria-label="{label}" '
+        return Markup(self.svg.replace("<svg ", head, 1))
 
 
 @dataclass(frozen=True)
@@ -163,11 +177,11 @@ class Section:
 def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]:
     """Draw figures, write them into a folder and return them for a page."""
 
-    def illustration(drawing: Drawing, image: Image) -> Illustration:
-        data = base64.b64encode(
-            write(image, folder / drawing.file).read_bytes()
-        ).decode()
-        return Illustration(drawing.file, drawing.title, drawing.caption, data)
+    def illustration(drawing: Drawing, image: Image, svg: str) -> Illustration:
+        file = write(image, folder / drawing.file)
+        if len(svg) > MAX_SVG:
+            svg = _svg_of_image(image, file.read_bytes())
+        return Illustration(drawing.file, drawing.title, drawing.caption, svg)
 
     # it would take a sixth of the time: figures are full of reference cycles
     gc.disable()
@@ -175,11 +189,19 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
         # An image is compressed and written while the next one is drawn.
         with ThreadPoolExecutor(1) as writer:
             written = [
-                writer.submit(illustration, each, rendered(each)) for each in drawings
+                writer.submit(illustration, each, rendered(each), svg_of(each))
+                for each in drawings
             ]
         return [future.result() for future in written]
     finally:
         gc.enable()
+
+
+def _svg_of_image(image: Image, data: bytes) -> str:
+    """Return an ``svg`` element that shows a PNG."""
+    size = f'width="{image.width}" height="{image.height}"'
+    link = f"data:image/png;base64,{base64.b64encode(data).decode()}"
+    return f'<svg viewBox="0 0 {image.width} {image.height}"><image {size} href="{link}"/></svg>'
 
 
 class KeyNumber(NamedTuple):
@@ -252,7 +274,10 @@ def render_page(
         "match": lambda text, pattern: re.match(pattern, text) is not None,
         "search": lambda text, pattern: re.search(pattern, text) is not None,
     }
+    script = (files("presswear.show") / "templates/page.js").read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     content |= {"title": title, "sections": sections, "answer": answer}
+    content |= {"script": Markup(script), "digest": digest}
     return environment.get_template(template).render(**vars(first_screen), **content)
 
 

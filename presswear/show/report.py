@@ -27,7 +27,12 @@ from presswear.scene.catalog import changes_of, named_scene, title_of
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.show import page
-from presswear.show.figures import drawings, first_drawings, remove_others
+from presswear.show.figures import (
+    OF_MANY_CYCLES,
+    drawings,
+    first_drawings,
+    remove_others,
+)
 from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import stage_names
 from presswear.show.key_numbers import key_numbers, stages_with_numbers
@@ -47,8 +52,10 @@ from presswear.show.warnings import warnings
 from presswear.show.wear_law import wear_law_numbers
 from presswear.show.words import in_words_of
 from presswear.tools import numbers
-from presswear.tools.errors import InputError, NotStored
+from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import inside, write_bytes
+
+MANY_CYCLES = 10  # recorded cycles from which sections and spectra show something
 
 
 def prepare(scene: Scene) -> None:
@@ -64,17 +71,20 @@ def write_report(
     result: Result,
     notify: Callable[[int], None] = lambda count: None,
     has_all_figures: bool = True,
+    also: Sequence[str] = (),
 ) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
     Figures of an earlier report that are not drawn again are removed. ``notify`` is
     called with the number of figures before they are drawn. With ``has_all_figures`` =
     False the page has the figures of ``first_drawings`` and states the command that
-    draws the others.
+    draws the others. ``also`` are figures of ``OF_MANY_CYCLES``.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    _check_cycles(result, also)
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
+    sheets += drawings(result, also) if also else []
     notify(len(sheets))
     folder = inside(result.path, "figures")
     figures = [
@@ -91,6 +101,21 @@ def write_report(
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures, command).encode())
     return file
+
+
+def _check_cycles(result: Result, names: Sequence[str]) -> None:
+    """Raise InputError for an unknown name, or for too few recorded cycles for the figures."""
+    for name in names:
+        if name not in OF_MANY_CYCLES:
+            raise unknown("figure of many cycles", name, OF_MANY_CYCLES)
+    scene = result.scene
+    times = [stage.time[-1] for stage in result.stages if stage.time.size]
+    cycles = [round((time - scene.run_up) / scene.mechanism.period) for time in times]
+    if names and min(cycles, default=0) < MANY_CYCLES:
+        raise InputError(
+            f"{names[0]} needs {MANY_CYCLES} recorded cycles, and the run has "
+            f"{min(cycles, default=0)}; run it with --set recorded_cycles=24"
+        )
 
 
 def render_report(

@@ -106,8 +106,8 @@ def _flywheel_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     energy = 0.5 * inertia * leader.speed**2
     text = f"Of rotor and flywheel at the nominal speed of {leader.body}."
     if speed.touch is not None and speed.drop is not None:
-        given = energy * speed.touch.mean**2 * (1.0 - (1.0 - speed.drop.mean) ** 2)
-        text += f" Its drop in the work gives {numbers.quantity_text(given, 'J')}."
+        delivered = energy * speed.touch.mean**2 * (1.0 - (1.0 - speed.drop.mean) ** 2)
+        text += f" Its drop in the work gives {numbers.quantity_text(delivered, 'J')}."
     value = numbers.quantity_text(energy, "J")
     return [KeyNumber("Flywheel energy", value, "", text)]
 

@@ -64,8 +64,7 @@ def test_masses_inertias_and_speeds(
 def test_clearances_and_process_forces() -> None:
     scene = changed(scene_named("press-blanking"), {"clearance": "1.6 mm"})
     assert [text.partition(" is ")[0] for text in doubts(scene)] == [
-        f"the clearance of joint {name}, divided by the radius of its bearing,"
-        for name in "AC"
+        "the clearance of joints A and C, divided by the radius of the bearing,"
     ]
     heavy = replace(scene_named("press-blanking"), process=pw.Blanking(force=250e3))
     assert "kg, under the process force of 250 kN is 6" in doubts(heavy)[0]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import made_up_result as made
 import pytest
-from selenium.webdriver import Chrome, ChromeOptions
+from selenium.webdriver import ActionChains, Chrome, ChromeOptions
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -58,11 +58,11 @@ def test_the_first_screen_has_drawing_and_key_numbers(
 ) -> None:
     show(browser, report, 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
-    assert 6 <= len(numbers) <= 10
-    drawing = browser.find_element(By.CSS_SELECTOR, "img.drawing")
+    assert 6 <= len(numbers) <= 14
+    drawing = browser.find_element(By.CSS_SELECTOR, ".drawing svg")
     for part in (drawing, *numbers):
         assert part.rect["y"] + part.rect["height"] <= 800
-    assert browser.execute_script("return arguments[0].naturalWidth", drawing) > 0
+    assert drawing.rect["width"] > 100
     assert browser.execute_script("return document.body.scrollHeight") < MAX_HEIGHT
     assert (
         browser.execute("getLog", {"type": "browser"})["value"] == []
@@ -79,7 +79,7 @@ def test_a_report_executes_no_script(
     show(browser, file, 1280)
     assert browser.title not in ("executed", "2")
     # Its own pictures and styles are shown.
-    assert browser.find_element(By.CSS_SELECTOR, "img.drawing").size["width"] > 100
+    assert browser.find_element(By.CSS_SELECTOR, ".drawing svg").size["width"] > 100
 
 
 def test_a_report_of_seven_joints_is_small(tmp_path: Path) -> None:
@@ -97,6 +97,39 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -
     assert wide == visible
     value = browser.find_element(By.CSS_SELECTOR, ".key .value")
     assert value.rect["y"] < 800
+
+
+def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(
+    browser: Chrome, report: Path
+) -> None:
+    show(browser, report, 400)
+    box = browser.find_element(By.CSS_SELECTOR, "figure .zoom")
+    svg = box.find_element(By.TAG_NAME, "svg")
+
+    def view() -> list[float]:
+        return [float(text) for text in str(svg.get_attribute("viewBox")).split()]
+
+    whole = view()
+    enlarge, reduce_, everything = box.find_elements(By.TAG_NAME, "button")
+    enlarge.click()
+    half = view()
+    assert half[2:] == [0.5 * size for size in whole[2:]]
+    assert half[:2] == [0.25 * size for size in whole[2:]]  # about the middle
+    reduce_.click()
+    assert view() == whole
+    svg.send_keys("+", "+", Keys.ARROW_RIGHT)
+    moved = view()
+    assert moved[2] == 0.25 * whole[2]
+    assert moved[0] == pytest.approx((0.375 + 0.05) * whole[2])
+    hand = ActionChains(browser).move_to_element(svg)
+    hand.click_and_hold().move_by_offset(20, 0).release().perform()
+    assert view()[0] < moved[0]
+    everything.click()
+    ActionChains(browser).double_click(svg).perform()
+    assert view()[2] == 0.5 * whole[2]
+    svg.send_keys("0")
+    assert view() == whole
+    assert browser.execute("getLog", {"type": "browser"})["value"] == []
 
 
 def test_parts_open_by_mouse_keyboard_and_contents(

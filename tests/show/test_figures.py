@@ -24,13 +24,19 @@ from presswear.linkage.surface import bin_centres
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
 from presswear.results.oil_film import oil_films
 from presswear.results.rigid_joints import ideal_curves
+from presswear.results.strokes import sampled_strokes
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
-from presswear.show.figures import NAMES, drawings, first_drawings, save
+from presswear.show.figures import (
+    NAMES,
+    OF_MANY_CYCLES,
+    drawings,
+    first_drawings,
+    save,
+)
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.style import LINES, Drawing, label_values, panels
 from presswear.show.figures.wear import seam
-from presswear.tools.numbers import readable
 
 UNIT = re.compile(
     r"^strokes |\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
@@ -53,7 +59,7 @@ MOTION = [
         "contact-force.png",
         "centre-trajectory.png",
     ),
-    *("phase.png", "poincare.png", "impacts.png", "modes.png", "spectrum.png"),
+    *("phase.png", "modes.png"),
 ]
 
 
@@ -111,7 +117,7 @@ def test_figures_are_drawn(
     scene: pw.Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
     figures = list(drawings(made_up(scene, stages)))
-    files = ["mechanism.png", "stroke.png", *files]
+    files = ["mechanism.png", *files]
     assert [drawing.file for drawing in figures] == files
     for drawing in figures:
         assert save(drawing, tmp_path / "figures").read_bytes().startswith(b"\x89PNG")
@@ -129,12 +135,15 @@ def test_figures_are_drawn(
 @pytest.mark.parametrize(
     ("result", "files"),
     [
-        (made_up(made.BOTH, 2), ["contact-force.png", "wear-depth.png", "stroke.png"]),
+        (
+            made_up(made.BOTH, 2),
+            ["response.png", "contact-force.png", "wear-depth.png"],
+        ),
         (
             lived(made_up(made.BODY, 2)),
-            ["life.png", "contact-force.png", "wear-depth.png"],
+            ["life.png", "response.png", "contact-force.png"],
         ),
-        (made_up(made.IDEAL, 1), ["stroke.png", "response.png"]),
+        (made_up(made.IDEAL, 1), ["response.png"]),
         (made_up(made.IDEAL, 1, "failed"), []),
     ],
 )
@@ -148,7 +157,6 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
     result = grown()
     counts = {name: len(result.plot(name)) for name in NAMES if name not in NOT_MADE_UP}
     motion = {
-        "stroke": 1,
         "response": 7,
         "bottom": 2,
         "force": 4,
@@ -164,7 +172,9 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
         **motion,
         **dynamics,
     }
-    assert len(result.plot()) == sum(counts.values())
+    # Sections and spectra are drawn by name only.
+    of_many = sum(counts[name] for name in OF_MANY_CYCLES)
+    assert len(result.plot()) == sum(counts.values()) - of_many
     for name in counts.keys() - {"mechanism", "growth"}:
         sheet = result.plot(name, stage=1)[0].figure
         assert isinstance(sheet, Sheet)
@@ -239,10 +249,6 @@ def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
 
 
 def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
-    *_, curve = sheet_of("stroke", made_up(made.IDEAL, 1)).axes[0].lines
-    height = np.asarray(curve.get_ydata(), dtype=float)
-    assert height.min() == pytest.approx(0.0, abs=1e-3)
-    assert height.max() == pytest.approx(1e3 * made.IDEAL.stroke, rel=1e-4)
     axes = sheet_of("bottom", made_up(made.BOTH, 2)).axes
     line = np.asarray(axes[1].get_lines()[0].get_xydata())
     assert line[:, 0].tolist() == [1.0, 2.0]
@@ -274,19 +280,56 @@ def test_stages_without_motion_are_left_out_and_many_are_thinned() -> None:
     assert legend_of(sheet_of("response", many))[-1] == "eighth wear"
 
 
-def test_short_peaks_exceed_the_panels_of_the_drives() -> None:
-    """A torque of a thousand times the ideal one in one of two thousand rows of a cycle."""
-    result = run(replace(ideal(), process=pw.Blanking(), engine="dae", cycles=3))
-    exact = ideal_curves(result.scene)[0]["crank 2"].torque
-    largest = float(np.abs(exact).max())
-    torque = result.stages[0].arrays["drive_torque"].copy()
-    torque[-100, 0] = -1e3 * largest
-    arrays = {**result.stages[0].arrays, "drive_torque": torque}
-    axes = sheet_of("drives", altered(result, 0, arrays=arrays)).axes[0]
-    low, high = axes.get_ylim()
-    assert low < exact.min() < exact.max() < high
-    assert high - low < 1.3 * float(np.ptp(exact))
-    assert axes.get_title(loc="right") == f"farthest: {readable(-1e3 * largest)} N m"
+@pytest.fixture(scope="module")
+def blanking() -> pw.Result:
+    scene = replace(ideal(), process=pw.Blanking(), engine="dae", cycles=4)
+    return run(scene)
+
+
+def test_no_peak_of_a_drive_is_cut(blanking: pw.Result) -> None:
+    """A torque of a thousand times the ideal one in one row of a cycle."""
+    largest = float(np.abs(ideal_curves(blanking.scene)[0]["crank 2"].torque).max())
+    stage = blanking.stages[0]
+    torque = stage.arrays["drive_torque"].copy()
+    row = int(np.searchsorted(stage.time, 2.9 * blanking.scene.mechanism.period))
+    torque[row, 0] = -1e3 * largest
+    arrays = {**stage.arrays, "drive_torque": torque}
+    axes = sheet_of("drives", altered(blanking, 0, arrays=arrays)).axes[0]
+    assert axes.get_ylim()[0] < -1e3 * largest
+
+
+@pytest.mark.parametrize("name", ["response", "drives"])
+def test_the_working_zone_stands_beside_the_full_turn(
+    blanking: pw.Result, name: str
+) -> None:
+    """From the touch of the work to 20 ms after its fracture, with a seventh before and after."""
+    sheet = sheet_of(name, blanking)
+    panels = np.array(sheet.axes).reshape(-1, 2)
+    (stroke,) = [
+        one
+        for one in sampled_strokes(blanking.scene, blanking.stages[0])
+        if one.start < panels[0, 0].get_xlim()[1] - 1e-3
+    ][:1]
+    length = stroke.fracture + 20e-3 - stroke.contact
+    ends = stroke.contact - 0.15 * length, stroke.fracture + 20e-3 + 0.15 * length
+    full = panels[0, 0].get_xlim()
+    assert full == pytest.approx((stroke.start, stroke.end))
+    for axes, zone in panels:
+        assert zone.get_xlim() == pytest.approx(ends)
+        assert len(zone.lines) == len(axes.lines)
+        for line, part in zip(axes.lines, zone.lines, strict=True):
+            x, y = (np.asarray(one, float) for one in part.get_data())
+            np.testing.assert_array_equal(y, np.interp(x, *line.get_data()))
+            assert part.get_color() == line.get_color()
+    titles = [axes.get_title(loc="left") for axes in panels[:, 1]]
+    assert titles[0] == "working zone (grey at the left)"
+
+
+def test_the_deviation_from_the_ideal_motion_comes_first(blanking: pw.Result) -> None:
+    labels = [axes.get_ylabel() for axes in sheet_of("response", blanking).axes]
+    assert labels[0].startswith("displacement\nminus\nideal")
+    assert len(blanking.plot("tonnage")) == 1  # without work there is no zone
+    assert len(sheet_of("response", made_up(made.IDEAL, 1)).axes) == 4
 
 
 def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:

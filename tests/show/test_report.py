@@ -36,11 +36,12 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     assert path == tmp_path / "report.html"
     text = path.read_text()
     page = Page(text)
-    pictures = [link for link in page.links if not link.startswith("#part-")]
-    assert len(pictures) == len(list((tmp_path / "figures").iterdir())) == 13
-    assert all(link.startswith("data:image/png;base64,") for link in pictures)
+    links = [link for link in page.links if not link.startswith("#")]
+    assert page.tags.count("svg") == len(list((tmp_path / "figures").iterdir())) == 9
+    assert all(link.startswith("data:image/png;base64,") for link in links)
     text = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
-    assert not re.search(r"https?:|url\(|@import|<script|<link", text)
+    assert not re.search(r"https?:|url\((?!#)|@import|<script\b[^>]|<link", text)
+    assert page.tags.count("script") == 1
     with pytest.raises(pw.InputError, match="ran in memory"):
         write_report(replace(result, path=None))
 
@@ -69,6 +70,22 @@ def test_figures_that_are_not_drawn_again_are_removed(tmp_path: Path) -> None:
     names = {path.name for path in figures.iterdir()}
     assert {"mechanism.png", "photograph.png", "notes.png", "wear-depth.svg"} < names
     assert len(names) == 3 + 4
+
+
+def test_sections_and_spectra_are_drawn_on_request_from_ten_cycles_on(
+    tmp_path: Path,
+) -> None:
+    result = replace(made_up(made.BOTH, 1), path=tmp_path)
+    with pytest.raises(
+        pw.InputError, match="poincare needs 10 recorded cycles, and the"
+    ):
+        write_report(result, also=["poincare"])
+    with pytest.raises(pw.InputError, match="unknown figure of many cycles 'force'"):
+        write_report(result, also=["force"])
+    time = 5.5 * result.stages[0].time
+    many = altered(result, 0, arrays={**result.stages[0].arrays, "time": time})
+    assert "Poincaré section" in write_report(many, also=["poincare"]).read_text()
+    assert "Poincaré section" not in write_report(many).read_text()
 
 
 def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() -> None:
@@ -389,9 +406,11 @@ LIVED = lived(made_up(made.BODY, 3))
 
 
 def test_figures_have_their_places() -> None:
-    files = ("life.png", "stroke.png", "worn-surface-A.png", "phase.png")
+    files = ("life.png", "contact-force.png", "worn-surface-A.png", "phase.png")
     every = ("mechanism.png", *files)
-    text = render_report(LIVED, [Illustration(file, file, "", "") for file in every])
+    text = render_report(
+        LIVED, [Illustration(file, file, "", "<svg ></svg>") for file in every]
+    )
     places = [text.index(f"<h3>{file}</h3>") for file in files]
     assert places == sorted(places)
     assert (
@@ -488,8 +507,7 @@ def test_an_output_point_that_stands_still_has_no_heights_at_rest() -> None:
 
 GUIDED = pw.Press(guide_length=0.4, guide_width=0.3)
 PLAY = pw.Bearing(clearance=5e-5)
-OF_PINS = {"contact-force.png", "centre-trajectory.png", "poincare.png", "impacts.png"}
-OF_PINS |= {"modes.png", "wear-depth.png"}
+OF_PINS = {"contact-force.png", "centre-trajectory.png", "modes.png", "wear-depth.png"}
 
 
 def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
@@ -521,4 +539,4 @@ def test_a_guide_alone_has_no_figures_of_pins() -> None:
     assert {"friction", "clearance", "width", "wear_coefficient"} <= keys
     files = {one.file for one in drawings(result)}
     assert not OF_PINS & files
-    assert {"stroke.png", "phase.png", "spectrum.png"} <= files
+    assert {"response.png", "phase.png"} <= files

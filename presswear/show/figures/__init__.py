@@ -56,7 +56,6 @@ __all__ = [
 NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "life": ("all", life.service_life),
     "mechanism": ("all", lambda result, stages: [mechanism.labelled(result.scene)]),
-    "stroke": ("moving", motion.height_over_angle),
     "tonnage": ("moving", motion.force_over_stroke),
     "wear": ("pins", wear.wear_depth),
     "growth": ("all", wear.wear_growth),
@@ -78,10 +77,12 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "frame": ("moving", frame.stretch_over_angle),
     "oil": ("all", motion.film_thickness),
 }
+# Sections and spectra, which are drawn by name only
+OF_MANY_CYCLES = ("poincare", "impacts", "spectrum")
 # Figures that are drawn after a run, the most important first, and how many of them
 FIRST = (
-    *("life", "force", "wear", "tilt", "motor", "frame"),
-    *("stroke", "bottom", "response", "drives"),
+    *("life", "response", "force", "wear", "tilt", "motor"),
+    *("frame", "bottom", "drives"),
 )
 FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones
@@ -94,7 +95,8 @@ def drawings(
 ) -> Iterator[Drawing]:
     """Draw figures of ``NAMES``, or all that show something, of one stage or all.
 
-    Of all, those whose series the result does not contain are left out. InputError for
+    Of all, those of ``OF_MANY_CYCLES`` and those whose series the result does not
+    contain are left out. InputError for
     an unknown stage or name, and a name for which there is nothing to draw.
     """
     for name in names:
@@ -103,7 +105,8 @@ def drawings(
     stages = result.stages if stage is None else (result.stage(stage),)
     if not names:
         for name in NAMES:
-            yield from _drawn_if_stored(name, result, stages)
+            if name not in OF_MANY_CYCLES:
+                yield from _drawn_if_stored(name, result, stages)
     for name in names:
         try:
             figures = drawn(name, result, stages)

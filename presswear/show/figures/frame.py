@@ -5,8 +5,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.results.frame_load import carried_weight
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.motion import mark_moments, sampled
 from presswear.show.figures.style import Axes, Drawing, Shown
+from presswear.show.figures.window import mark_moments, sampled
 
 
 def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
@@ -17,17 +17,18 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
         return []
     shown, window = sampled(result, moving)
     height = 0.6 + 2.4 * len(guides)
-    sheet, grid = style.panels(len(guides), 1, height, is_measured=True, sharex=True)
+    sheet, panels, zones = window.rows(len(guides), height, is_measured=True)
     marks: dict[str, str] = {}
-    for k, (guide, axes) in enumerate(zip(guides, grid[:, 0], strict=True)):
+    for k, (guide, axes) in enumerate(zip(guides, panels, strict=True)):
         for stage, full in zip(shown, moving, strict=True):
             cut = 1e6 * stage.data.arrays["stretch"][:, k]
             stretch = 1e6 * full.data.arrays["stretch"][:, k]
             stage.pen.draw(axes, stage.data.time, cut, linewidth=0.8)
             marks |= mark_moments(axes, result, (stage, full), stretch, window)
         axes.set_ylabel(f"stretch of {guide.name} (µm)")
+    window.label(panels, zones)
+    for guide, axes in zip(guides, zones or panels, strict=True):
         _add_force(axes, linkage, guide)
-    window.label(grid[-1, 0])
     pens = [stage.pen for stage in shown]
     content = {"window": window, "marks": marks.values(), "guides": guides}
     return style.finished("frame", sheet, pens, **content)

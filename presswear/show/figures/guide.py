@@ -8,8 +8,8 @@ from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.motion import mark_moments, sampled
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
+from presswear.show.figures.window import mark_moments, sampled
 from presswear.tools.numbers import unit_scale
 
 _LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
@@ -27,7 +27,7 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the tilt of the slide in each guide with clearance over the crank angle."""
     guides = result.scene.loose_guides
     shown, window = sampled(result, moving)
-    sheet, panels, lowest = style.panel_list(len(guides), 2.4, 1, sharex=True)
+    sheet, panels, zones = window.rows(len(guides), 0.6 + 2.4 * len(guides))
     marks: dict[str, str] = {}
     for axes, guide in zip(panels, guides, strict=True):
         for stage, full in zip(shown, moving, strict=True):
@@ -37,8 +37,7 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
             marks |= mark_moments(axes, result, (stage, full), values, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
-    for axes in lowest:
-        window.label(axes)
+    window.label(panels, zones)
     pens = [*(stage.pen for stage in shown), _LARGEST, _ASKED]
     content = {"window": window, "marks": marks.values()}
     return style.finished("tilt", sheet, pens, **content)

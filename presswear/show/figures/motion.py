@@ -1,15 +1,15 @@
-"""Figures of motion: stroke, response, forces, paths of the pin centres, tonnage and drives."""
+"""Figures of motion: response, forces, paths of the pin centres, tonnage and drives."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from presswear.linkage.loads import Coining
 from presswear.linkage.surface import SIDES
-from presswear.physics.ideal import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.bottom_dead_centre import bottom_errors
 from presswear.results.drives import curves_of
@@ -17,12 +17,7 @@ from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
 from presswear.results.rigid_joints import ideal_curves
 from presswear.results.run_film import run_films
-from presswear.results.strokes import (
-    height_of,
-    process_force,
-    sampled_strokes,
-    strokes_of,
-)
+from presswear.results.strokes import height_of, process_force, sampled_strokes
 from presswear.show.figures import style
 from presswear.show.figures.style import (
     Axes,
@@ -33,19 +28,14 @@ from presswear.show.figures.style import (
     ShownStage,
     Stages,
 )
+from presswear.show.figures.window import Window, mark_moments, sampled
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
-_TAIL = 0.005  # fraction of the time beyond either end of a panel of the drives
 _TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
-MOMENTS = {
-    "contact": ("v", "triangle down: touches the work"),
-    "fracture": ("x", "cross: the work breaks"),
-    "separation": ("^", "triangle up: leaves the work"),
-}
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
@@ -54,157 +44,29 @@ _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
 _ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
 
 
-@dataclass(frozen=True)
-class Window:
-    """Part of the motion that is shown: start, end, period and run-up, s, with its description."""
-
-    start: float
-    end: float
-    period: float
-    run_up: float
-    phase: str
-    words: str
-
-    def label(self, axes: Axes) -> None:
-        """Limit a time axis to the window and mark the phase of the cycle on it."""
-        axes.set_xlim(self.start, self.end)
-        axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
-        axes.xaxis.set_major_formatter(
-            lambda time, place: (
-                f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
-            )
-        )
-        axes.set_xlabel(f"{self.phase} since the start (degrees)")
-
-
-def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
-    """Return the stages cut to the part of the motion that is shown: cycles after the start-up."""
-    period = result.scene.mechanism.period
-    run_up = result.scene.run_up
-    ends = [float(stage.data.time[-1]) for stage in stages]
-    fewest = min(round((end - run_up) / period - 0.48) for end in ends)
-    first = max(min(STARTUP_CYCLES, fewest - 1), 0)
-    start = run_up + first * period
-    end = min(start + style.SHOWN_CYCLES * period, max(ends))
-    count = (end - run_up) / period
-    cycles = round(count)
-    if abs(count - cycles) > 0.02:
-        words = f"the first {count:.2g} cycles"
-    elif first:
-        words = (
-            f"cycle {cycles}"
-            if first + 1 == cycles
-            else f"cycles {first + 1} to {cycles}"
-        )
-    else:
-        words = (
-            "the first cycle, at the start"
-            if cycles == 1
-            else f"the first {cycles} cycles"
-        )
-    words = f"{words} of {1e3 * period:.0f} ms"
-    if result.scene.linkage().leader is not None:
-        words += " at nominal speed"
-    if run_up > 0.0:
-        words += " after the run-up"
-    shown = [
-        replace(stage, data=style.between(stage.data, start, end)) for stage in stages
-    ]
-    return shown, Window(
-        start, end, period, run_up, result.scene.mechanism.linkage().phase, words
-    )
-
-
 def _pens(stages: Shown) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
 
-def mark_moments(
-    axes: Axes,
-    result: Result,
-    stages: tuple[ShownStage, ShownStage],
-    values: Array,
-    window: Window,
-) -> dict[str, str]:
-    """Mark where the work is touched, breaks and is left; return the words of the marks.
-
-    ``stages`` are a stage cut to the window and the whole one, to which the drawn
-    values belong, shape (n,).
-    """
-    cut, full = stages
-    strokes = strokes_of(result.scene, full.data)
-    marks = {}
-    for name, (mark, words) in MOMENTS.items() if strokes else ():
-        when = getattr(strokes, name)[:, 0]
-        when = when[(when >= window.start) & (when <= window.end)]
-        if when.size:
-            marks[mark] = words
-            places = [values[(abs(full.data.time - time)).argmin()] for time in when]
-            axes.plot(when, places, mark, color=cut.pen.colour, markersize=6.0)
-    return marks
-
-
-def height_over_angle(result: Result, moving: Shown) -> list[Drawing]:
-    """Draw the height over the ideal bottom dead centre, with the moments of the work."""
-    scene = result.scene
-    if bottom_of(scene.ideal) is None:
-        return []
-    shown, window = sampled(result, moving)
-    factor, unit = unit_scale("m", scene.stroke)
-    sheet, ((axes,),) = style.panels(1, 1, 2.9)
-    marks: dict[str, str] = {}
-    for stage, full in zip(shown, moving, strict=True):
-        stage.pen.draw(axes, stage.data.time, factor * height_of(scene, stage.data))
-        strokes = strokes_of(scene, full.data)
-        for name, (mark, words) in MOMENTS.items() if strokes else ():
-            when, height = getattr(strokes, name).T
-            inside = (when >= window.start) & (when <= window.end)
-            if inside.any():
-                marks[mark] = words
-                line_style = {"color": stage.pen.colour, "markersize": 6.0}
-                axes.plot(when[inside], factor * height[inside], mark, **line_style)
-    time = np.linspace(window.start, window.end, 1001)
-    height = scene.ideal.at(np.zeros(1)).output(scene.base_linkage)[0, 0] - scene.bottom
-    IDEAL.draw(
-        axes, time, factor * (height + scene.ideal_slider(time, closed=False)[:, 0])
-    )
-    axes.set_ylabel(f"height of {scene.output}\nover bottom dead centre ({unit})")
-    window.label(axes)
-    content = {"scene": scene, "window": window, "marks": marks.values()}
-    return style.finished("stroke", sheet, _pens(shown), **content)
-
-
 def response(result: Result, moving: Shown) -> list[Drawing]:
-    """Draw displacement, velocity and acceleration of the output against the ideal."""
+    """Draw the deviation of the output, then displacement, velocity and acceleration."""
     scene = result.scene
     shown, window = sampled(result, moving)
     heights = (
-        [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
+        [1.25, 1.25, 1.0] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
     )
     height = 0.9 + min(1.15, (_TALLEST - 0.9) / sum(heights)) * sum(heights)
-    sheet, grid = style.panels(
-        len(heights), 1, height, sharex=True, height_ratios=heights
-    )
-    column = grid[:, 0]
-    jagged = grid[3 : 3 + len(shown), 0]
+    sheet, column, zones = window.rows(len(heights), height, height_ratios=heights)
+    jagged = column[3 : 3 + len(shown)]
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
-    deviations = [
-        s.data.displacement - scene.ideal_slider(s.data.time, closed=False)[:, 0]
-        for s in shown
-    ]
-    factor, unit = unit_scale(
-        "m", max(float(np.abs(values).max()) for values in deviations)
-    )
+    marks = _draw_deviation(column[0], result, shown, moving, window)
+    IDEAL.draw(column[0], time, 0.0 * time)
     curves = {
         "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
-        f"displacement\nminus\nideal ({unit})": (
-            [factor * d for d in deviations],
-            0.0 * time,
-        ),
         "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
     }
-    for axes, (label, (lines, ideal)) in zip(column, curves.items(), strict=False):
+    for axes, (label, (lines, ideal)) in zip(column[1:], curves.items(), strict=False):
         for stage, values in zip(shown, lines, strict=True):
             stage.pen.draw(axes, stage.data.time, values, linewidth=0.9)
         IDEAL.draw(axes, time, ideal)
@@ -233,9 +95,32 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
             pen.draw(column[-1], middle, (after - before) / interval, linewidth=0.8)
         mean = f"{readable(1e3 * interval, 2)} ms mean"
         column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
-    window.label(column[-1])
+    window.label(column, zones)
     content = {"scene": scene, "window": window, "interval": interval}
+    content["marks"] = marks.values()
     return style.finished("response", sheet, _pens(shown), **content)
+
+
+def _draw_deviation(
+    axes: Axes, result: Result, shown: Shown, moving: Shown, window: Window
+) -> dict[str, str]:
+    """Draw the displacement minus the ideal one; return the words of the marks of the work."""
+    scene = result.scene
+
+    def deviation(stage: ShownStage) -> Array:
+        ideal = scene.ideal_slider(stage.data.time, closed=False)[:, 0]
+        return np.asarray(stage.data.displacement - ideal)
+
+    largest = max(float(np.abs(deviation(stage)).max()) for stage in shown)
+    factor, unit = unit_scale("m", largest)
+    marks: dict[str, str] = {}
+    for stage, full in zip(shown, moving, strict=True):
+        stage.pen.draw(axes, stage.data.time, factor * deviation(stage), linewidth=0.9)
+        marks |= mark_moments(
+            axes, result, (stage, full), factor * deviation(full), window
+        )
+    axes.set_ylabel(f"displacement\nminus\nideal ({unit})")
+    return marks
 
 
 def _draw_jagged(
@@ -255,22 +140,34 @@ def _draw_jagged(
 
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, in the first and last stage."""
-    joints = result.scene.loose_pins
     shown, window = sampled(result, moving)
-    sheet, places, lowest = style.joint_panels(joints, shown, 1.5, sharex=True)
-    largest = dict.fromkeys(joints, 0.0)
-    for axes, joint, stage in places:
+    shown = [*shown[:1], *shown[1:][-1:]]
+    places = list(product(result.scene.loose_pins, shown))
+    if window.zone:
+        height = 0.8 + min(1.5, (_TALLEST - 0.8) / len(places)) * len(places)
+        sheet, panels, zones = window.rows(len(places), height)
+        lowest = panels[-1:]
+    else:
+        sheet, panels, lowest = style.panel_list(len(places), 1.5, sharex=True)
+        zones = []
+    largest = dict.fromkeys(result.scene.loose_pins, 0.0)
+    for axes, (joint, stage) in zip(panels, places, strict=True):
+        title = f"joint {joint}, {stage.pen.label}"
+        axes.set_title(title, loc="left", fontweight="bold")
         series = stage.data.joints[joint]
         peak = _draw_jagged(
             axes, stage, series.force[:, 0], series.each_cycle("force_max"), window
         )
         style.note(axes, f"largest {quantity_text(peak, 'N')}")
         largest[joint] = max(largest[joint], peak)
-    for axes, joint, _ in places:
+    for axes, (joint, _) in zip(panels, places, strict=True):
         axes.set_ylim(0.0, 1.25 * largest[joint] or 1.0)
         style.label_values(axes, "normal force", "N")
     for axes in lowest:
-        window.label(axes)
+        window.label([axes])
+    window.label(panels, zones)
+    for zone in zones:
+        zone.set_ylim(bottom=0.0)
     return style.finished("force", sheet, window=window, stages=shown)
 
 
@@ -426,7 +323,6 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     """Draw torque and power of each drive over the phase of the cycle, beside ideal joints.
 
     Only if torques were stored and ideal torques do not need untrusted stored laws.
-    Short peaks exceed the panels.
     """
     scene = result.scene
     moving = [stage for stage in moving if "drive_torque" in stage.data.arrays]
@@ -434,43 +330,27 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     if not moving or not drives or scene.has_untrusted_loads:
         return []
     shown, window = sampled(result, moving)
-    sheet, grid = style.panels(len(drives), 2, 0.6 + 1.9 * len(drives), sharex=True)
-    curves = []
-    for stage in shown:
-        each = curves_of(scene, stage.data)
-        curves.append((stage, each))
+    names = (("torque", "N m"), ("power", "W"))
+    places = [(drive, *name) for drive in drives for name in names]
+    height = 0.8 + min(1.7, (_TALLEST - 0.8) / len(places)) * len(places)
+    sheet, panels, zones = window.rows(len(places), height)
+    curves = [(stage, curves_of(scene, stage.data)) for stage in shown]
     ideal, _ = ideal_curves(scene)
-    cycles = np.arange(np.ceil((window.end - window.start) / window.period))
-    for row, drive in zip(grid, drives, strict=True):
-        time = ideal[drive].time - scene.run_up - window.period
-        time = np.add.outer(window.start + window.period * cycles, time).ravel()
-        for axes, name, unit in zip(
-            row, ("torque", "power"), ("N m", "W"), strict=True
-        ):
-            expected = np.tile(getattr(ideal[drive], name), cycles.size)
-            ends = [expected.min(), expected.max()]
-            farthest = []
-            for stage, each in curves:
-                values = getattr(each[drive], name)
-                stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
-                weights = np.gradient(stage.data.clock)
-                tails = (_TAIL, 1.0 - _TAIL)
-                ends += [
-                    *np.quantile(values, tails, weights=weights, method="inverted_cdf")
-                ]
-                farthest.append(float(values[np.abs(values).argmax()]))
-            IDEAL.draw(axes, time, expected)
-            margin = 0.08 * float(np.ptp(ends))
-            axes.set_ylim(min(ends) - margin, max(ends) + margin)
-            factor, shown_unit = style.label_values(axes, name, unit)
-            text = ", ".join(readable(factor * value) for value in farthest)
-            axes.set_title(
-                f"farthest: {text} {shown_unit}", loc="right", fontsize="small"
-            )
-        row[0].set_title(drive, loc="left", fontweight="bold")
-    for axes in grid[-1]:
-        window.label(axes)
-    return style.finished("drives", sheet, _pens(shown), window=window, tail=_TAIL)
+    # whole cycles, from the one in which the window starts
+    first = np.floor((window.start - window.run_up) / window.period + 1e-6)
+    last = np.ceil((window.end - window.run_up) / window.period - 1e-6)
+    for axes, (drive, name, unit) in zip(panels, places, strict=True):
+        cycle = ideal[drive].time - scene.run_up - window.period
+        starts = window.run_up + window.period * np.arange(first, last)
+        expected = np.tile(getattr(ideal[drive], name), starts.size)
+        for stage, each in curves:
+            values = getattr(each[drive], name)
+            stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
+        IDEAL.draw(axes, np.add.outer(starts, cycle).ravel(), expected)
+        style.label_values(axes, name, unit)
+        axes.set_title(drive, loc="left", fontweight="bold")
+    window.label(panels, zones)
+    return style.finished("drives", sheet, _pens(shown), window=window)
 
 
 def film_thickness(result: Result, stages: Stages) -> list[Drawing]:

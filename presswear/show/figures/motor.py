@@ -5,8 +5,8 @@ import math
 from presswear.linkage.drives import Drive
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.motion import mark_moments, sampled
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
+from presswear.show.figures.window import mark_moments, sampled
 
 _RPM = 30.0 / math.pi  # of a speed of 1 rad/s
 _NOMINAL = Pen("nominal speed", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
@@ -25,7 +25,8 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     has_torque = all("drive_torque" in stage.data.arrays for stage in moving)
     driven = [drive for drive in linkage.drives if drive.motor and has_torque]
     shown, window = sampled(result, moving)
-    sheet, panels, lowest = style.panel_list(1 + len(driven), 1.9, 1, sharex=True)
+    count = 1 + len(driven)
+    sheet, panels, zones = window.rows(count, 0.6 + 1.9 * count)
     marks: dict[str, str] = {}
     nominal = _RPM * abs(leader.speed)
     for stage, full in zip(shown, moving, strict=True):
@@ -43,8 +44,7 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
             stage.pen.draw(axes, stage.data.time, sense * torque)
         _draw_rated(axes, drive)
         style.label_values(axes, f"torque on {drive.body}\n", "N m")
-    for axes in lowest:
-        window.label(axes)
+    window.label(panels, zones)
     has_rated = any(drive.motor and drive.motor.has_slip for drive in driven)
     pens = [*(stage.pen for stage in shown), _NOMINAL, *[_RATED] * has_rated]
     slowest = float((100.0 * shown[-1].data.nominal_rate).min())

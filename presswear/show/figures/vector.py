@@ -1,0 +1,50 @@
+"""Figures as SVG within a page: plain texts, short numbers, no names of its elements."""
+
+import io
+import re
+
+import matplotlib
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+from presswear.show.figures.style import SETTINGS, Drawing
+
+# A share of the points of a curve that lie on a line to 0.2 points are left out.
+_SETTINGS = {
+    **SETTINGS,
+    "svg.fonttype": "none",
+    "path.simplify_threshold": 0.2,
+    "font.sans-serif": ["DejaVu Sans"],
+}
+_NUMBERS = re.compile(r'\b(?:d|transform|x|y|x1|y1|x2|y2|width|height)="[^"]*"')
+_DECIMALS = re.compile(r"-?\d+\.\d+")
+_NAMED = re.compile(r' id="(?![mp][0-9a-f]{10}")[^"]*"')  # all but markers and clips
+_HEAD = re.compile(
+    r"<svg .*?viewBox=\"([^\"]*)\"[^>]*>.*?(?=<defs>\s*<style|<g )", re.DOTALL
+)
+
+
+def svg_of(drawing: Drawing) -> str:
+    """Return a drawing as an ``svg`` element that any page can hold."""
+    file = io.StringIO()
+    # The digest of markers and clips contains the file, so that figures share no name.
+    with matplotlib.rc_context({**_SETTINGS, "svg.hashsalt": drawing.file}):
+        FigureCanvasSVG(drawing.sheet).print_svg(file, metadata={"Date": None})
+    text = file.getvalue()
+    text = text[text.index("<svg ") :]
+    text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", text, flags=re.DOTALL)
+    text = _HEAD.sub(r'<svg viewBox="\1">', text, count=1)
+    text = re.sub(
+        r"<defs>\s*<style.*?</style>\s*</defs>", "", text, count=1, flags=re.DOTALL
+    )
+    text = _NAMED.sub("", text)
+    text = text.replace("'DejaVu Sans', sans-serif", "sans-serif")
+    text = _NUMBERS.sub(lambda match: _short(match[0]), text)
+    return re.sub(r"\s*\n\s*", "\n", text)
+
+
+def _short(text: str) -> str:
+    """Return an attribute with numbers to a hundredth of a point."""
+    text = _DECIMALS.sub(
+        lambda match: f"{float(match[0]):.2f}".rstrip("0").rstrip("."), text
+    )
+    return re.sub(r" ?\n", "", text)

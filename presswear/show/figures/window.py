@@ -1,0 +1,203 @@
+"""Part of the motion that figures over the crank angle show, and its working zone beside it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, MaxNLocator, MultipleLocator
+
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results.result import Result
+from presswear.results.strokes import SNAP_THROUGH, WORK, sampled_strokes, strokes_of
+from presswear.show.figures import style
+from presswear.show.figures.style import Axes, Sheet, Shown, ShownStage
+from presswear.tools.arrays import Array
+
+MOMENTS = {
+    "contact": ("v", "triangle down: touches the work"),
+    "fracture": ("x", "cross: the work breaks"),
+    "separation": ("^", "triangle up: leaves the work"),
+}
+_ROOM = 0.15  # before and after the working zone, of its length
+_WIDTHS = (3.0, 2.0)  # of a panel of the full turn and of the working zone
+
+
+class Span(NamedTuple):
+    """Times of the ideal motion between which a panel shows the motion, s."""
+
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Window:
+    """Part of the motion that is shown: start, end, period and run-up, s, with its description.
+
+    ``zone`` is the working zone of one of its strokes, from the touch of the work to the
+    end of the snap-through, or until the force has vanished; None without work.
+    """
+
+    start: float
+    end: float
+    period: float
+    run_up: float
+    phase: str
+    words: str
+    zone: Span | None = None
+
+    def rows(
+        self, count: int, height: float, **sharing: Any
+    ) -> tuple[Sheet, list[Axes], list[Axes]]:
+        """Return a sheet of rows, the panels of the full turn and those of the working zone.
+
+        ``height`` is that of the sheet, inches. There are no panels of a zone without work.
+        """
+        widths = _WIDTHS if self.zone else _WIDTHS[:1]
+        sharing = {"sharex": "col", "width_ratios": widths} | sharing
+        sheet, grid = style.panels(count, len(widths), height, **sharing)
+        return sheet, list(grid[:, 0]), list(grid[:, 1]) if self.zone else []
+
+    def label(self, full: Sequence[Axes], zones: Sequence[Axes] = ()) -> None:
+        """Limit the panels of the full turn, mark the phase below, and draw their zones."""
+        axes = full[-1]
+        axes.set_xlim(self.start, self.end)
+        axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
+        self._write_phase(axes)
+        if self.zone is None or not zones:
+            return
+        for source, target in zip(full, zones, strict=True):
+            for line in source.lines:
+                _copy(line, source, target, self.zone)
+            source.axvspan(*self.zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
+            target.yaxis.set_major_formatter(source.yaxis.get_major_formatter())
+        zones[0].set_title("working zone (grey at the left)", loc="left")
+        start, end = (self._degrees(time) for time in self.zone)
+        degrees = MaxNLocator(5, steps=[1.0, 2.0, 5.0, 10.0]).tick_values(start, end)
+        turn = 360.0 / self.period
+        zones[-1].xaxis.set_major_locator(
+            FixedLocator(degrees / turn + 0.5 * self.run_up)
+        )
+        self._write_phase(zones[-1])
+        zones[-1].set_xlim(*self.zone)
+        zones[-1].set_xlabel(f"{self.phase} (degrees)")
+
+    def _degrees(self, time: float) -> float:
+        """Return the phase of the cycle since the start at a time, s."""
+        return 360.0 * (time - 0.5 * self.run_up) / self.period
+
+    def _write_phase(self, axes: Axes) -> None:
+        """Write the phase of the cycle in place of the time below a panel."""
+        axes.xaxis.set_major_formatter(
+            lambda time, place: f"{round(self._degrees(time), 6):g}"
+        )
+        axes.set_xlabel(f"{self.phase} since the start (degrees)")
+
+
+def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
+    """Draw the part of a line in the working zone with its style."""
+    x, y = (np.asarray(values, float) for values in line.get_data())
+    line_style: dict[str, Any] = {
+        "color": line.get_color(),
+        "linestyle": "none" if line.get_linestyle() == "None" else line.get_linestyle(),
+        "linewidth": line.get_linewidth(),
+        "marker": line.get_marker(),
+        "markersize": line.get_markersize(),
+    }
+    if line.get_transform() is not source.transData:  # level over all of the panel
+        target.axhline(y[0], **line_style)
+        return
+    rows = np.flatnonzero((x >= zone.start) & (x <= zone.end))
+    if rows.size:  # with the rows on both sides, so that the curve fills the panel
+        part = slice(max(rows[0] - 1, 0), rows[-1] + 2)
+        lone = line_style["linestyle"] == "none"
+        part = slice(rows[0], rows[-1] + 1) if lone else part
+        target.plot(x[part], y[part], **line_style)
+
+
+def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
+    """Return the stages cut to the part of the motion that is shown: cycles after the start-up.
+
+    With work it is one stroke, from upper dead centre to the next one.
+    """
+    scene = result.scene
+    period = scene.mechanism.period
+    ends = [float(stage.data.time[-1]) for stage in stages]
+    fewest = min(round((end - scene.run_up) / period - 0.48) for end in ends)
+    first = max(min(STARTUP_CYCLES, fewest - 1), 0)
+    start = scene.run_up + first * period
+    zone = None
+    if spans := [one for stage in stages if (one := _stroke_of(result, stage))]:
+        start = max(stroke.start for stroke, _ in spans)
+        zone = Span(min(z.start for _, z in spans), max(z.end for _, z in spans))
+    shown_cycles = 1 if zone else style.SHOWN_CYCLES
+    end = min(start + shown_cycles * period, max(ends))
+    words = "a stroke" if zone else _words(first, (end - scene.run_up) / period)
+    words = f"{words} of {1e3 * period:.0f} ms"
+    if scene.linkage().leader is not None:
+        words += " at nominal speed"
+    if scene.run_up > 0.0:
+        words += " after the run-up"
+    shown = [
+        replace(stage, data=style.between(stage.data, start, end)) for stage in stages
+    ]
+    phase = scene.mechanism.linkage().phase
+    return shown, Window(start, end, period, scene.run_up, phase, words, zone)
+
+
+def _stroke_of(result: Result, stage: ShownStage) -> tuple[Span, Span] | None:
+    """Return the first sampled stroke on the work and its working zone; None without work."""
+    data = stage.data
+    for stroke in sampled_strokes(result.scene, data):
+        if not math.isnan(stroke.contact):
+            ends = (
+                stroke.contact,
+                stroke.phases.get(SNAP_THROUGH, stroke.phases[WORK])[1],
+            )
+            whole, zone = (
+                Span(*map(float, data.nominal_of(np.array(times))))
+                for times in ((stroke.start, stroke.end), ends)
+            )
+            room = _ROOM * (zone.end - zone.start)
+            return whole, Span(zone.start - room, zone.end + room)
+    return None
+
+
+def _words(first: int, count: float) -> str:
+    """Return the words for cycles that are shown, from the first one up to a number of them."""
+    cycles = round(count)
+    if abs(count - cycles) > 0.02:
+        return f"the first {count:.2g} cycles"
+    if first:
+        is_one = first + 1 == cycles
+        return f"cycle {cycles}" if is_one else f"cycles {first + 1} to {cycles}"
+    return (
+        "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
+    )
+
+
+def mark_moments(
+    axes: Axes,
+    result: Result,
+    stages: tuple[ShownStage, ShownStage],
+    values: Array,
+    window: Window,
+) -> dict[str, str]:
+    """Mark where the work is touched, breaks and is left; return the words of the marks.
+
+    ``stages`` are a stage cut to the window and the whole one, to which the drawn
+    values belong, shape (n,).
+    """
+    cut, full = stages
+    strokes = strokes_of(result.scene, full.data)
+    marks = {}
+    for name, (mark, words) in MOMENTS.items() if strokes else ():
+        when = getattr(strokes, name)[:, 0]
+        when = when[(when >= window.start) & (when <= window.end)]
+        if when.size:
+            marks[mark] = words
+            places = [values[(abs(full.data.time - time)).argmin()] for time in when]
+            axes.plot(when, places, mark, color=cut.pen.colour, markersize=6.0)
+    return marks

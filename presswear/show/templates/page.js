@@ -1,0 +1,34 @@
+for (const box of document.querySelectorAll(".zoom")) {
+  const svg = box.querySelector("svg"), [left, top, width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
+  let x = left, y = top, part = 1, held = null;
+  const show = () => {
+    x = Math.min(Math.max(x, left), left + width * (1 - part));
+    y = Math.min(Math.max(y, top), top + height * (1 - part));
+    svg.setAttribute("viewBox", [x, y, width * part, height * part].join(" "));
+    svg.style.touchAction = part < 1 ? "none" : "auto";
+  };
+  const place = event => {
+    const area = svg.getBoundingClientRect();
+    return [(event.clientX - area.left) / area.width, (event.clientY - area.top) / area.height];
+  };
+  const zoom = (factor, [u, v] = [.5, .5]) => {
+    const before = part;
+    part = Math.min(Math.max(part * factor, .02), 1);
+    x += u * width * (before - part);
+    y += v * height * (before - part);
+    show();
+  };
+  const move = (u, v) => { x += u * width * part; y += v * height * part; show(); };
+  const keys = { "+": () => zoom(.5), "-": () => zoom(2), 0: () => zoom(1e9), ArrowLeft: () => move(-.2, 0),
+    ArrowRight: () => move(.2, 0), ArrowUp: () => move(0, -.2), ArrowDown: () => move(0, .2) };
+  for (const button of box.querySelectorAll("button")) button.onclick = () => keys[button.value]();
+  box.onkeydown = event => {
+    if (!keys[event.key] || event.ctrlKey || (part === 1 && event.key.startsWith("Arrow"))) return;
+    event.preventDefault();
+    keys[event.key]();
+  };
+  svg.ondblclick = event => zoom(event.shiftKey ? 2 : .5, place(event));
+  svg.onpointerdown = event => { if (part < 1) { held = place(event); svg.setPointerCapture(event.pointerId); } };
+  svg.onpointermove = event => { if (held) { const now = place(event); move(held[0] - now[0], held[1] - now[1]); held = now; } };
+  svg.onpointerup = svg.onpointercancel = () => { held = null; };
+}
