@@ -8,6 +8,7 @@ from typing import Any, cast, get_args
 from presswear.linkage import elements, laws
 from presswear.linkage.surface import Surface
 from presswear.scene.conventions import Conventions
+from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import (
     Quantity,
@@ -56,14 +57,21 @@ SINGLE = "stiffness", "damping_ratio"
 
 
 Law = str | UserFunction | Callable[..., float]
-DIAMETRAL = "diametral_clearance"  # setting that stands for twice the clearance
+# Settings that stand for twice the value of others
+DIAMETRAL = "diametral_clearance"
+DIAMETER = "diameter"
+DOUBLED = {DIAMETRAL: "clearance", DIAMETER: "bearing_radius"}
 _DIAMETRAL = Quantity("m", 0.0, 2.0, text="clearance in diameter")
+_DIAMETER = Quantity("m", 2e-4, 2.0, text="diameter of the bearing")
 LEAST_CLEARANCE = 1e-9  # m, of a joint with clearance
 
 
-def radial_clearance(diametral: float | str) -> float:
-    """Return the radial clearance, m, of a diametral one, m or a text with its unit."""
-    return 0.5 * float(_DIAMETRAL.convert(DIAMETRAL, diametral))
+def halved(key: str, value: float | str) -> float | str:
+    """Return half of a value of ``DOUBLED``, m or a text with its unit, as m; a fit as it is."""
+    if key == DIAMETRAL and fit_of(value):
+        return value
+    meaning = {DIAMETRAL: _DIAMETRAL, DIAMETER: _DIAMETER}[key]
+    return 0.5 * float(meaning.convert(key, value))
 
 
 @dataclass(frozen=True)
@@ -71,9 +79,11 @@ class Bearing(Checked):
     """Joint with clearance: dimensions, contact laws and materials.
 
     Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
-    stands for twice the clearance, in its place. A clearance of 0 is a rigid joint with
-    friction: a moment r F_t(r omega, F) of the joint force F; see ``rigid``. A law can
-    be a function of some of NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
+    stands for twice the clearance, and ``diameter`` for twice the radius of the bearing,
+    in their place. A clearance can be a fit such as "110 H8/f7": it is then the middle
+    of the fit. A clearance of 0 is a rigid joint with friction: a moment r F_t(r omega,
+    F) of the joint force F; see ``rigid``. A law can be a function of some of
+    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
     force, N.
     """
 
@@ -191,11 +201,19 @@ class Bearing(Checked):
     )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
     diametral_clearance: InitVar[float | str | None] = None  # in place of ``clearance``
+    diameter: InitVar[float | str | None] = None  # in place of ``bearing_radius``
 
-    def __post_init__(self, diametral_clearance: float | str | None) -> None:
+    def __post_init__(
+        self, diametral_clearance: float | str | None, diameter: float | str | None
+    ) -> None:
         """Check each value, and the values against each other."""
-        if diametral_clearance is not None:
-            object.__setattr__(self, "clearance", radial_clearance(diametral_clearance))
+        for key, value in ((DIAMETRAL, diametral_clearance), (DIAMETER, diameter)):
+            if value is not None:
+                object.__setattr__(self, DOUBLED[key], halved(key, value))
+        if fit := fit_of(self.clearance):
+            text = self.bearing_radius
+            radius = Quantity("m").convert("bearing_radius", text)
+            object.__setattr__(self, "clearance", middle_of(fit, 2.0 * radius))
         super().__post_init__()
         self._check_clearance()
         law = self.normal_law

@@ -15,7 +15,8 @@ import numpy as np
 from presswear.linkage.elements import OutputPoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.servos import ConstantSpeed
-from presswear.scene.bearing import DIAMETRAL, SINGLE, radial_clearance
+from presswear.scene.bearing import DIAMETRAL, DOUBLED, SINGLE, halved
+from presswear.scene.fits import clearances_of, fit_of
 from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, nearest, shown, unknown
@@ -42,7 +43,7 @@ _COMMON = "bearings"  # field of a scene with the bearing that joints share
 DEFAULT = "default"  # origin of a value that a file leaves out
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 _MAX_VALUES = 1_000_000  # of a range
-_RADIAL = re.compile(rf"(?:^|(?<=\.)){DIAMETRAL}$")
+_DOUBLED = re.compile(rf"(?:^|(?<=\.))({'|'.join(DOUBLED)})$")
 _DIGITS = 12  # of the values of a range: those of a finer range meet them
 _RANGE = re.compile(
     r"\s*([^:]+?)\s*:\s*([^:]+?)\s*:\s*([0-9]{1,8})(?: ([^:]+?))?\s*(?::\s*(log)(?: ([^:]+))?\s*)?$"
@@ -222,9 +223,9 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     InputError
         For an unknown key, a key that stands twice, or a value that does not fit.
     """
-    named = dict(_radial(name_of_key(key), value) for key, value in settings.items())
+    named = dict(_halved(name_of_key(key), value) for key, value in settings.items())
     if len(named) < len(settings):
-        keys = [_RADIAL.sub("clearance", name_of_key(key)) for key in settings]
+        keys = [_radial_name(name_of_key(key)) for key in settings]
         twice = next(key for key in keys if keys.count(key) > 1)
         both = " and ".join(
             key for key, name in zip(settings, keys, strict=True) if name == twice
@@ -251,6 +252,9 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     # In one step: a new mechanism may have joints of other names.
     result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
     _check_keys(result, named)
+    if fits := _fit_origins(result, named, origin):
+        origins |= fits
+        result = replace(result, origins=origins)
     if in_file := [key for key in named if scene.origins.get(key) == IN_FILE]:
         # A value that the file has already is no change of it.
         allowed = _by_key(result)
@@ -326,17 +330,39 @@ def _add_motor_and_servo(scene: Scene, settings: dict[str, Any]) -> None:
         settings.setdefault(MOTOR, ON)
 
 
-def _radial(key: str, value: Any) -> tuple[str, Any]:
-    """Return a setting; of a diametral clearance that of the radial one, m."""
-    name = _RADIAL.sub("clearance", key)
-    return name, value if name == key else radial_clearance(value)
+def _radial_name(key: str) -> str:
+    """Return a key; that of the radius or the radial clearance for one of ``DOUBLED``."""
+    return _DOUBLED.sub(lambda match: DOUBLED[match[1]], key)
+
+
+def _halved(key: str, value: Any) -> tuple[str, Any]:
+    """Return a setting; of a diameter or a diametral clearance that of the radial one, m."""
+    name = _radial_name(key)
+    return name, value if name == key else halved(key.rpartition(".")[2], value)
+
+
+def _fit_origins(
+    scene: Scene, settings: Mapping[str, Any], origin: str
+) -> dict[str, str]:
+    """Return the origins of clearances that are fits: their least and largest clearance."""
+    origins = {}
+    for key, value in settings.items():
+        joint, _, name = key.rpartition(".")
+        if name == "clearance" and (fit := fit_of(value)):
+            bearing = scene.bearing(joint) if joint else scene.bearings
+            ends = clearances_of(fit, 2.0 * bearing.bearing_radius)
+            low, high = (f"{1e3 * end:.6g}" for end in ends)
+            origins[key] = f"{origin}: middle of {fit.text}, {low} to {high} mm"
+    return origins
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
     first, _, last = name_of_key(key).rpartition(".")
-    if last == DIAMETRAL:
-        radial = _RADIAL.sub("clearance", key)
-        return InputError(f"{key}: use {radial}, which is half the diametral clearance")
+    if last in DOUBLED:
+        of_what = "diametral clearance" if last == DIAMETRAL else "diameter"
+        return InputError(
+            f"{key}: use {_radial_name(key)}, which is half the {of_what}"
+        )
     if first in (MOTOR, SERVO) and first not in allowed:
         drives = (
             f"; specify the {MOTOR} of a drive in mechanism.drives"
@@ -374,8 +400,8 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
         name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints
     ]
     if first in scene.bearing_joints:
-        names = [f"{first}.{name}" for name in (*inner, DIAMETRAL)]
-    hint = nearest(key, [*names, DIAMETRAL, *SYMBOLS])
+        names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
+    hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])
     absent = not_modelled(key)
     others = "." if absent else "; presswear list SCENE shows all keys"
     return InputError(f"unknown key {shown(key)}{hint or others} {absent}".rstrip())
@@ -420,6 +446,15 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     equal steps as ``2pi:12pi:200 rad/s``, or in equal ratios as
     ``1e8N/m:1e10N/m:5:log``. InputError with the key.
     """
+    fit_text, _, count_text = text.rpartition(":")
+    if fit := fit_of(fit_text):
+        if fit.diameter is None or not count_text.strip().isdigit():
+            raise InputError(
+                f"{key} = {text}: a fit with its diameter and a number of values is expected, "
+                "such as 110 H8/f7:5"
+            )
+        low, high = clearances_of(fit, fit.diameter)
+        return values_of(key, f"{low!r} m:{high!r} m:{count_text}", meaning)
     if ":" not in text:
         return [
             float(parse_quantity(key, part.strip(), meaning))

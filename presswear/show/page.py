@@ -241,11 +241,11 @@ class FirstScreen:
 
     status: str = ""
     style: str = "completed"
-    made_by: str = ""  # command, version and date
-    limits: Sequence[LimitLine] = ()
     key_numbers: Sequence[KeyNumber] = ()
     warnings: Sequence[str] = ()
     picture: Illustration | None = None
+    limits: Sequence[LimitLine] = ()
+    made_by: str = ""  # command, version and date
 
 
 def render_page(

@@ -39,6 +39,7 @@ from presswear.show.key_numbers import key_numbers, stages_with_numbers
 from presswear.show.life_section import life_section
 from presswear.show.limits import limit_lines
 from presswear.show.motion_table import motion_table
+from presswear.show.moving_mechanism import moving_mechanism
 from presswear.show.page import Illustration, Table
 from presswear.show.scene_tables import mechanism_tables, setting_tables
 from presswear.show.stage_tables import (
@@ -138,6 +139,7 @@ def render_report(
         "scene": scene,
         "base": named_scene(scene),
         "stages": stages,
+        "moving": moving_mechanism(result),
         "moves": bottom_of(scene.ideal) is not None,
         "untrusted": untrusted,
         "laws": _normal_laws(scene),

@@ -110,7 +110,7 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert values["slip_loss"].value == load.slip_loss.mean
     assert "frame_stretch" not in available(scene)
     assert verdict(result, "Rms torque of the motor") == "within the limit"
-    _, power_axes = result.plot("drives")
+    _, _, power_axes, _ = result.plot("drives")  # each with its working zone
     time, power = (np.asarray(one) for one in power_axes.lines[0].get_data())
     expected = np.interp(time, stage.time, stage.arrays["drive_torque"][:, 0])
     expected *= TURN * (1.0 - 0.08 * expected / 480.0)
@@ -181,7 +181,7 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     assert "with the change of speed" in f"{stage_tables(result)['tonnage']}"
     (response,) = drawings(result, ["response"])
     assert "at the nominal speed of the motor" in response.caption
-    (axes,) = result.plot("frame")
+    axes, _ = result.plot("frame")  # with its working zone
     drawn = np.asarray(axes.lines[0].get_ydata())
     assert drawn.max() == pytest.approx(1e6 * stretch[stretch.size // 2 :].max())
     (scale,) = axes.child_axes

@@ -1,5 +1,6 @@
 """Reports in a real browser; skipped where Debian's chromium and its driver are missing."""
 
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,6 +13,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
+import presswear as pw
 from presswear.show.report import write_report
 
 BROWSER = shutil.which("chromium")
@@ -107,7 +109,7 @@ def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(
     svg = box.find_element(By.TAG_NAME, "svg")
 
     def view() -> list[float]:
-        return [float(text) for text in str(svg.get_attribute("viewBox")).split()]
+        return [float(text) for text in str(svg.get_dom_attribute("viewBox")).split()]
 
     whole = view()
     enlarge, reduce_, everything = box.find_elements(By.TAG_NAME, "button")
@@ -130,6 +132,37 @@ def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(
     svg.send_keys("0")
     assert view() == whole
     assert browser.execute("getLog", {"type": "browser"})["value"] == []
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the report of a run, whose film moves the mechanism."""
+    folder = tmp_path_factory.mktemp("running") / "result"
+    scene = pw.scenes.press_blanking(engine="dae", cycles=4, wear_updates=0)
+    return write_report(pw.run(scene, folder))
+
+
+@pytest.mark.parametrize("width", [400, 1280])
+def test_a_slider_moves_the_mechanism(
+    browser: Chrome, running: Path, width: int
+) -> None:
+    show(browser, running, width)
+    slider = browser.find_element(By.CSS_SELECTOR, ".motion input")
+    body = browser.find_element(By.CSS_SELECTOR, ".motion .body")
+    text = browser.find_element(By.CSS_SELECTOR, ".motion output")
+    places = [body.get_dom_attribute("transform")]
+    assert re.fullmatch(r"crank angle \d+ degrees, A \d+ N, C \d+ N", text.text)
+    slider.send_keys(Keys.ARROW_RIGHT)
+    places.append(body.get_dom_attribute("transform"))
+    slider.click()  # in the middle
+    places.append(body.get_dom_attribute("transform"))
+    slider.send_keys(Keys.END)
+    places.append(body.get_dom_attribute("transform"))
+    assert len({*places}) == 4
+    assert browser.execute("getLog", {"type": "browser"})["value"] == []
+    widths = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+    wide, visible = browser.execute_script(widths)
+    assert wide == visible
 
 
 def test_parts_open_by_mouse_keyboard_and_contents(

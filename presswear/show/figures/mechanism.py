@@ -33,7 +33,7 @@ _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _LEGEND_COLUMNS = 2
 _LEGEND_ROW = 0.22  # inches
-_COLOURS = (*(colour for colour, _ in style.LINES), "#56B4E9")  # of bodies
+BODY_COLOURS = (*(colour for colour, _ in style.LINES), "#56B4E9")  # of bodies
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
 
@@ -216,7 +216,7 @@ def _draw_body(
 ) -> None:
     """Draw a body with its mass centre and its x axis; its name is in the legend."""
     name = linkage.bodies[number].name
-    colour = _COLOURS[number % len(_COLOURS)]
+    colour = BODY_COLOURS[number % len(BODY_COLOURS)]
     outline = body_outline(linkage, name, _BAR * size)
     pose = position[0, 3 * number : 3 * number + 3]
     centre = pose[:2]

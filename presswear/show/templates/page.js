@@ -32,3 +32,21 @@ for (const box of document.querySelectorAll(".zoom")) {
   svg.onpointermove = event => { if (held) { const now = place(event); move(held[0] - now[0], held[1] - now[1]); held = now; } };
   svg.onpointerup = svg.onpointercancel = () => { held = null; };
 }
+for (const box of document.querySelectorAll(".motion")) {
+  const frames = JSON.parse(box.dataset.frames), slider = box.querySelector("input");
+  const bodies = box.querySelectorAll(".body"), pins = box.querySelectorAll(".pin");
+  const show = () => {
+    const k = slider.value, pose = frames.bodies[k], places = frames.joints[k], numbers = frames.numbers[k];
+    bodies.forEach((body, n) => body.setAttribute("transform", `translate(${pose[3 * n]} ${pose[3 * n + 1]}) rotate(${pose[3 * n + 2]})`));
+    pins.forEach((pin, n) => {
+      const [x, y, u, v] = places.slice(4 * n, 4 * n + 4), arrow = pin.querySelector("line");
+      pin.setAttribute("transform", `translate(${x} ${y})`);
+      arrow.setAttribute("x2", u);
+      arrow.setAttribute("y2", v);
+    });
+    const [angle, ...forces] = numbers.map((number, n) => `${frames.names[n]} ${number} ${n ? "N" : "degrees"}`);
+    box.querySelector("output").textContent = [angle, ...forces].join(", ");
+  };
+  slider.oninput = show;
+  show();
+}

@@ -1,0 +1,225 @@
+"""One stroke of the mechanism as an SVG that a slider moves, with its clearances enlarged.
+
+Places are those of the film of the last stage. The clearance of each joint is drawn
+beside the mechanism, much larger than the radii, as in the replay.
+"""
+
+import json
+import math
+from typing import NamedTuple
+
+import numpy as np
+from markupsafe import Markup, escape
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import GROUND, ClearanceJoint
+from presswear.linkage.linkage import Linkage
+from presswear.recording.film import Film
+from presswear.results.result import Result
+from presswear.show.figures.mechanism import BODY_COLOURS
+from presswear.show.figures.style import Pen, ShownStage
+from presswear.show.figures.window import sampled
+from presswear.show.replay import shapes
+from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
+from presswear.show.words import in_words_of
+from presswear.tools.arrays import Array
+from presswear.tools.numbers import quantity_text
+
+FRAMES = 120  # pictures of a stroke
+MOST_JOINTS = 4  # enlarged, those with the largest force of a stroke
+_WIDTH = 420.0  # greatest width of the mechanism, in units of the picture
+_HEIGHT = 340.0  # of the picture
+_CIRCLE = 0.4  # radius of an enlarged clearance, of the height for each joint
+_PIN = 0.55  # radius of an enlarged pin, of that of the circle
+_ARROW = 0.9  # length of the arrow of the largest force, of the same radius
+_INK = "#1a1a1a"
+
+
+class MovingMechanism(NamedTuple):
+    """Picture that a slider moves: ``svg`` element, poses of each frame as JSON, and caption."""
+
+    svg: Markup
+    frames: str
+    count: int
+    caption: str
+
+
+class _Drawing(NamedTuple):
+    """Scale, units of the picture per m, and corner of a mechanism in it."""
+
+    scale: float
+    low: Array  # (2,), m
+    size: Array  # (2,), units of the picture
+
+
+def moving_mechanism(result: Result) -> MovingMechanism | None:
+    """Return a stroke of the last stage as a picture that moves; None without a film of it."""
+    stages = [one for one in result.stages if one.read_film and not one.failed]
+    if not stages:
+        return None
+    stage = stages[-1]
+    scene = result.scene
+    _, window = sampled(result, [ShownStage(stage, Pen("", _INK))])
+    film = _frames_of(stage.film, window.start, window.start + window.period)
+    if film is None:
+        return None
+    linkage = scene.linkage(stage.surfaces)
+    drawing = _drawing_of(linkage, film)
+    joints = _largest_joints(linkage, film)
+    frames = {
+        "bodies": _poses(linkage, film, drawing).tolist(),
+        "joints": _places(linkage, film, joints).tolist(),
+        "numbers": _numbers(film, window.period, window.run_up, joints).tolist(),
+        "names": [window.phase, *(linkage.clearances[k].name for k in joints)],
+    }
+    stage_name = result.stage_name(stage.index)
+    text = f"One stroke of the stage “{stage_name}”: move the slider."
+    if joints:
+        gaps = ", ".join(
+            f"{linkage.clearances[k].name} {quantity_text(linkage.clearances[k].clearance, 'm')}"
+            for k in joints
+        )
+        text += f" The dashed circles have the radius of the clearance, much enlarged: {gaps}. "
+        text += "The dot is the centre of the pin. Red: force of the pin on its bearing; the "
+        text += "length of the arrow grows as the square root of the force."
+    caption = in_words_of(scene, text)
+    return MovingMechanism(
+        _svg(linkage, film, drawing, joints),
+        json.dumps(frames, ensure_ascii=False, separators=(",", ":")),
+        len(film.time),
+        caption,
+    )
+
+
+def _frames_of(film: Film, start: float, end: float) -> Film | None:
+    """Return ``FRAMES`` evenly spaced frames between two times, s; None if it has no such time."""
+    if not film.time[0] <= start < end <= film.time[-1] + 0.01 * (end - start):
+        return None
+    times = np.linspace(start, end, FRAMES)
+    rows = np.searchsorted(film.time, times).clip(0, film.time.size - 1)
+    return Film(film.time[rows], film.position[rows], film.joints[rows])
+
+
+def _largest_joints(linkage: Linkage, film: Film) -> list[int]:
+    """Return the numbers of the pins with the largest force, in their order."""
+    pins = range(len(shapes.loose_pins(linkage)))
+    forces = film.joints[:, :, NORMAL].max(axis=0)
+    return sorted(sorted(pins, key=lambda k: -forces[k])[:MOST_JOINTS])
+
+
+def _drawing_of(linkage: Linkage, film: Film) -> _Drawing:
+    """Return the scale of a mechanism with which all its places fit into the picture."""
+    low, high = shapes.bounding_box(linkage, film.position)
+    scale = float(min(np.array([_WIDTH, _HEIGHT]) / (high - low)))
+    return _Drawing(scale, low, scale * (high - low))
+
+
+def _poses(linkage: Linkage, film: Film, drawing: _Drawing) -> Array:
+    """Return places, units, and angles, degrees, of the bodies, shape (n, 3 bodies)."""
+    poses = film.position.reshape(len(film.time), -1, 3).copy()
+    poses[..., :2] = drawing.scale * (poses[..., :2] - drawing.low)
+    poses[..., 2] = np.degrees(poses[..., 2])
+    return np.asarray(poses.round(1).reshape(len(film.time), -1))
+
+
+def _radius(count: int) -> float:
+    """Return the radius of the circles of enlarged clearances, units of the picture."""
+    return _CIRCLE * _HEIGHT / max(count, 2)
+
+
+def _factor(joint: ClearanceJoint, count: int) -> float:
+    """Return the scale of an enlarged clearance, units of the picture per mm."""
+    return 1e-3 * (1.0 - _PIN) * _radius(count) / joint.clearance
+
+
+def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
+    """Return place of each pin centre and tip of its force, units; shape (n, 4 joints)."""
+    radius = _radius(len(joints))
+    result = np.zeros((len(film.time), len(joints), 4))
+    for column, k in enumerate(joints):
+        joint = linkage.clearances[k]
+        bearing, pin = (
+            shapes.points_of(linkage, film.position, side)[:, :2]
+            for side in (joint.bearing, joint.pin)
+        )
+        result[:, column, :2] = 1e3 * _factor(joint, len(joints)) * (pin - bearing)
+        row = film.joints[:, k]
+        normal = row[:, [X, Y]]
+        across = np.column_stack([-normal[:, 1], normal[:, 0]])
+        force = row[:, [NORMAL]] * normal - row[:, [TANGENTIAL]] * across
+        size = np.hypot(*force.T)
+        length = _ARROW * radius * np.sqrt(size / max(float(size.max()), 1e-300))
+        result[:, column, 2:] = force * (length / np.maximum(size, 1e-300))[:, None]
+    return np.asarray(result.round(1).reshape(len(film.time), -1))
+
+
+def _numbers(
+    film: Film, period: float, run_up: float, joints: list[int]
+) -> NDArray[np.int64]:
+    """Return the phase, degrees, and the normal forces, N, of each frame, (n, 1 + joints)."""
+    degrees = 360.0 * (film.time - 0.5 * run_up) / period
+    forces = film.joints[:, joints, NORMAL]
+    return np.column_stack([degrees, forces]).round().astype(np.int64)
+
+
+def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> Markup:
+    """Return the picture with all bodies at their origin, upright by a flip of its y axis."""
+    radius = _radius(len(joints))
+    width = drawing.size[0] + (2.0 * radius + 70.0 if joints else 0.0)
+    parts = [
+        f'<svg viewBox="0 0 {width:.0f} {_HEIGHT:.0f}" role="img" aria-label="mechanism">'
+    ]
+    parts.append(f'<g transform="matrix(1 0 0 -1 0 {_HEIGHT:.0f})">')
+    parts += _frame_parts(linkage, film, drawing)
+    bar = shapes.BAR * float(np.hypot(*drawing.size)) / drawing.scale
+    for k, body in enumerate(linkage.bodies):
+        colour = BODY_COLOURS[k % len(BODY_COLOURS)]
+        outline = drawing.scale * shapes.body_outline(linkage, body.name, 0.7 * bar)
+        style = f'fill="{colour}" fill-opacity="0.45" stroke="{colour}"'
+        holes = "".join(
+            f'<circle cx="{drawing.scale * end.x:.1f}" cy="{drawing.scale * end.y:.1f}" r="2"/>'
+            for end in shapes.attachments(linkage, body.name)
+        )
+        parts.append(f'<g class="body"><path d="{_path(outline)}" {style}/>{holes}</g>')
+    parts.append("</g>")
+    middle = drawing.size[0] + radius + 50.0
+    for column, k in enumerate(joints):
+        centre = _HEIGHT * (column + 0.5) / max(len(joints), 2)
+        name = escape(linkage.clearances[k].name)
+        parts.append(
+            f'<g transform="matrix(1 0 0 -1 {middle:.0f} {centre:.0f})">'
+            f'<circle r="{radius:.1f}" fill="#eef0f3" stroke="{_INK}"/>'
+            f'<circle r="{(1.0 - _PIN) * radius:.1f}" fill="none" stroke="#555" '
+            'stroke-dasharray="3 2"/>'
+            f'<g class="pin"><circle r="{_PIN * radius:.1f}" fill="#9aa5b1" '
+            f'fill-opacity="0.6" stroke="{_INK}"/><circle r="2" fill="{_INK}"/>'
+            '<line stroke="#c1121f" stroke-width="2.5"/></g></g>'
+            f'<text x="{middle - radius - 8.0:.0f}" y="{centre - 0.7 * radius:.0f}" '
+            f'text-anchor="end" font-weight="600">{name}</text>'
+        )
+    return Markup("".join([*parts, "</svg>"]))
+
+
+def _frame_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
+    """Return the joints of the frame and the guides."""
+    parts = []
+    for point in shapes.attachments(linkage, GROUND):
+        x, y = drawing.scale * (np.array([point.x, point.y]) - drawing.low)
+        d = _path(np.array([[x, y], [x - 7.0, y - 11.0], [x + 7.0, y - 11.0]]))
+        parts.append(f'<path d="{d}" fill="#c9ced6" stroke="#555"/>')
+    for guide in shapes.guides_of(linkage):
+        k = linkage.index(guide.body)
+        places = film.position[:, 3 * k : 3 * k + 2]
+        along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
+        travel = (places - places[0]) @ along
+        ends = places[0] + np.outer([travel.min(), travel.max()], along)
+        ends = drawing.scale * (ends - drawing.low) + np.outer([-14.0, 14.0], along)
+        parts.append(
+            f'<path d="{_path(ends)}" stroke="#555" stroke-dasharray="6 3" fill="none"/>'
+        )
+    return parts
+
+
+def _path(points: Array) -> str:
+    """Return a closed polygon as the data of an SVG path."""
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()) + "z"

@@ -1,0 +1,123 @@
+"""ISO fits in place of a clearance: formulas of the standard, printed values, messages."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.scene.fits import (
+    _DEVIATIONS,
+    _SIZES,
+    _TOLERANCES,
+    clearances_of,
+    fit_of,
+)
+from presswear.scene.settings import setting_of, values_of
+from presswear.tools.quantities import Quantity
+
+# Formulas of ISO 286-1 before rounding, D in mm and results in um: tolerances in units of i up
+# to 500 mm and of I above, and fundamental deviations.
+UNITS = {6: 10.0, 7: 16.0, 8: 25.0, 9: 40.0, 10: 64.0, 11: 100.0}
+DISTANCES = {
+    "d": (16.0, 0.44),
+    "e": (11.0, 0.41),
+    "f": (5.5, 0.41),
+    "g": (2.5, 0.34),
+}
+
+
+def middle(place: int) -> float:
+    """Return the geometric mean of a range of nominal sizes, mm."""
+    return math.sqrt(_SIZES[place] * (_SIZES[place - 1] if place else 1.0))
+
+
+@pytest.mark.parametrize("place", range(len(_SIZES)))
+def test_tables_are_the_rounded_formulas_of_the_standard(place: int) -> None:
+    size = middle(place)
+    is_small = _SIZES[place] <= 500
+    unit = 0.45 * size ** (1 / 3) + 0.001 * size if is_small else 0.004 * size + 2.1
+    for grade, count in UNITS.items():
+        expected = count * unit
+        assert _TOLERANCES[grade][place] == pytest.approx(expected, rel=0.07, abs=1.5)
+    for letter, (factor, power) in DISTANCES.items():
+        expected = factor * size**power
+        assert _DEVIATIONS[letter][place] == pytest.approx(expected, rel=0.05, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "least", "largest"),
+    [
+        # limit deviations as printed in ISO 286-2, um in diameter
+        ("110 H8/f7", 36, 54 + 71),
+        ("90 H9/f7", 36, 87 + 71),  # SBS, the fit of scenarios/press-250kN.toml
+        ("50 H7/g6", 9, 25 + 25),
+        ("30 H8/e8", 40, 33 + 73),
+        ("80 H11/d11", 100, 190 + 290),  # a range contains its upper end
+        ("860 F8/h9", 86, 226 + 230),
+        ("25 mm H7/h6", 0, 21 + 13),
+    ],
+)
+def test_printed_deviations(text: str, least: float, largest: float) -> None:
+    fit = fit_of(text)
+    assert fit is not None
+    assert fit.diameter is not None
+    ends = clearances_of(fit, fit.diameter)
+    assert [2e6 * end for end in ends] == pytest.approx([least, largest])
+
+
+def test_a_clearance_is_the_middle_of_a_fit() -> None:
+    bearing = pw.Bearing(diameter="110 mm", clearance="110 H8/f7")
+    assert bearing.bearing_radius == pytest.approx(0.055)
+    assert bearing.clearance == pytest.approx(0.25e-6 * (36 + 125))
+    assert pw.Bearing(diameter=0.11, clearance="H8/f7") == bearing
+    assert pw.Bearing(diameter=0.11, diametral_clearance="110 H8/f7") == bearing
+    scene = pw.changed(
+        pw.scenes.wear_times(), {"A.diameter": "90 mm", "A.c": "90 H9/f7"}
+    )
+    assert scene.bearing("A").clearance == pytest.approx(0.25e-6 * (36 + 158))
+    assert scene.bearing("C") == pw.scenes.wear_times().bearing("C")
+    origin = setting_of(scene, "A.clearance").meaning
+    assert isinstance(origin, Quantity)
+    assert origin.origin == "set by the user: middle of 90 H9/f7, 0.018 to 0.079 mm"
+
+
+def test_a_file_has_diameters_and_fits(tmp_path: Path) -> None:
+    file = tmp_path / "press.toml"
+    file.write_text(
+        '[mechanism]\nkind = "press"\n[bearings]\ndiameter = "90 mm"\nclearance = "H9/f7"\n'
+    )
+    bearing = pw.scene_from(file).bearing("A")
+    assert bearing.bearing_radius == pytest.approx(0.045)
+    assert bearing.clearance == pytest.approx(48.5e-6)
+
+
+def test_a_sweep_goes_over_a_fit() -> None:
+    values = values_of("clearance", "110 H8/f7:3", Quantity("m"))
+    assert values == pytest.approx([18e-6, 40.25e-6, 62.5e-6])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            {"clearance": "110 H8/f7"},
+            "fit 110 H8/f7: the bearing has a diameter of 30 mm; set",
+        ),
+        (
+            {"clearance": "30 H7/p6"},
+            "fit 30 H7/p6: allowed are holes D to H and pins d to h",
+        ),
+        ({"clearance": "30 H7/f14"}, "of the grades 6 to 11, such as 110 H8/f7"),
+        ({"diameter": "-3 mm"}, "diameter = -3 mm: allowed is 0.2 to 2000 mm"),
+        ({"R_i": "9 mm", "diameter": "9 mm"}, "R_i and diameter are the same setting"),
+    ],
+)
+def test_a_fit_that_does_not_fit_is_refused(
+    settings: dict[str, str], message: str
+) -> None:
+    with pytest.raises(pw.InputError, match=re.escape(message)):
+        pw.changed(pw.scenes.wear_times(), settings)
+    with pytest.raises(pw.InputError, match="such as 110 H8/f7:5"):
+        values_of("clearance", "H8/f7:3", Quantity("m"))

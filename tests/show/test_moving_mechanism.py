@@ -1,0 +1,74 @@
+"""The mechanism that a slider moves: places of the film, and the size of the picture."""
+
+import json
+import re
+from dataclasses import replace
+
+import made_up_result as made
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.show.moving_mechanism import FRAMES, moving_mechanism
+from presswear.show.replay.clip import NORMAL
+from presswear.show.report import render_report
+
+
+@pytest.fixture(scope="module")
+def result() -> pw.Result:
+    return pw.run(pw.scenes.press_blanking(engine="dae", cycles=4, wear_updates=0))
+
+
+def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result) -> None:
+    moving = moving_mechanism(result)
+    assert moving is not None
+    assert len(moving.svg) + len(moving.frames) < 100_000
+    assert moving.count == FRAMES
+    page = render_report(result)
+    assert page.count('class="motion"') == 1
+    assert "clearance, much enlarged: A 800 µm, C 800 µm." in page
+
+
+def test_places_are_those_of_the_film(result: pw.Result) -> None:
+    """Distances of mass centres have one scale; the force is that of the film."""
+    moving = moving_mechanism(result)
+    assert moving is not None
+    frames = json.loads(moving.frames)
+    film = result.stages[0].film
+    numbers = np.array(frames["numbers"])
+    assert frames["names"] == ["crank angle", "A", "C"]
+    assert numbers[-1, 0] - numbers[0, 0] == pytest.approx(360.0, abs=2.0)
+    phase = 360.0 * film.time / result.scene.mechanism.period
+    bodies = np.array(frames["bodies"]).reshape(FRAMES, -1, 3)
+    scales = []
+    for angle, places, forces in zip(
+        numbers[:, 0], bodies, numbers[:, 1:], strict=True
+    ):
+        row = int(np.abs(phase - angle).argmin())
+        near = slice(max(row - 1, 0), row + 2)  # the angle is rounded to a degree
+        real = film.position[row].reshape(-1, 3)
+        assert places[:, 2] == pytest.approx(np.degrees(real[:, 2]), abs=2.5)
+        scales.append(np.ptp(places[:, :2], axis=0) / np.ptp(real[:, :2], axis=0))
+        recorded = film.joints[near, :2, NORMAL].round()
+        assert (recorded == forces).all(axis=1).any()
+    assert np.ptp(scales) < 0.05 * np.mean(scales)
+
+
+def test_a_pin_lies_in_its_enlarged_clearance(result: pw.Result) -> None:
+    moving = moving_mechanism(result)
+    assert moving is not None
+    gaps = [
+        float(radius) for radius in re.findall(r'r="([\d.]+)" fill="none"', moving.svg)
+    ]
+    joints = np.array(json.loads(moving.frames)["joints"]).reshape(FRAMES, 2, 4)
+    distance = np.hypot(*joints[..., :2].T)
+    assert len(gaps) == 2
+    assert gaps[0] == gaps[1]
+    # Pins press by some per cent of the clearance into their bearings.
+    assert 0.97 * gaps[0] < distance.max() < 1.15 * gaps[0]
+
+
+def test_without_a_film_nothing_moves() -> None:
+    assert moving_mechanism(made.made_up(made.BOTH, 2)) is None
+    failed = replace(made.made_up(made.BOTH, 1), stages=())
+    assert moving_mechanism(failed) is None
