@@ -117,12 +117,14 @@ def _dry_contacts(
         name: math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
         for name, ratio in deep.items()
     }
-    places = _joined(
-        f"joint {name} by {_depth(scene, name, ratio)}, over {arcs[name]:.0f} degrees"
+    places = " and joint ".join(
+        f"{name} by {_depth(scene, name, ratio)}, over {arcs[name]:.0f} degrees"
         for name, ratio in deep.items()
     )
-    text = f"Contacts are deep: pins penetrate their bearings at {places}. The contact law is made "
-    text += "for small contacts; here bottom dead centre under load may be wrong, forces less so."
+    text = (
+        f"Contacts are deep: pins penetrate their bearings at joint {places}. The contact law is "
+        "made for small contacts; here bottom dead centre under load may be wrong, forces less so."
+    )
     last = next(one for one in reversed(stages) if not one.failed)
     peaks = [
         words

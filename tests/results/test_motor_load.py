@@ -115,7 +115,7 @@ def test_loads_are_those_of_the_stored_series() -> None:
     expected = np.interp(time, stage.time, stage.arrays["drive_torque"][:, 0])
     expected *= TURN * (1.0 - 0.08 * expected / 480.0)
     assert power == pytest.approx(expected, rel=1e-6, abs=1e-3)
-    speed_axes, torque_axes = result.plot("motor")
+    speed_axes, _, torque_axes, _ = result.plot("motor")
     torque = torque_axes.lines[0].get_ydata()
     expected = 60.0 * (1.0 - 0.08 * np.asarray(torque) / 480.0)
     assert speed_axes.lines[0].get_ydata() == pytest.approx(expected, rel=1e-6)
@@ -181,11 +181,11 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
     assert "with the change of speed" in f"{stage_tables(result)['tonnage']}"
     (response,) = drawings(result, ["response"])
     assert "at the nominal speed of the motor" in response.caption
-    axes, _ = result.plot("frame")  # with its working zone
+    axes, zone = result.plot("frame")
     drawn = np.asarray(axes.lines[0].get_ydata())
     assert drawn.max() == pytest.approx(1e6 * stretch[stretch.size // 2 :].max())
-    (scale,) = axes.child_axes
-    ends = 1e-6 * np.array(axes.get_ylim())
+    (scale,) = zone.child_axes
+    ends = 1e-6 * np.array(zone.get_ylim())
     assert scale.get_ylim() == pytest.approx(1e-3 * (FRAME * ends + WEIGHT))
     # Without clearance the frame alone moves bottom dead centre.
     (axes,) = result.plot("bottom")

@@ -40,7 +40,9 @@ def test_tables_are_the_rounded_formulas_of_the_standard(place: int) -> None:
     unit = 0.45 * size ** (1 / 3) + 0.001 * size if is_small else 0.004 * size + 2.1
     for grade, count in UNITS.items():
         expected = count * unit
-        assert _TOLERANCES[grade][place] == pytest.approx(expected, rel=0.07, abs=1.5)
+        # Up to 3 mm the standard has larger values, 25 um for 21.7 um.
+        near = 0.16 if place == 0 else 0.07
+        assert _TOLERANCES[grade][place] == pytest.approx(expected, rel=near, abs=1.0)
     for letter, (factor, power) in DISTANCES.items():
         expected = factor * size**power
         assert _DEVIATIONS[letter][place] == pytest.approx(expected, rel=0.05, abs=1.0)

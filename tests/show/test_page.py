@@ -27,7 +27,7 @@ class Page(HTMLParser):
         self.words: list[str] = []
         self.rows: list[list[str]] = []
         self.in_row = False
-        self.feed(text)
+        self.feed(re.sub(r"(?s)<script>.*?</script>", "<script></script>", text))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append(tag)
