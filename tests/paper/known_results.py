@@ -38,10 +38,9 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
             "load_distance": 3.0 * (1.0 + 0.03 * draw.normal(size=CYCLES)),
             "contacts": np.full(CYCLES, 7.0),
             "closed_time": np.full(CYCLES, 0.5),
-            "eccentricity_x": np.zeros(CYCLES),
-            "eccentricity_y": np.zeros(CYCLES),
         }
-        columns |= {f"{joint}_{name}": numbers[name] for name in names_of(JOINT_CYCLE)}
+        for name in names_of(JOINT_CYCLE):
+            columns[f"{joint}_{name}"] = numbers.get(name, np.zeros(CYCLES))
     return np.column_stack(list(columns.values()))
 
 
