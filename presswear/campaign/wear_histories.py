@@ -31,10 +31,11 @@ from presswear.campaign.service_life import (
     run_refinements,
 )
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.physics.ideal import bottom_of
 from presswear.physics.running_in import archard_depth, running_in_of
 from presswear.physics.statics import total_clearance
+from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of
 from presswear.physics.wear import largest_play, worn_volume
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
@@ -81,7 +82,10 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     Clearances take long and are computed only if a limit is on one of them.
     """
     levels = {}
-    for k, joint in enumerate(scene.linkage().clearances):
+    linkage = scene.linkage()
+    for k, joint in enumerate(linkage.clearances):
+        if isinstance(joint, GuideCorner):
+            continue
         item = depth[:, k, :, : joint.bins]
         levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
         levels[f"{joint.name}.wear_volume"] = np.array(
@@ -91,6 +95,13 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
             play = np.array([largest_play(joint, one) for one in item])
             levels[f"{joint.name}.radial_clearance"] = 0.5 * play
             levels[f"{joint.name}.diametral_clearance"] = play
+    for guide, walls in walls_of(linkage, depth).items():
+        corner = next(one for one in linkage.corners if one.guide.name == guide)
+        levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
+        volumes = [wall_volume(corner, one) for one in walls]
+        levels[f"{guide}.wear_volume"] = np.array(volumes)
+        tilts = [tilt_between(corner, one) for one in walls]
+        levels[f"{guide}.tilt"] = np.array(tilts)
     if "total_clearance" in limited:
         values = [total_clearance(linkage_on(scene, one)) for one in depth]
         levels["total_clearance"] = np.array(values)
@@ -336,13 +347,12 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     surfaces follow one another alike, and a life is inversely proportional to the
     coefficients.
     """
-    joints = scene.loose_pins
-    pairs = [scene.bearing(name).materials for name in joints]
+    pairs = [scene.bearing(name).materials for name in scene.wearing_joints]
     coefficient = max(
         pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
     )
     limits = scene.life_limits
-    services = life.services(joints)
+    services = life.services(scene.loose_pins)
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
 
@@ -350,7 +360,7 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
 def fewest_cycles_of(scene: Scene) -> float:
     """Return the cycles of all replicates that a life takes at least, before anything has run."""
     life = scene.life
-    joints = scene.loose_pins
+    joints = scene.wearing_joints
     assert life is not None
     clearances = {name: scene.bearing(name).clearance for name in joints}
     return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)
@@ -491,7 +501,7 @@ def life_result(
         curves[key] = np.column_stack([value, value - half, value + half])
     # A life is inversely proportional to the wear coefficients, all of them high or low
     # together.
-    joints = scene.loose_pins
+    joints = scene.wearing_joints
     services = problem.services[: end.interval]
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))

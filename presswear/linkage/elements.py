@@ -458,6 +458,18 @@ def turning_clearance(guide: Guide) -> float:
     return 0.5 * (math.hypot(guide.length, guide.width) - guide.width)
 
 
+def largest_tilt(guide: Guide, clearance: float) -> float:
+    """Return the tilt at which two opposite corners touch rigid walls, rad.
+
+    It solves (W / 2) (1 - cos p) = (L / 2) sin p - c.
+    """
+    assert guide.length is not None
+    assert guide.width is not None
+    diagonal = math.hypot(guide.length, guide.width)
+    slope = math.atan2(guide.width, guide.length)
+    return math.asin((guide.width + 2.0 * clearance) / diagonal) - slope
+
+
 CORNERS: Mapping[str, tuple[float, float]] = {
     "left front": (1.0, 1.0),
     "left back": (-1.0, 1.0),

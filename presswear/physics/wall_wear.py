@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap
+from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap, largest_tilt
 from presswear.linkage.linkage import Linkage
 from presswear.physics.foundation import BEARING, depth_at
 from presswear.tools.arrays import Array
@@ -81,6 +81,26 @@ def wall_volume(corner: GuideCorner, depth: Array) -> float:
     """Return the volume that a wall lost by a depth along it, m, shape (bins,); m^3."""
     assert corner.wall is not None
     return float(depth.sum()) * corner.width * corner.wall.bin_length
+
+
+def tilt_between(corner: GuideCorner, walls: Array) -> float:
+    """Return the largest tilt of a slide between two worn walls, rad.
+
+    ``walls`` are the depths of the left and the right wall, m, shape (2, bins). At some
+    place along the guide two opposite corners touch rigid walls.
+    """
+    guide, wall = corner.guide, corner.wall
+    assert guide.length is not None
+    assert wall is not None
+    front = bin_centres_of(wall)
+    front = front[front - guide.length >= wall.start]
+    back = front - guide.length
+    depth_at_front, depth_at_back = (
+        np.array([np.interp(each, bin_centres_of(wall), one) for one in walls])
+        for each in (front, back)
+    )
+    widest = float((depth_at_front + depth_at_back[::-1]).max())
+    return largest_tilt(guide, corner.clearance + 0.5 * widest)
 
 
 def walls_of(linkage: Linkage, maps: Array) -> dict[str, Array]:

@@ -10,6 +10,7 @@ from presswear.linkage import elements
 from presswear.linkage.elements import WALL_BINS, WALLS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.bearing import MIN_ANGLES, Bearing
+from presswear.scene.guide_clearance import deepest_wall
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import written
@@ -90,8 +91,7 @@ def _wall(where: str, value: Any, bearing: Bearing, guide: elements.Guide) -> Su
         raise InputError(
             f"{where}: {depth.size} depths; allowed are {WALL_BINS}, of equal bins along the wall"
         )
-    assert guide.width is not None
-    deepest = elements.deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
+    deepest = deepest_wall(bearing, guide)
     for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
         raise InputError(
             f"{where}: depth {written(depth[k], 'm')} in bin {k}: allowed is 0 to "
@@ -104,7 +104,8 @@ def _surface_of(value: Any) -> Surface:
     """Return the surface of depths as a user or a stored scene gives them."""
     if value is None:
         return Surface()
-    return Surface(value.get("depth") if isinstance(value, Mapping) else value)
+    depth: Any = value.get("depth") if isinstance(value, Mapping) else value
+    return Surface(depth)
 
 
 def _points_of(where: str, value: Any) -> tuple[Array, Array]:

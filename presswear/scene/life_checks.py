@@ -14,14 +14,20 @@ from presswear.tools.quantities import written
 
 def check_life(
     life: Life,
+    limits: Sequence[Limit],
     pins: Mapping[str, Bearing],
+    walls: Mapping[str, float],
     conventions: Conventions,
     wear_updates: int,
     replicates: int | None,
 ) -> None:
-    """Raise InputError if a life cannot be computed for these bearings of pins that wear."""
-    if not pins:
-        raise InputError("life: no pin has clearance, so that no joint wears")
+    """Raise InputError if a life cannot be computed for these joints that wear.
+
+    They are the bearings of pins, and guides, with the greatest wear depth of walls that
+    the model holds for, m.
+    """
+    if not (pins or walls):
+        raise InputError("life: no joint that wears has clearance")
     if wear_updates < 1:
         raise InputError(
             "wear_updates = 0 does not fit [life]: use 1 to 20, or switch the life off"
@@ -34,10 +40,9 @@ def check_life(
             f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
         )
     services = [service.words for service in life.services(tuple(pins))]
-    limits = life.limits({name: bearing.clearance for name, bearing in pins.items()})
     if life.quick == "on":
         _check_quick_life(limits, services, pins, wear_updates)
-    _check_reach(limits, pins, conventions.contact)
+    _check_reach(limits, pins, walls, conventions.contact)
 
 
 def _check_quick_life(
@@ -66,17 +71,20 @@ def _check_quick_life(
 def _check_reach(
     limits: Sequence[Limit],
     pins: Mapping[str, Bearing],
+    walls: Mapping[str, float],
     contact: elements.SurfaceContact,
 ) -> None:
     """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
-    greatest = [_greatest_value(limit, pins, contact) for limit in limits]
+    greatest = [_greatest_value(limit, pins, walls, contact) for limit in limits]
     values = [limit.value for limit in limits]
     if not limits or any(
         value < most for value, most in zip(values, greatest, strict=True)
     ):
         return
     first = limits[0]
-    words = _deepest_words(pins[first.joint], contact)
+    words = elements.DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
+    if first.joint in pins:
+        words = _deepest_words(pins[first.joint], contact)
     raise InputError(
         f"until = '{first.key} > {written(first.value, 'm')}': allowed is below "
         f"{written(greatest[0], 'm')}, {words}"
@@ -84,11 +92,16 @@ def _check_reach(
 
 
 def _greatest_value(
-    limit: Limit, pins: Mapping[str, Bearing], contact: elements.SurfaceContact
+    limit: Limit,
+    pins: Mapping[str, Bearing],
+    walls: Mapping[str, float],
+    contact: elements.SurfaceContact,
 ) -> float:
     """Return the value of a limited quantity with the deepest wear allowed; inf if unknown."""
     if limit.name not in ("depth", *CLEARANCES):
         return math.inf
+    if limit.joint in walls:
+        return walls[limit.joint]
     bearing = pins[limit.joint]
     deepest = bearing.deepest_wear(contact)
     if limit.name == "depth":

@@ -107,7 +107,7 @@ class Followed(NamedTuple):
     """Number that is followed over strokes, of each joint or of the whole mechanism."""
 
     unit: str
-    of_joint: bool
+    of: tuple[str, ...]  # kinds of joints: pin, guide; none: the whole mechanism
     words: str
     text: str
 
@@ -117,22 +117,27 @@ _BDC_ERROR = f"magnitude of the error of the height of {_BDC}"
 _CLEARANCE = "travel of the output point between an upward and a downward pull"
 _DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
 _PLAY = "largest play of the worn joint, as a dial gauge or a feeler measures it"
+_TILT = "largest tilt of the slide between the worn walls"
 _FORCE = "peak normal force of a stroke, mean over strokes"
+_PIN, _ANY = ("pin",), ("pin", "guide")
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
-    "depth": Followed("m", True, "depth", "largest wear depth of bearing or pin"),
+    "depth": Followed(
+        "m", _ANY, "depth", "largest wear depth of bearing or pin, or of both walls"
+    ),
     "wear_volume": Followed(
-        "m^3", True, "worn volume", "worn volume of bearing and pin"
+        "m^3", _ANY, "worn volume", "worn volume of bearing and pin, or of both walls"
     ),
-    "radial_clearance": Followed("m", True, "radial clearance", f"half of the {_PLAY}"),
-    "diametral_clearance": Followed("m", True, "diametral clearance", _PLAY),
-    "force_max": Followed("N", True, "peak force", _FORCE),
-    "total_clearance": Followed("m", False, "total clearance", _CLEARANCE),
+    "radial_clearance": Followed("m", _PIN, "radial clearance", f"half of the {_PLAY}"),
+    "diametral_clearance": Followed("m", _PIN, "diametral clearance", _PLAY),
+    "force_max": Followed("N", _PIN, "peak force", _FORCE),
+    "tilt": Followed("m/m", ("guide",), "tilt", _TILT),
+    "total_clearance": Followed("m", (), "total clearance", _CLEARANCE),
     "bdc_error": Followed(
-        "m", False, f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"
+        "m", (), f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"
     ),
-    "bdc_drift": Followed("m", False, f"drift of {_BDC}", _DRIFT),
+    "bdc_drift": Followed("m", (), f"drift of {_BDC}", _DRIFT),
     "repeatability": Followed(
-        "m", False, "repeatability", f"standard deviation of {_BDC}"
+        "m", (), "repeatability", f"standard deviation of {_BDC}"
     ),
 }
 
@@ -191,7 +196,7 @@ class Life(Checked):
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
         + ", ".join(FOLLOWED)
-        + "; clearance is the radial one, and clearances can be N x new",
+        + "; clearance is the radial one, and clearances and tilts can be N x new",
     )
     at_most: float = quantity(
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
@@ -211,12 +216,16 @@ class Life(Checked):
         10_000, 16, 10_000_000, "chosen", "largest number of cycles of all replicates"
     )
 
-    def limits(self, clearances: Mapping[str, float]) -> tuple[Limit, ...]:
+    def limits(
+        self, clearances: Mapping[str, float], tilts: Mapping[str, float]
+    ) -> tuple[Limit, ...]:
         """Return the limits, of all joints with clearance where none is named; raise InputError.
 
-        ``clearances`` are the radial clearances of the new joints, m.
+        ``clearances`` are the radial clearances of the new pins, m, and ``tilts`` those
+        of the slides in new guides, rad.
         """
         limits = []
+        of_kinds = {"pin": clearances, "guide": tilts}
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
             if match is None:
@@ -228,14 +237,9 @@ class Life(Checked):
             name = _ALIASES.get(name, name)
             if name not in FOLLOWED:
                 raise unknown("number in until", name, FOLLOWED)
-            of_joint = FOLLOWED[name].of_joint
-            if joint is not None and not of_joint:
-                raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
-            if joint is not None and joint not in clearances:
-                raise unknown("joint with clearance in until", joint, clearances)
-            names = ("",) if not of_joint else (joint,) if joint else tuple(clearances)
-            for one in names:
+            for one in _owners_of(text, joint, name, of_kinds):
                 new = CLEARANCES.get(name, 0.0) * clearances.get(one, 0.0)
+                new = tilts[one] if name == "tilt" else new
                 value = _limit_value(text, name, size, new)
                 limits.append(Limit(name, one, value, new))
         return tuple(limits)
@@ -262,19 +266,40 @@ class Life(Checked):
         return tuple(sorted(services, key=lambda service: service.strokes))
 
 
+def _owners_of(
+    text: str, joint: str | None, name: str, of_kinds: Mapping[str, Mapping[str, float]]
+) -> tuple[str, ...]:
+    """Return the joints that a limit is of; an empty name for the whole mechanism."""
+    kinds = FOLLOWED[name].of
+    every = [one for names in of_kinds.values() for one in names]
+    if not kinds:
+        if joint is not None:
+            raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
+        return ("",)
+    if joint is not None and joint not in every:
+        raise unknown("joint with clearance in until", joint, every)
+    owners = tuple(one for kind in kinds for one in of_kinds[kind])
+    if joint in owners:
+        return (joint,)
+    if joint is not None or not owners:
+        which = f"such as {owners[0]}" if owners else "and none has clearance"
+        raise InputError(f"until = {text!r}: {name} is of a {kinds[0]}, {which}")
+    return owners
+
+
 def _limit_value(text: str, name: str, size: str, new: float) -> float:
     """Return the value of a limit, SI; ``new`` is that of the new joint, 0 if there is none."""
     followed = FOLLOWED[name]
     if times := _TIMES_NEW.search(size):
         if new == 0.0:
-            allowed = ", ".join(("clearance", *CLEARANCES))
+            allowed = ", ".join(("clearance", *CLEARANCES, "tilt"))
             raise InputError(f"until = {text!r}: 'x new' is allowed for {allowed}")
-        ratio = Quantity("", 1.0, 1000.0, "", "times the new clearance", open_low=True)
+        ratio = Quantity("", 1.0, 1000.0, "", "times the new value", open_low=True)
         return float(parse_quantity(f"until: {name}", times[1], ratio)) * new
     positive = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
     value = float(parse_quantity(f"until: {name}", size, positive))
     if value <= new:
-        fault = f"allowed is above {written(new, 'm')}, that of the new joint"
+        fault = f"allowed is above {written(new, followed.unit)}, that of the new joint"
         raise InputError(f"until = {text!r}: {fault}")
     return value
 

@@ -16,7 +16,7 @@ from presswear.engines.settings import (
     Purpose,
 )
 from presswear.linkage import loads
-from presswear.linkage.elements import CORNERS, Attachment, Guide
+from presswear.linkage.elements import CORNERS, Attachment, Guide, largest_tilt
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface
@@ -26,7 +26,7 @@ from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
 from presswear.scene.clearance_linkage import with_bearings
 from presswear.scene.conventions import CONVENTIONS, Conventions
-from presswear.scene.guide_clearance import check_guide
+from presswear.scene.guide_clearance import check_guide, deepest_wall
 from presswear.scene.initial_surfaces import initial_surfaces
 from presswear.scene.life_checks import check_life
 from presswear.scene.mechanism_kinds import OneMechanism, mechanism_from
@@ -207,13 +207,13 @@ class Scene(Checked):
             },
             surfaces=initial_surfaces(
                 self.surfaces,
-                (*self.loose_pins, *(guide.name for guide in self.worn_guides)),
+                self.wearing_joints,
                 self.worn_guides,
                 self.bearing,
                 self.conventions.contact,
             ),
         )
-        if self.life is None and not (self.loose_pins or self.worn_guides):
+        if self.life is None and not self.wearing_joints:
             self._set(wear_updates=0)  # no joint wears
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in self._bearings_of_pins.items():
@@ -224,8 +224,9 @@ class Scene(Checked):
             self._check_guide(guide)
         if self.life is not None:
             pins = {name: self.bearing(name) for name in self.loose_pins}
+            limits, walls = self.life_limits, self._deepest_walls
             settings = self.wear_updates, self.replicates
-            check_life(self.life, pins, self.conventions, *settings)
+            check_life(self.life, limits, pins, walls, self.conventions, *settings)
         elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
@@ -306,8 +307,23 @@ class Scene(Checked):
         """Limits of the service life; none without a life."""
         if self.life is None:
             return ()
-        joints = self.loose_pins
-        return self.life.limits({name: self.bearing(name).clearance for name in joints})
+        pins = {name: self.bearing(name).clearance for name in self.loose_pins}
+        guides = () if self.is_quick else self.worn_guides
+        return self.life.limits(
+            pins,
+            {
+                one.name: largest_tilt(one, self.bearing(one.name).clearance)
+                for one in guides
+            },
+        )
+
+    @property
+    def _deepest_walls(self) -> dict[str, float]:
+        """Depth up to which the model of a worn wall holds, m, by guide."""
+        return {
+            guide.name: deepest_wall(self.bearing(guide.name), guide)
+            for guide in self.worn_guides
+        }
 
     @property
     def dry_pins(self) -> tuple[str, ...]:
@@ -354,6 +370,11 @@ class Scene(Checked):
             for guide in self.loose_guides
             if has_drives and self.bearing(guide.name).materials.wear_coefficient > 0.0
         )
+
+    @property
+    def wearing_joints(self) -> tuple[str, ...]:
+        """Names of the pins with clearance and of the guides whose walls wear."""
+        return (*self.loose_pins, *(guide.name for guide in self.worn_guides))
 
     @property
     def _loose_joints(self) -> tuple[str, ...]:

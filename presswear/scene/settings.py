@@ -98,7 +98,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         (one.key, one.value)
         for joint in scene.bearing_joints
         for one in settings_in(scene.bearing(joint))
-        if one.key not in _unread(scene, joint)
+        if one.key not in unread_of(scene, joint)
     }
     common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
     engines = (
@@ -108,7 +108,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     unused |= {
         f"{joint}.{key}"
         for joint in scene.bearing_joints
-        for key in _unread(scene, joint)
+        for key in unread_of(scene, joint)
     }
     return [
         one
@@ -118,7 +118,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     ]
 
 
-def _unread(scene: Scene, joint: str) -> tuple[str, ...]:
+def unread_of(scene: Scene, joint: str) -> tuple[str, ...]:
     """Return the keys of values of a bearing that a run of the scene does not read."""
     bearing = scene.bearing(joint)
     is_guide = any(guide.name == joint for guide in scene.loose_guides)

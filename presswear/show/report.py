@@ -144,7 +144,7 @@ def render_report(
         "untrusted": untrusted,
         "laws": _normal_laws(scene),
         "has_rubbing_joints": bool(rubbing_joints(scene)),
-        "bearings": [scene.bearing(joint) for joint in scene.loose_pins],
+        "bearings": [scene.bearing(joint) for joint in scene.wearing_joints],
         "wear_law": wear_law_numbers(scene),
         "oil": [] if untrusted else _oil_sentences(result),
         "presets": CONVENTIONS,

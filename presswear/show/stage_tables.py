@@ -126,14 +126,17 @@ def _guides_of(scene: Scene, stage: StageResult) -> Record:
 
 
 def _walls_of(stage: StageResult, guide: str) -> Record:
-    """Return the wear of both walls of a guide in a million strokes, by side; SI units."""
+    """Return the wear of both walls of a guide, by side; rates in a million strokes; SI units."""
+    walls = stage.statistics.walls.get(guide, {})
+    depths = stage.wall_depth(guide)[1].max(axis=1) if walls else ()
     return {
         side: {
             "depth": wall.depth_per_cycle.scaled(1e6),
             "place": wall.place,
             "volume": wall.volume_per_cycle.scaled(1e6),
+            "worn": float(worn) or None,
         }
-        for side, wall in stage.statistics.walls.get(guide, {}).items()
+        for (side, wall), worn in zip(walls.items(), depths, strict=True)
     }
 
 

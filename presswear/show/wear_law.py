@@ -2,7 +2,7 @@
 
 from presswear.linkage.laws import UNLISTED, Materials, listed_pair
 from presswear.scene.scene import Scene
-from presswear.scene.settings import DEFAULT
+from presswear.scene.settings import DEFAULT, unread_of
 from presswear.tools.quantities import written
 
 # by symbol of the law: setting and unit
@@ -20,8 +20,8 @@ def wear_law_numbers(scene: Scene) -> str:
     parts = []
     for symbol, (key, unit) in NUMBERS.items():
         texts: dict[str, list[str]] = {}
-        for joint in scene.loose_pins:
-            if key not in scene.bearing(joint).unread:
+        for joint in scene.wearing_joints:
+            if key not in unread_of(scene, joint):
                 texts.setdefault(_number(scene, joint, key, unit), []).append(joint)
         for text, joints in texts.items():
             places = f" at {' and '.join(joints)}" if len(texts) > 1 else ""

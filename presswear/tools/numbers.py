@@ -40,6 +40,7 @@ DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
     "µJ": ("J", 1e6, 0.0),
     "degrees": ("rad", 180.0 / math.pi, math.inf),
     "°": ("rad", 180.0 / math.pi, math.inf),
+    "µm/m": ("m/m", 1e6, 0.0),
     "%": ("", 100.0, math.inf),
     "million": ("", 1e-6, math.inf),
 }

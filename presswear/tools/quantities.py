@@ -52,6 +52,7 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254},
     "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, **_PER_MINUTE, **_PER_SECOND},
     "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
+    "m/m": {"m/m": 1.0, "mm/m": 1e-3, "um/m": 1e-6, "µm/m": 1e-6},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg m^2": {
         "kg m^2": 1.0,
@@ -109,7 +110,13 @@ _UNITS: dict[str, dict[str, float]] = {  # sizes of units by the SI unit
     "N s/m": {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3},
 }
 _WRITTEN_IN = {  # units of engineers, the largest first
-    **{"m": ("mm",), "rad": ("deg",), "rad/s": ("rpm",), "W/m^2": ("MPa m/s",)},
+    **{
+        "m": ("mm",),
+        "rad": ("deg",),
+        "m/m": ("um/m",),
+        "rad/s": ("rpm",),
+        "W/m^2": ("MPa m/s",),
+    },
     **{
         "Pa": ("GPa", "MPa"),
         "N": ("kN", "N"),

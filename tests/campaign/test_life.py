@@ -341,7 +341,13 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert single["repeatability"] == pytest.approx([8.0, 8.0])
     assert samples["A.force_max"].tolist() == [0.0, 0.0]
     names = {name.partition(".")[2] or name for name in (*levels, *samples)}
+    press = pw.scenes.press_off_centre()
+    flat = np.zeros((1, *map_shape(press.linkage().clearances)))
+    names |= {"tilt"}  # of guides
     assert names == FOLLOWED.keys()
+    levels = wear_histories.levels_of(press, flat, tuple(FOLLOWED))
+    of_guides = [f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.of]
+    assert {*of_guides, "total_clearance"} == levels.keys()
 
 
 JOINTS = {"A": 1e-4, "B": 2e-4}
@@ -367,7 +373,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
 
 
 @given(
-    st.sampled_from(sorted(FOLLOWED)),
+    st.sampled_from(sorted(FOLLOWED.keys() - {"tilt"})),  # of guides
     st.sampled_from(("", *JOINTS)),
     st.floats(1e-9, 1e6),
     st.text(" ", max_size=3),
@@ -377,11 +383,11 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
     text = f"{blank}{joint + '.' if joint else ''}{name}{blank}>{blank}{value!r} {unit}{blank}"
     if joint and not of_joint:
         with pytest.raises(pw.InputError, match="is of the whole mechanism"):
-            pw.Life(until=text).limits(JOINTS)
+            pw.Life(until=text).limits(JOINTS, {})
         return
     if name in CLEARANCES and value <= CLEARANCES[name] * max(JOINTS.values()):
         return
-    limits = pw.Life(until=text).limits(JOINTS)
+    limits = pw.Life(until=text).limits(JOINTS, {})
     joints = [joint] if joint else list(JOINTS) if of_joint else [""]
     assert [(limit.joint, limit.value) for limit in limits] == [
         (each, value) for each in joints
@@ -390,7 +396,7 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
 
 def test_limits_in_the_words_of_makers() -> None:
     text = "A.clearance > 0.30 mm, diametral_clearance > 2.5 x new, B.radial_clearance > 3×new"
-    limits = pw.Life(until=text).limits(JOINTS)
+    limits = pw.Life(until=text).limits(JOINTS, {})
     assert [limit.key for limit in limits] == [
         "A.radial_clearance",
         "A.diametral_clearance",
@@ -436,7 +442,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
 def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
     life = pw.Life(**settings)
     with pytest.raises(pw.InputError, match=message):
-        life.limits(JOINTS) and life.services(tuple(JOINTS))
+        life.limits(JOINTS, {}) and life.services(tuple(JOINTS))
 
 
 def test_scenes_without_a_life_are_refused() -> None:

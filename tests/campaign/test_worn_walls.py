@@ -1,5 +1,7 @@
 """Wear updates of the walls of a guide: a press that cuts beside the middle of its slide."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +9,8 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.linkage.elements import WALL_BINS
+from presswear.linkage.elements import WALL_BINS, WallMap, largest_tilt
+from presswear.physics.wall_wear import tilt_between
 
 STROKES = 3e4  # that wear a wall by a tenth of its clearance
 WALLS = {"wear_updates": 1, "cycles_per_update": STROKES, "replicates": 2, "cycles": 3}
@@ -58,6 +61,7 @@ def test_the_slide_follows_the_worn_walls(result: pw.Result) -> None:
     assert height is not None
     fractures = np.interp(strokes.fracture[:, 0], stage.clock, height)
     middle = result.scene.bottom + float(fractures.mean()) - guide.y
+    assert guide.length is not None
     ends = middle + 0.5 * guide.length, middle - 0.5 * guide.length
     depths = [np.interp(ends, place, wall) for wall in (left, right)]
     # The slide turns to the side on which the corners of the work press.
@@ -75,6 +79,105 @@ def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result) -> None:
     for side, wall in zip(worn["guide"], first.wall_depth("guide")[1], strict=True):
         assert np.array_equal(side.depth, wall)
     assert first.name == "initial surfaces"
+
+
+def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
+    result: pw.Result, tmp_path: Path
+) -> None:
+    """Two limits in one life; at 6 um the rate is within a few parts in a hundred."""
+    (guide,) = result.scene.loose_guides
+    assert guide.length is not None
+    new = largest_tilt(guide, 0.05e-3)
+    tilt = new + 20e-6  # both walls are then worn by 8 um together, over 0.4 m
+    life = pw.Life(until=f"guide.depth > 6 um, guide.tilt > {1e6 * tilt!r} um/m")
+    scene = pw.scenes.press_off_centre(
+        wear_updates=1, life=life, tolerance=0.1, cycles=3, replicates=2
+    )
+    worn = pw.run(scene, tmp_path / "life", jobs=1)
+    assert worn.life is not None
+    assert worn.life.ended == "limit"
+    deepest = max(
+        wall.depth_per_cycle.mean
+        for wall in result.stages[0].statistics.walls["guide"].values()
+    )
+    depth, opening = worn.life.limits
+    assert (depth.key, depth.unit) == ("guide.depth", "m")
+    assert (opening.key, opening.unit) == ("guide.tilt", "m/m")
+    reached = [limit for limit in worn.life.limits if limit.strokes is not None]
+    assert opening in reached
+    sides = result.stages[0].statistics.walls["guide"].values()
+    both = sum(wall.depth_per_cycle.mean for wall in sides)
+    assert opening.strokes == pytest.approx(20e-6 * guide.length / both, rel=0.1)
+    strokes = worn.life.curves["strokes"]
+    curve = worn.life.curves["guide.depth"][:, 0]
+    assert curve == pytest.approx(deepest * strokes, rel=0.1)
+    volumes = worn.life.curves["guide.wear_volume"][:, 0]
+    rate = sum(wall.volume_per_cycle.mean for wall in sides)
+    assert volumes == pytest.approx(rate * strokes, rel=0.05)
+    end = worn.stages[1].wall_depth("guide")[1].max()
+    assert end == pytest.approx(np.interp(worn.life.strokes, strokes, curve), rel=0.05)
+    report = worn.report().read_text()
+    assert "tilt of guide over" in report
+    assert "worn depth of the left wall in the stage" in report
+
+
+@pytest.mark.parametrize("place", [0, 300, 599])
+def test_a_tilt_between_worn_walls_has_a_closed_form(place: int) -> None:
+    """The front of the slide lies at a trench of one wall, its back at one of the second."""
+    (guide,) = pw.scenes.press_off_centre().loose_guides
+    wall = WallMap(
+        1e-13, -0.5, 0.001 * WALL_BINS
+    )  # 400 bins are the length of the slide
+    corner = replace(pw.scenes.press_off_centre().linkage().corners[0], wall=wall)
+    walls = np.zeros((2, WALL_BINS))
+    assert tilt_between(corner, walls) == largest_tilt(guide, 0.05e-3)
+    walls[0, place + 400], walls[1, place] = 7e-6, 5e-6
+    wider = largest_tilt(guide, 0.05e-3 + 6e-6)
+    assert tilt_between(corner, walls) == pytest.approx(wider, rel=1e-9)
+    assert tilt_between(corner, walls[::-1]) == pytest.approx(wider, rel=1e-9)
+    walls[0] = np.roll(walls[0], 1)
+    assert tilt_between(corner, walls) < wider - 1e-6
+
+
+TILT = "250.023 um/m"
+
+
+@pytest.mark.parametrize(
+    ("until", "message"),
+    [
+        ("guide.tilt > 200 um/m", f"'guide.tilt > 200 um/m': allowed is above {TILT}"),
+        ("guide.tilt > 3 N", "tilt = '3 N': unknown unit 'N'"),
+        ("guide.force_max > 1 kN", "force_max is of a pin, and none has clearance"),
+        ("radial_clearance > 1 mm", "radial_clearance is of a pin, and none has"),
+        (
+            "A.depth > 1 mm",
+            "unknown joint with clearance in until 'A'; known are guide",
+        ),
+        ("guide.depth > 0.6 mm", "allowed is below 0.5 mm, with wear of 10 clearances"),
+        ("guide.dept > 1 mm", "unknown number in until 'dept'; did you mean depth?"),
+    ],
+)
+def test_a_limit_that_does_not_fit_is_refused_in_one_line(
+    until: str, message: str
+) -> None:
+    life = pw.Life(until=until)
+    with pytest.raises(pw.InputError, match=re.escape(message)):
+        pw.scenes.press_off_centre(wear_updates=1, life=life)
+
+
+def test_limits_of_guides_and_pins_are_named() -> None:
+    def limits(until: str) -> list[tuple[str, float]]:
+        life = pw.Life(until=until).limits({"A": 1e-4}, {"guide": 2e-4})
+        return [(limit.key, limit.value) for limit in life]
+
+    ((key, value),) = limits("tilt > 1.5 x new")
+    assert key == "guide.tilt"
+    assert value == pytest.approx(3e-4)
+    both = [limit[0] for limit in limits("depth > 0.05 mm")]
+    assert both == ["A.depth", "guide.depth"]
+    assert limits("force_max > 1 kN") == [("A.force_max", 1e3)]
+    with pytest.raises(pw.InputError, match="tilt is of a guide, such as guide"):
+        limits("A.tilt > 1 mm/m")
 
 
 class Stops(pw.Observer):

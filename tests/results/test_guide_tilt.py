@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.linkage.elements import CORNERS
+from presswear.linkage.elements import CORNERS, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import (
     STATES,
@@ -18,7 +18,6 @@ from presswear.results.guide_tilt import (
     guide_tilts,
     self_locking,
 )
-from presswear.show.figures.guide import largest_tilt
 from presswear.show.limits import limit_lines
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings

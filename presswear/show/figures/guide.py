@@ -1,21 +1,27 @@
 """Figures of guides with clearance: tilt of the slide, paths of its corners, wear of its walls."""
 
-import math
-from itertools import chain
+from itertools import chain, product
 
-from presswear.linkage.elements import CORNERS, WALLS, Guide
+from presswear.linkage.elements import CORNERS, WALLS, Guide, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
 from presswear.show.figures.window import mark_moments, sampled
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import unit_scale
 
 _LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
 _ASKED = Pen("limit that press makers ask for", style.MUTED, "dotted", 1.2)
 _WALL = Pen("walls", style.REFERENCE, width=1.0)
 _WALL_DASHES = {"left": "solid", "right": "dashed"}
+# of the walls in a stage: how to read them, factor from SI and label
+_WALL_QUANTITIES = (
+    (StageResult.wall_wear, 1e12, "depth per million\nstrokes (µm)"),
+    (StageResult.wall_depth, 1e6, "depth of the wall\nin the stage (µm)"),
+)
 _ENDS = ("front", "back")  # of a slide along its guide
 _PATH_WIDTH = 0.5  # of the line of a path, points
 _EDGE = (
@@ -49,18 +55,6 @@ def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:
     for sign in (-1.0, 1.0):
         for pen, size in ((_LARGEST, largest), (_ASKED, 1e6 * ALLOWED_TILT)):
             axes.axhline(sign * size, **pen.line_style)
-
-
-def largest_tilt(guide: Guide, clearance: float) -> float:
-    """Return the tilt at which two opposite corners touch rigid walls, rad.
-
-    It solves (W / 2) (1 - cos p) = (L / 2) sin p - c.
-    """
-    assert guide.length is not None
-    assert guide.width is not None
-    diagonal = math.hypot(guide.length, guide.width)
-    slope = math.atan2(guide.width, guide.length)
-    return math.asin((guide.width + 2.0 * clearance) / diagonal) - slope
 
 
 def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
@@ -102,30 +96,37 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
 
 
 def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
-    """Draw the depth that a million strokes wear off both walls of each guide along its length."""
+    """Draw wear rate and depth of both walls of each guide along its length."""
     stages = [stage for stage in shown if stage.data.statistics.walls]
     names = list(dict.fromkeys(chain(*(one.data.statistics.walls for one in stages))))
     if not names:
         return []
-    sheet, panels, _ = style.panel_list(len(names), 2.4, 1)
-    for axes, name in zip(panels, names, strict=True):
+    worn = [one.data.wall_depth(name)[1].any() for one in stages for name in names]
+    quantities = _WALL_QUANTITIES if any(worn) else _WALL_QUANTITIES[:1]
+    parts = list(product(names, quantities))
+    sheet, panels, _ = style.panel_list(len(parts), 2.4, 1)
+    for axes, (name, (reads, factor, label)) in zip(panels, parts, strict=True):
         for stage in stages:
-            place, depth = stage.data.wall_wear(name)
-            for side, each in zip(WALLS, depth, strict=True):
-                pen = stage.pen
-                axes.step(
-                    1e3 * place,
-                    1e12 * each,
-                    where="mid",
-                    color=pen.colour,
-                    linestyle=_WALL_DASHES[side],
-                )
+            place, depths = reads(stage.data, name)
+            _draw_walls(axes, stage.pen, place, factor * depths)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel(f"place along {name} (mm)")
-        axes.set_ylabel("depth per million\nstrokes (µm)")
+        axes.set_ylabel(label)
     walls = [
         Pen(f"{side} wall", style.REFERENCE, dashes)
         for side, dashes in _WALL_DASHES.items()
     ]
     pens = [*(stage.pen for stage in stages), *walls]
-    return style.finished("walls", sheet, pens, guides=names)
+    return style.finished("walls", sheet, pens, guides=names, is_worn=any(worn))
+
+
+def _draw_walls(axes: Axes, pen: Pen, place: Array, depths: Array) -> None:
+    """Draw numbers of the bins of both walls over their places, m."""
+    for side, depth in zip(WALLS, depths, strict=True):
+        axes.step(
+            1e3 * place,
+            depth,
+            where="mid",
+            color=pen.colour,
+            linestyle=_WALL_DASHES[side],
+        )

@@ -27,7 +27,7 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     services = services_done(result)
     if life is None or not life.curves or len(stages) < len(result.stages):
         return []
-    joints = result.scene.loose_pins
+    joints = result.scene.wearing_joints
     keys = [key for name in joints for key in life.curves if key.startswith(f"{name}.")]
     keys += [key for key in life.curves if key != "strokes" and "." not in key]
     high = life.interval.high if life.ended == "limit" else None
