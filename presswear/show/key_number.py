@@ -31,7 +31,7 @@ def measured(
     mean = estimate.mean
     high = estimate.high
     factor, shown = numbers.unit_scale(unit, abs(mean))
-    if low is None or high is None:
+    if low is None or high is None or not estimate.has_interval:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
         return KeyNumber(
             name, value, UNKNOWN, meaning, note=note or "scatters too much"

@@ -32,6 +32,13 @@ from presswear.tools.numbers import quantity_text
         ),
         (Estimate(150.0, samples=1), "150 N", "interval unknown", "1 of 20 strokes"),
         (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
+        # the standard deviation of two cycles in each of two runs
+        (
+            Estimate(150.0, 1e-20, 1e20, 4),
+            "150 N",
+            "interval unknown",
+            "4 of 20 strokes",
+        ),
         (
             Estimate.symmetric(150.0, 3.0, 19),
             "150 N",

@@ -55,25 +55,30 @@ class Estimate:
         return Estimate(self.mean, self.mean / factor, self.mean * factor, self.samples)
 
     @property
+    def has_interval(self) -> bool:
+        """True if the interval tells something.
+
+        One of a positive quantity over more than ``MAX_FACTOR`` squared says no more
+        than too few cycles.
+        """
+        if self.low is None or self.high is None:
+            return False
+        return not 0.0 < MAX_FACTOR**2 * self.low < self.high
+
+    @property
     def without_interval(self) -> "Estimate":
         """Mean alone."""
         return Estimate(self.mean, samples=self.samples)
 
     def __str__(self) -> str:
-        """Return the mean with its interval; ``±`` where both ends are about as far away.
-
-        An interval over more than ``MAX_FACTOR`` squared says no more than too few
-        cycles.
-        """
+        """Return the mean with its interval; ``±`` where both ends are about as far away."""
         if self.low is None and self.samples >= MIN_SAMPLES:
             # of different motions, or too wide
             return f"{readable(self.mean)} (no interval)"
-        if (
-            self.low is None
-            or self.high is None
-            or 0.0 < MAX_FACTOR**2 * self.low < self.high
-        ):
+        if not self.has_interval:
             return with_interval(self.mean, None)
+        assert self.low is not None
+        assert self.high is not None
         half = 0.5 * (self.high - self.low)
         if abs(0.5 * (self.low + self.high) - self.mean) <= 0.05 * half:
             return with_interval(self.mean, half)
