@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy import stats
 
 from presswear.campaign import campaign as campaigns
 from presswear.campaign.campaign import run_campaign
@@ -747,6 +748,8 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
     assert by_joint[0].until == by_joint[1].since == pytest.approx(first, rel=0.02)
     growth = 1.0 + half / (rate * REPRESENTED)
     assert by_joint[1].rate / by_joint[0].rate == pytest.approx(growth, rel=0.02)
+    low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
+    assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
     assert f"{life}".startswith("quick life: ")
     page = render_report(result)
     for text in (f"{life}", page):

@@ -1,5 +1,6 @@
 """Oil films that acted in a run: the numbers of the report are those of the run."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,9 @@ def test_least_film_of_a_run_is_near_that_under_ideal_forces(oiled: pw.Result) -
     least = [1e6 * float(film.thickness.min()) for film in films.values()]
     assert least == pytest.approx([5.4, 2.3], rel=0.12)
     assert all(film.time_shares == (1.0, 0.0, 0.0) for film in films.values())
+    for name, film in films.items():
+        both = math.hypot(*2 * [oiled.scene.bearing(name).roughness])
+        assert film.roughness == pytest.approx(both, rel=1e-12)
 
 
 def test_loss_of_the_films_is_that_of_the_ledger(oiled: pw.Result) -> None:
