@@ -180,8 +180,8 @@ class Service:
 _ALIASES = {"clearance": "radial_clearance"}
 # Of a new joint, in radial clearances
 CLEARANCES = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
-_TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new$")
-_LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
+_TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new")
+_LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>=?\s*(\S.*?)\s*$")
 _STROKES = Quantity("", 1.0, 1e15)
 
 
@@ -236,7 +236,7 @@ class Life(Checked):
             joint, name, size = match.groups()
             name = _ALIASES.get(name, name)
             if name not in FOLLOWED:
-                raise unknown("number in until", name, FOLLOWED)
+                raise unknown("number in until", name, (*_ALIASES, *FOLLOWED))
             for one in _owners_of(text, joint, name, of_kinds):
                 new = CLEARANCES.get(name, 0.0) * clearances.get(one, 0.0)
                 new = tilts[one] if name == "tilt" else new
@@ -290,7 +290,11 @@ def _owners_of(
 def _limit_value(text: str, name: str, size: str, new: float) -> float:
     """Return the value of a limit, SI; ``new`` is that of the new joint, 0 if there is none."""
     followed = FOLLOWED[name]
-    if times := _TIMES_NEW.search(size):
+    if size.endswith("new"):
+        times = _TIMES_NEW.fullmatch(size)
+        if times is None:
+            example = "VALUE x new is expected, such as 2.5 x new"
+            raise InputError(f"until = {text!r}: {example}")
         if new == 0.0:
             allowed = ", ".join(("clearance", *CLEARANCES, "tilt"))
             raise InputError(f"until = {text!r}: 'x new' is allowed for {allowed}")

@@ -395,7 +395,7 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
 
 
 def test_limits_in_the_words_of_makers() -> None:
-    text = "A.clearance > 0.30 mm, diametral_clearance > 2.5 x new, B.radial_clearance > 3×new"
+    text = "A.clearance >= 0.30 mm, diametral_clearance > 2.5 x new, B.radial_clearance > 3×new"
     limits = pw.Life(until=text).limits(JOINTS, {})
     assert [limit.key for limit in limits] == [
         "A.radial_clearance",
@@ -429,6 +429,9 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
             "allowed is above 0.2 mm, that of the new joint",
         ),
         ({"until": "A.clearance > 0.9 x new"}, "until: radial_clearance"),
+        ({"until": "A.clearance > 2.5 new"}, "VALUE x new is expected, such as 2.5 x"),
+        ({"until": "A.clearance > 1 mm 2 x new"}, "VALUE x new is expected"),
+        ({"until": "A.play > 1 mm"}, "known are clearance, depth"),
         ({"until": "A.depth > 2 x new"}, "'x new' is allowed for clearance, radial_c"),
         (
             {"replaced": "A2e6"},
