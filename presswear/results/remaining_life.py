@@ -245,6 +245,26 @@ def _new_value(scene: Scene, reading: Reading) -> float:
     )
 
 
+def _limit_of(limits: Sequence[Limit], reading: Reading) -> float:
+    """Return the limit of the quantity that was read, SI; infinite without one.
+
+    A radial clearance may be limited where the diametral one is read, and the other way
+    round.
+    """
+    sizes = {reading.quantity: 1.0}
+    if reading.quantity in CLEARANCES:
+        sizes = {
+            name: CLEARANCES[reading.quantity] / each
+            for name, each in CLEARANCES.items()
+        }
+    values = [
+        one.value * sizes[one.name]
+        for one in limits
+        if one.joint == reading.joint and one.name in sizes
+    ]
+    return min(values, default=math.inf)
+
+
 def _joint_wear(
     scene: Scene, life: LifeResult, group: Sequence[Reading], limits: Sequence[Limit]
 ) -> tuple[JointWear, Posterior]:
@@ -260,7 +280,7 @@ def _joint_wear(
     shape = _course(life, first.key, _new_value(scene, first))
     posterior = posterior_of(shape, observed, materials.wear_scatter)
     new = float(posterior.probabilities @ posterior.new)
-    limit = next((one.value for one in limits if one.key == first.key), math.inf)
+    limit = _limit_of(limits, first)
     exponent = course_exponent(shape, observed)
     low, middle, high = map(float, posterior.quantiles(_LEVELS))
     factor = Estimate(middle, low, high, len(group))

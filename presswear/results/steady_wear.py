@@ -67,19 +67,16 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
         variance = max(variance, 1.0)
         student = quantile(math.inf)
     covariance = np.asarray(student**2 * variance * inverse, dtype=float)
-    ends = _fieller(limit - new - intercept, slope, covariance)
     halves = np.sqrt(np.diag(covariance))
+    life = None
+    if slope > 0.0 and not math.isinf(limit):
+        left = float(limit - new - intercept)
+        low, high = _fieller(left, float(slope), covariance)
+        life = Estimate(scale * left / float(slope), scale * low, scale * high, count)
     return SteadyWear(
         Estimate.symmetric(float(intercept), float(halves[0]), count),
         Estimate.symmetric(float(slope) / scale, float(halves[1]) / scale, count),
-        None
-        if math.isinf(limit) or slope <= 0.0
-        else Estimate(
-            scale * float((limit - new - intercept) / slope),
-            scale * ends[0],
-            scale * ends[1],
-            count,
-        ),
+        life,
     )
 
 

@@ -173,6 +173,21 @@ def test_clearance_when_new_is_taken_from_the_readings() -> None:
     assert wrong.remaining.mean < 0.99 * left.remaining.mean
 
 
+def test_a_line_of_diametral_readings_ends_at_a_radial_limit() -> None:
+    scene = scene_with("B.clearance > 3 x new")
+    new = scene.bearing("B").clearance
+    course = new + 20.0 * depth_after(STROKES)
+    curves = {"radial_clearance": course, "diametral_clearance": 2.0 * course}
+    strokes = (1e6, 2e6, 3e6)
+    readings = [
+        Reading("B", n, "diametral_clearance", 2.0 * new + 2e-10 * n, 1e-6)
+        for n in strokes
+    ]
+    left = remaining_life(result_with(scene, **curves), readings)
+    line = left.joints[0].steady
+    assert line.until.mean == pytest.approx(4.0 * new / 2e-10, rel=1e-6)
+
+
 def test_readings_of_another_course_are_told() -> None:
     """Residuals widen the interval, and the exponent is that of the readings."""
     strokes = np.linspace(0.5e6, 4e6, 8)
