@@ -194,14 +194,14 @@ class OiledContact:
         text.write(f"{rates.x}, {rates.y}, {prefix}_rough = {call}")
         for i, rate in zip(axes, rates, strict=True):
             text.write(f"out[{i}] = {rate}")
-        moment, rubbed = self._write_friction(page, prefix, f"{film.dot(film)}")
+        moment, friction_loss = self._write_friction(page, prefix, f"{film.dot(film)}")
         self._add_forces(page, prefix, place, force, moment)
         vectors = ", ".join(f"({one.x}, {one.y})" for one in (film, rates, force))
         loss = f"film_loss({vectors}, {speeds})"
         page.add_power("contact_loss", loss)
-        page.add_power("friction_loss", rubbed)
+        page.add_power("friction_loss", friction_loss)
         with text.block("if level == END:"):
-            self._write_record(page, prefix, film, rates, total(loss, rubbed))
+            self._write_record(page, prefix, film, rates, total(loss, friction_loss))
 
     def _declare_film(self, page: Page, prefix: str) -> list[int]:
         """Declare the place on the film; return the places of its coordinates in ``y``."""
