@@ -12,8 +12,10 @@ from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
 # Upper ends of the ranges of nominal sizes, mm; a range contains its upper end
-_SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
-_SIZES += (630, 800, 1000, 1250, 1600, 2000)
+_SIZES = (
+    *(3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500),
+    *(630, 800, 1000, 1250, 1600, 2000),
+)
 # Standard tolerances, um, by grade IT6 to IT11, for each range
 _TOLERANCES = {
     6: (6, 8, 9, 11, 13, 16, 19, 22, 25, 29, 32, 36, 40, 44, 50, 56, 66, 78, 92),

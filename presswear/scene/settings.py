@@ -453,8 +453,8 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
                 f"{key} = {text}: a fit with its diameter and a number of values is expected, "
                 "such as 110 H8/f7:5"
             )
-        low, high = clearances_of(fit, fit.diameter)
-        return values_of(key, f"{low!r} m:{high!r} m:{count_text}", meaning)
+        least, largest = clearances_of(fit, fit.diameter)
+        return values_of(key, f"{least!r} m:{largest!r} m:{count_text}", meaning)
     if ":" not in text:
         return [
             float(parse_quantity(key, part.strip(), meaning))

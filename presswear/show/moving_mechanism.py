@@ -40,7 +40,7 @@ class MovingMechanism(NamedTuple):
 
     svg: Markup
     frames: str
-    count: int
+    frame_count: int
     caption: str
 
 

@@ -33,6 +33,10 @@ def in_words_of(scene: Scene, text: str) -> str:
 
 def number_in_words_of(scene: Scene, number: KeyNumber) -> KeyNumber:
     """Return a key number in the words of the linkage of a scene."""
-    names = ("name", "value", "interval", "meaning", "note")
-    texts = {name: in_words_of(scene, getattr(number, name)) for name in names}
-    return number._replace(**texts)
+    return number._replace(
+        name=in_words_of(scene, number.name),
+        value=in_words_of(scene, number.value),
+        interval=in_words_of(scene, number.interval),
+        meaning=in_words_of(scene, number.meaning),
+        note=in_words_of(scene, number.note),
+    )

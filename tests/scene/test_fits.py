@@ -3,6 +3,7 @@
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -70,11 +71,13 @@ def test_printed_deviations(text: str, least: float, largest: float) -> None:
 
 
 def test_a_clearance_is_the_middle_of_a_fit() -> None:
-    bearing = pw.Bearing(diameter="110 mm", clearance="110 H8/f7")
+    fit: Any = "110 H8/f7"
+    short: Any = "H8/f7"
+    bearing = pw.Bearing(diameter="110 mm", clearance=fit)
     assert bearing.bearing_radius == pytest.approx(0.055)
     assert bearing.clearance == pytest.approx(0.25e-6 * (36 + 125))
-    assert pw.Bearing(diameter=0.11, clearance="H8/f7") == bearing
-    assert pw.Bearing(diameter=0.11, diametral_clearance="110 H8/f7") == bearing
+    assert pw.Bearing(diameter=0.11, clearance=short) == bearing
+    assert pw.Bearing(diameter=0.11, diametral_clearance=fit) == bearing
     scene = pw.changed(
         pw.scenes.wear_times(), {"A.diameter": "90 mm", "A.c": "90 H9/f7"}
     )

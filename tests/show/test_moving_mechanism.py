@@ -23,7 +23,7 @@ def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result) -> None:
     moving = moving_mechanism(result)
     assert moving is not None
     assert len(moving.svg) + len(moving.frames) < 100_000
-    assert moving.count == FRAMES
+    assert moving.frame_count == FRAMES
     page = render_report(result)
     assert page.count('class="motion"') == 1
     assert "clearance, much enlarged: A 800 µm, C 800 µm." in page

@@ -75,11 +75,9 @@ class Window:
             target.yaxis.set_major_formatter(source.yaxis.get_major_formatter())
         zones[0].set_title("working zone (grey at the left)", loc="left")
         start, end = (self._degrees(time) for time in self.zone)
-        degrees = MaxNLocator(5, steps=[1.0, 2.0, 5.0, 10.0]).tick_values(start, end)
-        turn = 360.0 / self.period
-        zones[-1].xaxis.set_major_locator(
-            FixedLocator(degrees / turn + 0.5 * self.run_up)
-        )
+        marks = MaxNLocator(5, steps=[1.0, 2.0, 5.0, 10.0]).tick_values(start, end)
+        times = np.asarray(marks) * self.period / 360.0 + 0.5 * self.run_up
+        zones[-1].xaxis.set_major_locator(FixedLocator(times.tolist()))
         self._write_phase(zones[-1])
         zones[-1].set_xlim(*self.zone)
         zones[-1].set_xlabel(f"{self.phase} (degrees)")

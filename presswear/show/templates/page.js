@@ -44,8 +44,9 @@ for (const box of document.querySelectorAll(".motion")) {
       arrow.setAttribute("x2", u);
       arrow.setAttribute("y2", v);
     });
-    const [angle, ...forces] = numbers.map((number, n) => `${frames.names[n]} ${number} ${n ? "N" : "degrees"}`);
-    box.querySelector("output").textContent = [angle, ...forces].join(", ");
+    const force = number => number < 1e4 ? `${number} N` : `${(number / 1e3).toPrecision(3)} kN`;
+    const texts = numbers.map((number, n) => `${frames.names[n]} ${n ? force(number) : `${number} degrees`}`);
+    box.querySelector("output").textContent = texts.join(", ");
   };
   slider.oninput = show;
   show();
