@@ -1,7 +1,7 @@
 """Contacts whose penetration is too deep for a contact law of small contacts."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import get_args
 
 from presswear.linkage.laws import Elasticity, NormalLaw
@@ -95,12 +95,12 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     oiled = [name for name in deep if scene.bearing(name).has_film]
     sentences = []
     if oiled:
-        depths = _joined(
-            f"by {_depth(scene, name, deep[name])} at joint {name}" for name in oiled
+        depths = " and joint ".join(
+            f"{name} by {_depth(scene, name, deep[name])}" for name in oiled
         )
         sentences.append(
-            f"Pin and bearing deform {depths}, while the oil film is that between rigid ones: a "
-            "real film is wider, and its least thickness greater."
+            f"Pin and bearing deform at joint {depths}, while the oil film is that between rigid "
+            "ones: a real film is wider, and its least thickness greater."
         )
     if dry := [name for name in deep if name not in oiled]:
         sentences.append(
@@ -157,7 +157,3 @@ def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:
     order = [used, *(law for law in forces if law != used)]
     texts = [f"{quantity_text(forces[law], 'N')} by {LAW_WORDS[law]}" for law in order]
     return f"{joint} {', '.join(texts)}"
-
-
-def _joined(texts: Iterable[str]) -> str:
-    return " and ".join(texts)
