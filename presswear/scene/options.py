@@ -283,7 +283,9 @@ def _owners_of(
         return (joint,)
     if joint is not None or not owners:
         which = f"such as {owners[0]}" if owners else "and none has clearance"
-        raise InputError(f"until = {text!r}: {name} is of a {kinds[0]}, {which}")
+        raise InputError(
+            f"until = {text!r}: {name} is of a {' or '.join(kinds)}, {which}"
+        )
     return owners
 
 

@@ -308,6 +308,10 @@ class Scene(Checked):
         if self.life is None:
             return ()
         pins = {name: self.bearing(name).clearance for name in self.loose_pins}
+        if self.is_quick and not pins:
+            raise InputError(
+                "life.quick = on: no pin has clearance; the walls of a guide need quick = off"
+            )
         guides = () if self.is_quick else self.worn_guides
         return self.life.limits(
             pins,

@@ -165,6 +165,12 @@ def test_a_limit_that_does_not_fit_is_refused_in_one_line(
         pw.scenes.press_off_centre(wear_updates=1, life=life)
 
 
+def test_a_quick_life_of_walls_is_refused() -> None:
+    message = r"life\.quick = on: no pin has clearance; the walls of a guide need"
+    with pytest.raises(pw.InputError, match=message):
+        pw.scenes.press_off_centre(wear_updates=1, life=pw.Life(quick="on"))
+
+
 def test_limits_of_guides_and_pins_are_named() -> None:
     def limits(until: str) -> list[tuple[str, float]]:
         life = pw.Life(until=until).limits({"A": 1e-4}, {"guide": 2e-4})
