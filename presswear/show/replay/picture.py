@@ -103,6 +103,7 @@ class Picture:
         self._frame: list[Shape] = []
         self._bodies: list[list[list[Shape]]] = []  # of each clip
         self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
+        self._walls: list[list[list[Shape]]] = []  # of each chapter of each clip
         for clip, panel in zip(clips, self.layout.panels, strict=True):
             frame = shapes.frame_shapes(clip.linkage, clip.film.position, self._bar)
             self._frame += [
@@ -114,6 +115,12 @@ class Picture:
             )
             self._joints.append(
                 [_enlarged(clip, panel, each) for each in clip.chapters]
+            )
+            factor = self._wall_factor(clip)
+            walls = [shapes.worn_walls(each.linkage, factor) for each in clip.chapters]
+            offset = np.append(panel.offset, 0.0)
+            self._walls.append(
+                [[shapes.moved(one, offset) for one in each] for each in walls]
             )
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
@@ -154,11 +161,13 @@ class Picture:
             self.layout.panels,
             self._bodies,
             self._joints,
+            self._walls,
             states,
             strict=True,
         )
-        for clip, panel, bodies, chapters, state in drawn:
+        for clip, panel, bodies, chapters, walls, state in drawn:
             texts += self._title(clip, panel, state, note)
+            pieces += walls[state.chapter]
             poses = state.positions[-1].reshape(-1, 3) + np.append(panel.offset, 0.0)
             for body, pose in zip(bodies, poses, strict=True):
                 pieces += [shapes.moved(shape, pose) for shape in body]
@@ -263,11 +272,19 @@ class Picture:
             if linkage.leader is None:  # a film of a motor has no time of the clock
                 status = f"t = {state.time:.4f} s   {status}"
         title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
+        if factor := self._wall_factor(clip):
+            note = f"{note}   wear of walls x{factor:.4g}"
         below = panel.title - [0.0, self._line_height(1.2)]
         return [
             self._text(panel.title, title, 1.15),
             self._text(below, f"{status}   {note}", 1.0),
         ]
+
+    def _wall_factor(self, clip: Clip) -> float:
+        """Return the factor of the wear of walls in all chapters of a clip; 0 without wear."""
+        corners = {corner.name for corner in clip.linkage.corners}
+        depths = [clip.max_depth[name] for name in corners]
+        return shapes.wall_factor(max(depths, default=0.0), self._bar)
 
     def _time_bar(self, part: float) -> list[Shape]:
         start, end = self.layout.bar

@@ -51,6 +51,10 @@ PLAY_SHARE = 0.36
 BAND_SHARE = 0.13
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
+_WALL_BARS = 125  # that show the wear of a wall; a divisor of its bins
+_DEEPEST_BARS = (
+    4.0  # length of the deepest one, in half widths of a bar of the mechanism
+)
 _EDGE = 0.22  # width of the line of a wall or a foot, in half widths of a bar
 
 
@@ -291,6 +295,35 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
             half = wall + 0.5 * _EDGE * bar
         for sign in (-1.0, 1.0):
             drawn += hatched(ends + sign * half * across(along), sign, bar)
+    return drawn
+
+
+def wall_factor(depth: float, bar: float) -> float:
+    """Return the factor of the wear of walls whose greatest depth is given, m; 0 without wear."""
+    return _two_digits(_DEEPEST_BARS * bar / depth) if depth > 0.0 else 0.0
+
+
+def worn_walls(linkage: Linkage, factor: float) -> list[Shape]:
+    """Return the worn profiles of the walls of guides, with their depth times a factor.
+
+    A bar has the greatest depth of its bins, because a trench may be narrower than it.
+    """
+    drawn: list[Shape] = []
+    walls = {(one.guide.name, one.side): one for one in linkage.corners}
+    for corner in walls.values():
+        surface, wall, guide = corner.bearing_surface, corner.wall, corner.guide
+        if wall is None or guide.width is None or not surface.is_worn:
+            continue
+        depths = surface.depth.reshape(_WALL_BARS, -1).max(axis=1)
+        ends = wall.start + np.linspace(0.0, wall.length, _WALL_BARS + 1)
+        along = direction(guide.direction)
+        outwards = corner.side * across(along)
+        edge = 0.5 * guide.width + corner.clearance
+        base = np.array([guide.x, guide.y]) + edge * outwards
+        for start, end, depth in zip(ends[:-1], ends[1:], depths, strict=True):
+            near = base + np.outer([start, end], along)
+            far = near[::-1] + factor * depth * outwards
+            drawn.append(filled(np.vstack([near, far]), 39, FORCE))
     return drawn
 
 

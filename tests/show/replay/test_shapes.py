@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.linkage.elements import GROUND
+from presswear.linkage.elements import GROUND, WALL_BINS
+from presswear.linkage.surface import Surface
 from presswear.show.replay.shapes import (
     attachments,
     body_outline,
     bounding_box,
     frame_shapes,
     loose_pins,
+    wall_factor,
+    worn_walls,
 )
 
 
@@ -44,3 +47,22 @@ def test_a_slide_and_its_walls_are_to_scale() -> None:
     ]
     inner = sorted(float(np.abs(wall).min()) for wall in walls)
     assert inner == pytest.approx([0.042, 0.042], abs=1e-9)
+
+
+def test_the_wear_of_walls_is_enlarged() -> None:
+    """A trench of 10 um in the left wall, of one bin, is a bar of four half widths."""
+    scene = pw.scenes.press_off_centre()
+    depth = np.zeros(WALL_BINS)
+    depth[100] = 1e-5
+    linkage = scene.linkage({"guide": (Surface(depth), Surface())})
+    factor = wall_factor(1e-5, 0.005)
+    assert 1900.0 <= factor <= 2000.0  # rounded down to two digits
+    assert wall_factor(0.0, 0.005) == 0.0
+    drawn = np.concatenate([shape.points for shape in worn_walls(linkage, factor)])
+    assert drawn[:, 0].min() == pytest.approx(-0.15 - 0.05e-3 - factor * 1e-5)
+    deep = drawn[drawn[:, 0] < -0.165, 1]
+    (corner, *_) = linkage.corners
+    assert corner.wall is not None
+    place = corner.wall.start + 100.5 * corner.wall.bin_length
+    assert deep.min() < place < deep.max()
+    assert not worn_walls(scene.linkage(), factor)
