@@ -9,6 +9,7 @@ from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import LOADS, bearing_loads, reason_without_interval
 from presswear.show.key_number import UNKNOWN, key_of_greatest, measured
 from presswear.show.page import LimitLine, Verdict
+from presswear.show.words import number_in_words_of
 from presswear.tools import numbers
 
 _NEAR = 0.9  # of a limit, above which a number is near it
@@ -22,11 +23,14 @@ NO_LIMIT = Verdict("no limit is set", "○", "open")
 
 def limit_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     """Return the numbers of a stage that a user or makers of presses limit."""
-    return [
+    lines = [
         *_bearing_lines(scene, stage),
         *_tilt_lines(scene, stage),
         *_motor_lines(scene, stage),
         *_frame_lines(scene, stage),
+    ]
+    return [
+        line._replace(number=number_in_words_of(scene, line.number)) for line in lines
     ]
 
 

@@ -73,7 +73,7 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
         "names": [window.phase, *(linkage.clearances[k].name for k in joints)],
     }
     stage_name = result.stage_name(stage.index)
-    text = f"One stroke of the stage “{stage_name}”: move the slider."
+    text = f"One stroke of the stage “{stage_name}”; the control below moves it."
     if joints:
         gaps = ", ".join(
             f"{linkage.clearances[k].name} {quantity_text(linkage.clearances[k].clearance, 'm')}"

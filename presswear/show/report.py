@@ -140,6 +140,7 @@ def render_report(
         "base": named_scene(scene),
         "stages": stages,
         "moving": moving_mechanism(result),
+        "strokes": in_words_of(scene, "strokes"),
         "moves": bottom_of(scene.ideal) is not None,
         "untrusted": untrusted,
         "laws": _normal_laws(scene),

@@ -6,6 +6,7 @@ column or of a line.
 
 import tomllib
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
@@ -24,6 +25,7 @@ from presswear.results.strokes import PHASES, SNAP_THROUGH_S
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES, maps_turn
 from presswear.show.page import Row, Table
+from presswear.show.words import in_words_of
 
 Record = dict[str, Any]
 _TABLES = TEMPLATES.from_string(
@@ -96,12 +98,18 @@ def result_table(
     """Return a table of ``tables.toml`` with a column per record."""
     content = filled_tables(result, **names)
     rows = {
-        heading: [Row(*row) for row in lines]
+        heading: [_in_words(result, Row(*row)) for row in lines]
         for heading, lines in content[name].items()
     }
     columns = [record["name"] for record in records]
-    corner = content["corners"].get(name, "")
+    corner = in_words_of(result.scene, content["corners"].get(name, ""))
     return page.column_table(corner, columns, records, rows, numeric)
+
+
+def _in_words(result: Result, row: Row) -> Row:
+    """Return a row with label and meaning in the words of the linkage."""
+    label = in_words_of(result.scene, row.label)
+    return replace(row, label=label, meaning=in_words_of(result.scene, row.meaning))
 
 
 def line_table(

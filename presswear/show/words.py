@@ -12,6 +12,7 @@ _OF_CYCLES = {
     "Strokes": "Cycles",
     "Stroke": "Travel",
     "bottom dead centre": "the lowest position",
+    "Bottom dead centre": "Lowest position",
     "Bottom dead centre error": "Error of the lowest position",
 }
 _WORDS = re.compile(

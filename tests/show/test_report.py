@@ -284,6 +284,13 @@ def test_a_scene_without_a_title_has_a_name(names: dict[str, Any], title: str) -
     assert "“”" not in page.text
 
 
+def test_a_four_bar_has_no_strokes_and_no_dead_centre() -> None:
+    text = page_of(made_up(OWN_FOUR_BAR, 2)).text.partition("Completed")[2]
+    assert "The number of cycles is 286 per minute." in text
+    assert "error of the lowest position (µm)" in text
+    assert not re.search(r"(?i)\bstrokes?\b|dead centre", text)
+
+
 @pytest.mark.parametrize("joints", ["B", "none"])
 def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
     result = made_up(replace(slider_crank(), joints=joints), 1)
