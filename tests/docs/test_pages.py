@@ -166,13 +166,18 @@ def functions_named(page: Path) -> set[str]:
     return set(re.findall(r"`((?:[a-z_]+\.)+[A-Za-z_0-9]+)`", page.read_text()))
 
 
+def is_module(path: Path) -> bool:
+    """Return whether a file or a folder of the package can be imported."""
+    return path.with_suffix(".py").exists() or (path / "__init__.py").exists()
+
+
 @pytest.mark.parametrize("page", THEORY, ids=lambda page: page.stem)
 def test_functions_named_in_the_theory_exist(page: Path) -> None:
     for name in functions_named(page):
         if name.endswith(".md"):
             continue
         parts = name.split(".")
-        while not (ROOT / "presswear" / "/".join(parts)).with_suffix(".py").exists():
+        while not is_module(ROOT / "presswear" / "/".join(parts)):
             parts.pop()
             assert parts, f"{page.name}: {name} does not exist"
         owner: object = import_module(f"presswear.{'.'.join(parts)}")
