@@ -123,8 +123,9 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
     assert (result.status, len(result.stages)) == ("completed", 2)
     again = pw.run(scene, tmp_path / "run", observers=[Breaks()])
     assert str(again) == str(result)
-    first, *joints, _ = str(result.stages[1]).splitlines()
+    first, *joints, motion, _ = str(result.stages[1]).splitlines()
     assert first == "first wear: completed, 8 cycles"
+    assert motion.startswith("motion: 2 strokes are too few")
     assert [line[:19] for line in joints] == [
         "A: mean peak force ",
         "C: mean peak force ",
