@@ -524,7 +524,9 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
     assert "50.0 µm between slider 6 and each of two walls" in text
     assert "400 mm long and 300 mm wide" in text
     assert "Joints with clearance: 300 µm at A." in text
-    assert "The walls stay flat in the run" in text
+    assert "A wear update wears the walls along their length" in text
+    unworn = page_of(made_up(replace(scene, wear_updates=0), 0)).text
+    assert "without wear updates they stay as they are" in unworn
     assert "left front" not in text
     assert "Tilt and load" not in page_of(made_up(made.BOTH, 1)).text
     assert "greatest tilt in a stroke (µm/m)" in text
