@@ -53,8 +53,12 @@ class _Drawing(NamedTuple):
 
 
 def moving_mechanism(result: Result) -> MovingMechanism | None:
-    """Return a stroke of the last stage as a picture that moves; None without a film of it."""
-    stages = [one for one in result.stages if one.read_film and not one.failed]
+    """Return a stroke of the last stage as a picture that moves; None where none is recorded."""
+    stages = [
+        stage
+        for stage in result.stages
+        if stage.read_film and stage.time.size and not stage.failed
+    ]
     if not stages:
         return None
     stage = stages[-1]

@@ -73,7 +73,7 @@ life press-blanking --replace A: replaced = 'A' & JOINT@STROKES
 life press-blanking --compare clearance=0.8mm: changes nothing
 life press-blanking --conventions paper: wear_distribution & arc
 life press-blanking --at-most 5 --set life.at_most=6: --at-most and --set life.at_most cannot be
-life ideal: no pin has clearance
+life ideal: none has clearance
 life press-blanking --readings nowhere.csv: nowhere.csv: there is no such file
 life press-blanking --readings x.csv --materials: --readings & cannot be combined with
 sweep wear-times 'speed=60 rpm': --set 'speed=60 rpm'
