@@ -16,13 +16,18 @@ def sentence_of(settling: Settling) -> str:
     return _SENTENCES[settling.verdict](settling)
 
 
+def _too_few(settling: Settling) -> str:
+    verb = "is" if settling.watched == 1 else "are"
+    return f"{counted(settling.watched, 'stroke')} {verb} too few"
+
+
 def state_of(settling: Settling) -> str:
     """Return whether the replicates have settled, in a few words."""
     runs = counted(settling.runs, "run")
     strokes = counted(settling.watched, "stroke")
     regular = len(_regular(settling))
     if settling.verdict == "unwatched":
-        return f"{strokes} are too few to see whether it settles"
+        return f"{_too_few(settling)} to see whether it settles"
     if settling.verdict == "irregular":
         return f"not settled, irregular in {runs} of {strokes}"
     if settling.verdict == "mixed":
@@ -88,7 +93,7 @@ def _only_irregular(settling: Settling) -> str:
 def _unwatched(settling: Settling) -> str:
     least = REPEATED + STARTUP_CYCLES
     return (
-        f"{counted(settling.watched, 'stroke')} are too few to see whether the motion settles: "
+        f"{_too_few(settling)} to see whether the motion settles: "
         f"cycles = {least} or more shows it"
     )
 

@@ -135,6 +135,8 @@ def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]) -> None:
     assert settling.verdict == "unwatched"
     assert "7 strokes are too few" in sentence_of(settling)
     assert state_of(settling) == "7 strokes are too few to see whether it settles"
+    alone = state_of(replace(settling, watched=1))
+    assert alone == "1 stroke is too few to see whether it settles"
 
 
 def test_a_linkage_without_clearance_has_nothing_to_settle() -> None:
