@@ -204,10 +204,13 @@ def _with_guide(draw: Random, scene: Scene) -> Scene:
     length, width = (min(max(one, MIN_SLIDE), MAX_SLIDE) for one in (length, width))
     most = GUIDE_CLEARANCE * min(width, math.hypot(length, width) - width)
     clearance = _spread(draw, max(1e-6 * most, LEAST_CLEARANCE), most)
+    # Their stiffness pi / 4 b E* is 1 kN/m at least.
+    least_width = 1.001 * 4e3 / math.pi * scene.bearings.materials.compliance
     # Flat walls have neither Liu's law nor a foundation.
     bearing = replace(
         scene.bearings,
         elasticity="auto",
+        width=max(scene.bearings.width, least_width),
         clearance=clearance,
         bearing_radius=max(scene.bearings.bearing_radius, 2.0 * clearance),
     )
