@@ -12,6 +12,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import followed, motion_of
+from presswear.recording.observe import ROWS_AT_LEAST, ROWS_AT_MOST
 from presswear.recording.observer import Observer
 from presswear.results.folder import INTERVAL
 from presswear.results.result import Result
@@ -129,5 +130,7 @@ def simulate(
     time = linkage.period
     if duration is not None:
         time = DURATION.convert("duration", duration)
-    plan = Plan(time, cycles=1, by_clock=True)
-    return engine.for_cycle(time).simulate(linkage, start, plan)
+    cycle = min(linkage.period, time)
+    rows = min(round(ROWS_AT_LEAST * time / cycle), ROWS_AT_MOST)
+    plan = Plan(time, cycles=1, rows_per_cycle=rows, by_clock=True)
+    return engine.for_cycle(cycle).simulate(linkage, start, plan)

@@ -27,6 +27,15 @@ def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
     np.testing.assert_array_equal(again.end.position, whole.end.position)
 
 
+def test_a_long_run_has_the_steps_of_its_cycles() -> None:
+    linkage = FOUR_BAR.linkage()
+    run = pw.simulate(linkage, duration=5.0 * linkage.period)
+    time = run.recorder.series("time")
+    assert np.diff(time).max() < linkage.period / 490
+    ideal = motion_of(FOUR_BAR).at(np.array([5.0 * linkage.period])).position[0]
+    np.testing.assert_allclose(run.end.position, ideal, atol=1e-6)
+
+
 def test_engines_agree() -> None:
     linkage = pw.scenes.slider_crank().linkage()
     tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")

@@ -107,7 +107,7 @@ class Followed(NamedTuple):
     """Number that is followed over strokes, of each joint or of the whole mechanism."""
 
     unit: str
-    of: tuple[str, ...]  # kinds of joints: pin, guide; none: the whole mechanism
+    kinds: tuple[str, ...]  # of joints: pin, guide; none: the whole mechanism
     words: str
     text: str
 
@@ -119,7 +119,8 @@ _DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
 _PLAY = "largest play of the worn joint, as a dial gauge or a feeler measures it"
 _TILT = "largest tilt of the slide between the worn walls"
 _FORCE = "peak normal force of a stroke, mean over strokes"
-_PIN, _ANY = ("pin",), ("pin", "guide")
+_PIN = ("pin",)
+_ANY = ("pin", "guide")
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
     "depth": Followed(
         "m", _ANY, "depth", "largest wear depth of bearing or pin, or of both walls"
@@ -270,7 +271,7 @@ def _owners_of(
     text: str, joint: str | None, name: str, of_kinds: Mapping[str, Mapping[str, float]]
 ) -> tuple[str, ...]:
     """Return the joints that a limit is of; an empty name for the whole mechanism."""
-    kinds = FOLLOWED[name].of
+    kinds = FOLLOWED[name].kinds
     every = [one for names in of_kinds.values() for one in names]
     if not kinds:
         if joint is not None:

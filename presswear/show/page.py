@@ -33,9 +33,8 @@ from presswear.tools.numbers import (
 )
 
 NOTHING = "–"
-MAX_SVG = (
-    200_000  # letters of a figure in a page; a figure with more is a picture of points
-)
+# letters of a figure in a page; a figure with more is a picture of points
+MAX_SVG = 200_000
 # a space is never part of a figure's data
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")
 
