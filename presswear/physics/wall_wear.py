@@ -92,13 +92,11 @@ def tilt_between(corner: GuideCorner, walls: Array) -> float:
     guide, wall = corner.guide, corner.wall
     assert guide.length is not None
     assert wall is not None
-    front = bin_centres_of(wall)
-    front = front[front - guide.length >= wall.start]
+    place = bin_centres_of(wall)
+    front = place[place - guide.length >= wall.start]
     back = front - guide.length
-    depth_at_front, depth_at_back = (
-        np.array([np.interp(each, bin_centres_of(wall), one) for one in walls])
-        for each in (front, back)
-    )
+    depth_at_front = np.array([np.interp(front, place, depth) for depth in walls])
+    depth_at_back = np.array([np.interp(back, place, depth) for depth in walls])
     widest = float((depth_at_front + depth_at_back[::-1]).max())
     return largest_tilt(guide, corner.clearance + 0.5 * widest)
 

@@ -211,8 +211,7 @@ class Bearing(Checked):
             if value is not None:
                 object.__setattr__(self, DOUBLED[key], halved(key, value))
         if fit := fit_of(self.clearance):
-            text = self.bearing_radius
-            radius = Quantity("m").convert("bearing_radius", text)
+            radius = Quantity("m").convert("bearing_radius", self.bearing_radius)
             object.__setattr__(self, "clearance", middle_of(fit, 2.0 * radius))
         super().__post_init__()
         self._check_clearance()

@@ -48,21 +48,16 @@ def unusual_joints(key: str, values: Mapping[str, float], words: str) -> list[st
     ``words`` have the place ``{joints}``.
     """
     low, high, _ = USUAL[key]
-    sides = (
-        {name: value for name, value in values.items() if value < low},
-        {name: value for name, value in values.items() if value > high},
-    )
-    return [
-        _unusual_text(
-            key,
-            [*side.values()],
-            words.format(
-                joints=f"joint{'s' * (len(side) > 1)} {' and '.join(side)}",
-            ),
-        )
-        for side in sides
-        if side
-    ]
+    below = {name: value for name, value in values.items() if value < low}
+    above = {name: value for name, value in values.items() if value > high}
+    lines = []
+    for side in (below, above):
+        if side:
+            noun = "joint" if len(side) == 1 else "joints"
+            joints = f"{noun} {' and '.join(side)}"
+            text = words.format(joints=joints)
+            lines.append(_unusual_text(key, list(side.values()), text))
+    return lines
 
 
 def _unusual_text(key: str, values: Sequence[float], words: str) -> str:
