@@ -346,7 +346,9 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     names |= {"tilt"}  # of guides
     assert names == FOLLOWED.keys()
     levels = wear_histories.levels_of(press, flat, tuple(FOLLOWED))
-    of_guides = [f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.kinds]
+    of_guides = [
+        f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.kinds
+    ]
     assert {*of_guides, "total_clearance"} == levels.keys()
 
 

@@ -35,8 +35,10 @@ from presswear.show.figures import (
     save,
 )
 from presswear.show.figures.mechanism import labelled
+from presswear.show.figures.motion import whole_cycles
 from presswear.show.figures.style import LINES, Drawing, label_values, panels
 from presswear.show.figures.wear import seam
+from presswear.show.figures.window import Window
 
 UNIT = re.compile(
     r"^strokes |\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
@@ -618,3 +620,12 @@ def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out()
     message = "eccentricity was not stored; run the scene again; presswear 0.1.0 wrote the result"
     with pytest.raises(pw.InputError, match=message):
         next(drawings(result, ["path"]))
+
+
+def test_a_stroke_has_no_peak_of_the_cycles_beside_it() -> None:
+    """A stroke lies across two cycles, whose peaks may be in the strokes beside it."""
+    window = Window(0.0, 0.0, period=0.5, run_up=0.0, phase="", words="")
+    assert whole_cycles(np.array([1.0, 3.0]), window) == slice(2, 6)
+    assert whole_cycles(np.array([1.001, 2.999]), window) == slice(2, 6)
+    across = whole_cycles(np.array([0.9, 1.4]), window)
+    assert not np.arange(10)[across].size

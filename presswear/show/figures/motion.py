@@ -33,6 +33,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
+_BEYOND = 0.02  # of a cycle, by which it may reach beyond the times that are shown
 _TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
@@ -128,14 +129,18 @@ def _draw_jagged(
 ) -> float:
     """Draw a series with impacts and return its largest magnitude.
 
-    The series is thinned, so the largest values of each cycle count as well.
+    The series is thinned, so the largest values of whole cycles in it count as well.
     """
-    ends = stage.data.time[[0, -1]] - window.run_up
-    start, end = (int(time / window.period + 0.02) for time in ends)
-    peaks = each_cycle[start:end]
+    peaks = each_cycle[whole_cycles(stage.data.time, window)]
     largest = max(float(np.abs(values).max()), float(peaks.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
     return largest
+
+
+def whole_cycles(time: Array, window: Window) -> slice:
+    """Return the cycles that lie between the first and the last time, s; a stroke may have none."""
+    first, last = (time[[0, -1]] - window.run_up) / window.period
+    return slice(math.ceil(first - _BEYOND), math.floor(last + _BEYOND))
 
 
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
