@@ -24,7 +24,9 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of, values_of
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.settings import changed
+from presswear.scene.value_ranges import values_of
 from presswear.tools.arrays import read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import only_writer

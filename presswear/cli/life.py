@@ -13,7 +13,8 @@ from presswear.cli import terminal
 from presswear.linkage.laws import MATERIALS, listed_pair
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
-from presswear.scene.settings import SET, changed
+from presswear.scene.setting_list import SET
+from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.files import name_for
 from presswear.tools.numbers import lasting

@@ -58,7 +58,7 @@ class Parser(argparse.ArgumentParser):
 def _intended_setting(rest: Sequence[str], scene: str) -> str:
     """Return the value for ``--set`` that unrecognized words seem to mean, or an empty text."""
     from presswear.cli.terminal import load_scene  # slow to import
-    from presswear.scene.settings import settings_of
+    from presswear.scene.setting_list import settings_of
 
     key, equals, value = rest[0].partition("=")
     if not key.startswith("-"):

@@ -13,10 +13,12 @@ from rich.console import Console
 from presswear.cli import terminal
 from presswear.recording.observer import Observer
 from presswear.scene.catalog import title_of
+from presswear.scene.differences import changes_from
 from presswear.scene.files import SUFFIX
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import Scene
-from presswear.scene.settings import SET, changed, changes_from, on_surfaces
+from presswear.scene.setting_list import SET
+from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import ENGINES, Scene
-from presswear.scene.settings import applicable_settings_of, changed
+from presswear.scene.setting_list import applicable_settings_of
+from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, not_installed, unknown
 from presswear.tools.files import check_ending
 from presswear.tools.quantities import Quantity, parse_quantity

@@ -28,8 +28,8 @@ from presswear.recording.observer import Observer
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import WITHOUT_CURVES, LifeResult
 from presswear.results.stage import StageResult
+from presswear.scene.differences import differences
 from presswear.scene.scene import Scene
-from presswear.scene.settings import differences
 from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.exudyn import requested

@@ -15,8 +15,10 @@ from presswear.linkage.press import Press
 from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS
+from presswear.scene.differences import Change, changes_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import DEFAULT, IN_FILE, Change, changed, changes_from
+from presswear.scene.setting_list import DEFAULT, IN_FILE
+from presswear.scene.settings import changed
 from presswear.tools.errors import unknown
 
 _MAX_CHANGES = 4  # changes in a title; of more, the last place counts the rest

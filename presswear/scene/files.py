@@ -15,18 +15,9 @@ from presswear.linkage.press import Press
 from presswear.linkage.surface import SIDES
 from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism
 from presswear.scene.scene import Scene
-from presswear.scene.settings import (
-    DEFAULT,
-    IN_FILE,
-    MOTOR,
-    SERVO,
-    TABLES,
-    Setting,
-    changed,
-    name_of_key,
-    on_surfaces,
-    settings_of,
-)
+from presswear.scene.setting_keys import MOTOR, SERVO, TABLES, name_of_key
+from presswear.scene.setting_list import DEFAULT, IN_FILE, Setting, settings_of
+from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text, separator_of

@@ -10,7 +10,7 @@ from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
 from presswear.results.result import Result
 from presswear.scene.catalog import base_of, named_scene
 from presswear.scene.scene import Scene
-from presswear.scene.settings import (
+from presswear.scene.setting_list import (
     DEFAULT,
     SET,
     Setting,

@@ -2,7 +2,7 @@
 
 from presswear.linkage.laws import UNLISTED, Materials, listed_pair
 from presswear.scene.scene import Scene
-from presswear.scene.settings import DEFAULT, unread_of
+from presswear.scene.setting_list import DEFAULT, unread_of
 from presswear.tools.quantities import written
 
 # by symbol of the law: setting and unit

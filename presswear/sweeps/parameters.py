@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from presswear.scene.scene import Scene
-from presswear.scene.settings import Setting, setting_of, values_of
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.setting_list import Setting
+from presswear.scene.value_ranges import values_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, SWEEP, read_toml, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import SET, changed, setting_of, settings_of
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.setting_list import SET, settings_of
+from presswear.scene.settings import changed
 from presswear.sweeps.parameters import (
     Column,
     Display,

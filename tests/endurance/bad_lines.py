@@ -10,7 +10,7 @@ from random import Random
 from typing import Any
 
 from presswear.scene.catalog import SCENES, slider_crank, wear_times
-from presswear.scene.settings import settings_of
+from presswear.scene.setting_list import settings_of
 from presswear.tools.quantities import Choice, Quantity
 
 Family = Callable[[Random], list[str]]  # draws a command line of a kind

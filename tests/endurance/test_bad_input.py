@@ -9,7 +9,7 @@ from endurance.bad_lines import FILE, FOLDER, NOT_UNITS_OF, bad_line
 from endurance.subject import PATIENCE, SEED, Ran, Trial, answered, end, start_process
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.settings import settings_of
+from presswear.scene.setting_list import settings_of
 
 
 def refuse(trial: Trial, here: Path, count: int, seed: int, in_processes: int) -> None:

@@ -15,7 +15,8 @@ from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.statics import equilibrium
-from presswear.scene.settings import changes_from, used_settings_of
+from presswear.scene.differences import changes_from
+from presswear.scene.setting_list import used_settings_of
 
 MASS = 2.0
 STIFFNESS = 8e4

@@ -15,7 +15,8 @@ from presswear.scene.fits import (
     clearances_of,
     fit_of,
 )
-from presswear.scene.settings import setting_of, values_of
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.value_ranges import values_of
 from presswear.tools.quantities import Quantity
 
 # Formulas of ISO 286-1 before rounding, D in mm and results in um: tolerances in units of i up

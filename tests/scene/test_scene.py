@@ -20,7 +20,9 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import SCENES, scene_named, wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of, used_settings_of
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.setting_list import used_settings_of
+from presswear.scene.settings import changed
 from presswear.sweeps.improve import changes_of
 from presswear.tools.errors import InputError
 

@@ -1,4 +1,4 @@
-"""Settings as text: changes, bad input, ranges of values, and titles of changed scenes."""
+"""Changes of settings by their keys, as text with units, and bad input."""
 
 import json
 import math
@@ -8,84 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from four_bar_linkage import FOUR_BAR
 from hypothesis import given
 from hypothesis import strategies as st
 
 import presswear as pw
 from presswear.linkage.press import GEOMETRIES
-from presswear.scene.catalog import changes_of, name_of, short_name_of, title_of
 from presswear.scene.conventions import CONVENTIONS
-from presswear.scene.files import example_file, scene_from
-from presswear.scene.settings import (
-    applicable_settings_of,
-    changed,
-    setting_of,
-    settings_of,
-    values_of,
-)
+from presswear.scene.setting_keys import setting_of
+from presswear.scene.setting_list import settings_of
+from presswear.scene.settings import changed
 from presswear.tools.errors import AssemblyError
-from presswear.tools.quantities import SYMBOLS, Quantity, parse_quantity
+from presswear.tools.quantities import SYMBOLS
 
-PRESS = replace(pw.scenes.wear_times(), name="base", title="a scene")
 CRANK = pw.Scene(mechanism=pw.SliderCrank(), joints="B")
-
-
-def _described(scene: pw.Scene, key: str) -> str:
-    return next(s.described() for s in settings_of(scene) if s.key == key)
-
-
-@pytest.mark.parametrize("scene", [PRESS, CRANK], ids=["press", "slider-crank"])
-def test_settings_have_one_key_and_describe_themselves_in_one_line(
-    scene: pw.Scene,
-) -> None:
-    settings = list(settings_of(scene))
-    assert len({setting.key for setting in settings}) == len(settings)
-    assert all(len(setting.described().splitlines()) == 1 for setting in settings)
-    clearance = "0.3 mm " if scene is CRANK else "0.8 mm "
-    assert _described(scene, "clearance").startswith(clearance)
-    joints = (
-        "O | A | B | guide" if scene is CRANK else "O2 | O7 | A | B | C | D | E | guide"
-    )
-    assert f"({joints} | none | several together, as " in _described(scene, "joints")
-    assert "none  (none | blanking | drawing | coining)" in _described(scene, "process")
-
-
-@pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
-def test_described_values_are_in_units_of_engineers_and_can_be_set(
-    scene: pw.Scene,
-) -> None:
-    assert _described(PRESS, "clearance").startswith("0.8 mm  (0 to 1000 mm;")
-    assert _described(PRESS, "speed").startswith("105 rpm  (0.1 to 1200 rpm;")
-    assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
-    assert "(0 to 1 mm^3/(N m);" in _described(PRESS, "wear_coefficient")
-    for setting in settings_of(scene):
-        if not isinstance(setting.meaning, Quantity):
-            continue
-        text = setting.described().partition("  (")[0]
-        if setting.value is None:
-            assert (
-                setting_of(changed(scene, {setting.key: text}), setting.key).value
-                is None
-            )
-        else:
-            assert parse_quantity("x", text, setting.meaning) == pytest.approx(
-                setting.value, 1e-4
-            )
-
-
-def test_where_a_value_comes_from_follows_it() -> None:
-    assert "; paper, per study)" in _described(PRESS, "clearance")
-    scene = pw.scenes.slider_crank()
-    meanings = [
-        s.meaning for s in settings_of(scene) if isinstance(s.meaning, Quantity)
-    ]
-    assert meanings
-    assert not [meaning for meaning in meanings if "paper" in meaning.origin]
-    assert "; literature, from memory)" in _described(scene, "clearance")
-    scene = changed(scene, {"clearance": "0.4mm"})
-    assert "; set by the user)" in _described(scene, "clearance")
-    assert "; literature, from memory)" in _described(scene, "bearing_radius")
+PRESS = replace(pw.scenes.wear_times(), name="base", title="a scene")
 
 
 def test_changed_sets_every_part_and_nothing_else() -> None:
@@ -320,146 +256,12 @@ def test_constructors_take_numbers_with_units() -> None:
         face.Drive("crank", speed="1,5 Hz")
 
 
-def read(text: str) -> list[float]:
-    """Return the values of ``KEY=VALUES``."""
-    key, _, values = text.partition("=")
-    meaning = setting_of(pw.scenes.wear_times(), key).meaning
-    assert isinstance(meaning, Quantity)
-    return values_of(key, values, meaning)
-
-
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("clearance=0.2mm:1.0mm:3", [2e-4, 6e-4, 1e-3]),
-        ("clearance=0.2:1.0:3 mm", [2e-4, 6e-4, 1e-3]),
-        ("clearance=1.0:0.2:3 mm", [1e-3, 6e-4, 2e-4]),
-        ("contact_stiffness=1e8:1e10:3 N/m^1.5:log", [1e8, 1e9, 1e10]),
-        ("contact_stiffness=1e8:1e10:3:log N/m^1.5", [1e8, 1e9, 1e10]),
-        ("clearance=0.2mm, 0.5 mm", [2e-4, 5e-4]),
-        ("friction=0:0.1:3", [0.0, 0.05, 0.1]),
-    ],
-)
-def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> None:
-    assert read(text) == values
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("clearance=0.2:1.0:3", "has no unit"),
-        ("clearance=0.2mm:1.0mm:3 mm", "unknown unit 'mm mm'"),
-        ("clearance=1mm:2m:3", "clearance = 2 m: allowed is"),
-        ("clearance=1mm:2mm", "FIRST:LAST:COUNT"),
-        ("clearance=1:2:1 mm", "a number of values from 2"),
-        ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
-        ("clearance=1:1:3 mm", "two ends that differ"),
-        ("friction=0:0.1:3:log", "ends above 0"),
-        ("replicates=2:5:3", r"replicates = 3\.5: a whole number is expected"),
-    ],
-)
-def test_a_range_that_does_not_fit_is_refused(text: str, message: str) -> None:
-    with pytest.raises(pw.InputError, match=message):
-        read(text)
-
-
-def described(scene: pw.Scene) -> dict[str, tuple[str, str, str]]:
-    """Return value, default and unit of each change."""
-    return {
-        change.key: (change.value, change.was, change.unit)
-        for change in changes_of(scene)
-    }
-
-
-@pytest.mark.parametrize("name", pw.scenes.SCENES)
-def test_a_named_scene_keeps_its_title(name: str) -> None:
-    scene = pw.scenes.SCENES[name].make()
-    assert changes_of(scene) == ()
-    assert (title_of(scene), name_of(scene), short_name_of(scene)) == (
-        scene.title,
-        name,
-        name,
-    )
-
-
-def test_the_title_lists_changes_and_counts_the_last() -> None:
-    scene = pw.scenes.wear_times(clearance="0.5 mm", wear_updates=1)
-    assert described(scene) == {
-        "clearance": ("0.5", "0.8", "mm"),
-        "wear_updates": ("1", "2", ""),
-    }
-    assert (
-        title_of(scene) == f"{scene.title}, changed: clearance 0.5 mm, wear updates 1"
-    )
-    assert name_of(scene) == "wear-times, changed: clearance 0.5 mm, wear updates 1"
-    assert short_name_of(scene) == "wear-times, changed"
-    assert title_of(pw.Scene.from_dict(scene.as_dict())) == title_of(scene)
-    scene = changed(scene, {"friction": "0.1", "cycles": "3", "replicates": "2"})
-    assert title_of(scene).endswith(
-        "clearance 0.5 mm, friction 0.1, wear updates 1, 2 more"
-    )
-
-
-@pytest.mark.parametrize(
-    ("scene", "expected"),
-    [
-        (
-            pw.scenes.wear_times(conventions="refined"),
-            {"conventions": ("refined", "custom", "")},
-        ),
-        (pw.scenes.wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
-        (
-            pw.scenes.wear_times(geometry="swapped", process="blanking"),
-            {
-                "geometry": ("swapped", "standard", ""),
-                "process": ("blanking", "none", ""),
-            },
-        ),
-        (
-            pw.scenes.press_blanking(**{"process.force": "200 N"}),
-            {"process.force": ("200", "500", "N")},
-        ),
-        (
-            pw.scenes.wear_times(**{"A.clearance": "0.4 mm"}),
-            {"A.clearance": ("0.4", "0.8", "mm")},
-        ),
-        (pw.scenes.wear_times(cycles=3), {"cycles": ("3", "none", "")}),
-        (
-            replace(pw.scenes.wear_times(), wear_updates=1, name="mine"),
-            {"wear_updates": ("1", "2", "")},
-        ),
-        (
-            replace(pw.scenes.wear_times(), mechanism=FOUR_BAR, joints="B"),
-            {"joints": ("B", "AC", ""), "mechanism": ("four-bar", "press", "")},
-        ),
-        (
-            pw.Scene(FOUR_BAR, bearings={"B": pw.Bearing()}),
-            {"joints": ("B", "none", "")},
-        ),
-    ],
-)
-def test_changes_that_follow_are_omitted(
-    scene: pw.Scene, expected: dict[str, Any]
-) -> None:
-    assert described(scene) == expected
-
-
 def test_a_key_may_have_the_table_of_a_file_before_it() -> None:
     base = pw.scenes.slider_crank()
     scene = changed(base, {"bearings.B.clearance": "0.1 mm", "settings.cycles": "7"})
     assert (scene.bearing("B").clearance, scene.cycles) == (1e-4, 7)
     with pytest.raises(pw.InputError, match=r"did you mean B\.clearance"):
         changed(base, {"bearings.B.clearence": "0.1 mm"})
-
-
-def test_a_scene_of_a_file_lists_changes_from_the_defaults(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text(example_file("four-bar"))
-    scene = scene_from(file)
-    assert "wear_updates" not in described(scene)
-    assert title_of(scene) == "My four-bar"
-    scene = changed(scene, {"clearance": "0.5 mm"})
-    assert title_of(scene) == "My four-bar, changed: clearance 0.5 mm"
 
 
 def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
@@ -512,33 +314,6 @@ def test_a_motor_begins_with_its_torque() -> None:
     assert leader.motor == pw.Motor(20.0, inertia=0.25)
     assert follower.motor == pw.Motor(stiffness=1e5)
     assert pw.Scene.from_dict(scene.as_dict()) == scene
-
-
-def test_keys_that_nothing_reads_are_not_listed() -> None:
-    """Of a rigid frame, a guide without clearance, an exact servo and the limit of a motor."""
-
-    def keys(mechanism: Any, **settings: Any) -> set[str]:
-        scene = pw.Scene(mechanism, **settings)
-        return {one.key for one in applicable_settings_of(scene)}
-
-    rigid = keys(pw.SliderCrank())
-    frame = {"frame_mass", "frame_damping"}
-    guide = {"guide_length", "guide_width"}
-    assert not (frame | guide) & rigid
-    assert {"frame_stiffness", "torque_limit"} <= rigid
-    motor = pw.Motor(20.0)
-    elastic = pw.SliderCrank(frame_mass=10.0, frame_stiffness=1e6, motor=motor)
-    assert frame <= keys(elastic)
-    assert "torque_limit" not in keys(elastic)
-    assert guide <= keys(
-        pw.SliderCrank(guide_length=0.1, guide_width=0.1),
-        bearings={"guide": pw.Bearing(1e-4)},
-    )
-    exact = keys(pw.Press(servo=pw.Dwell()))
-    assert "servo.stiffness" in exact
-    assert "servo.damping" not in exact
-    servo = pw.Dwell(stiffness=1e4)
-    assert {"servo.damping", "torque_limit"} <= keys(pw.Press(motor=motor, servo=servo))
 
 
 @pytest.mark.parametrize(

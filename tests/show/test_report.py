@@ -18,7 +18,7 @@ from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
 from presswear.results.stage import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
-from presswear.scene.settings import used_settings_of
+from presswear.scene.setting_list import used_settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
 from presswear.show.report import prepare, render_report, write_report

@@ -1,0 +1,108 @@
+"""Settings of a scene by their keys, and messages for keys that it does not have."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import cast
+
+from presswear.linkage.linkage import Linkage
+from presswear.scene.bearing import DIAMETRAL, DOUBLED, SINGLE
+from presswear.scene.scene import Scene
+from presswear.scene.setting_list import Setting, all_settings
+from presswear.tools.errors import InputError, nearest, shown, unknown
+from presswear.tools.not_modelled import not_modelled
+from presswear.tools.quantities import NONE, SYMBOLS, Choice
+
+TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
+# of a file, too: the settings of a drive, which a file may have without a kind
+MOTOR, SERVO = "motor", "servo"
+_DOUBLED = re.compile(rf"(?:^|(?<=\.))({'|'.join(DOUBLED)})$")
+
+
+def setting_of(scene: Scene, key: str) -> Setting:
+    """Return the setting with a key, also one of a single joint; raise InputError for none."""
+    settings = settings_by_key(scene)
+    name = name_of_key(key)
+    if name not in settings:
+        raise _unknown_key(scene, key, settings)
+    return settings[name]
+
+
+def name_of_key(key: str) -> str:
+    """Return a key with the name of the setting in place of its symbol.
+
+    The name of the table that holds it in a file may stand before it.
+    """
+    table, _, rest = key.partition(".")
+    first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
+    return f"{first}{dot}{SYMBOLS.get(last, last)}"
+
+
+def settings_by_key(scene: Scene) -> dict[str, Setting]:
+    """Return all settings that a scene has by key; see ``all_settings``."""
+    return {setting.key: setting for setting in all_settings(scene)}
+
+
+def check_keys(scene: Scene, keys: Iterable[str]) -> None:
+    """Raise InputError for a key that a scene does not have."""
+    missing = set(keys)
+    for setting in all_settings(scene):
+        if not missing:
+            return
+        missing.discard(setting.key)
+    for key in keys:
+        if key in missing:
+            raise _unknown_key(scene, key, settings_by_key(scene))
+
+
+def radial_name(key: str) -> str:
+    """Return a key; that of the radius or the radial clearance for one of ``DOUBLED``."""
+    return _DOUBLED.sub(lambda match: DOUBLED[match[1]], key)
+
+
+def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
+    first, _, last = name_of_key(key).rpartition(".")
+    if last in DOUBLED:
+        of_what = "diametral clearance" if last == DIAMETRAL else "diameter"
+        return InputError(f"{key}: use {radial_name(key)}, which is half the {of_what}")
+    if first in (MOTOR, SERVO) and first not in allowed:
+        drives = (
+            f"; specify the {MOTOR} of a drive in mechanism.drives"
+            if isinstance(scene.mechanism, Linkage)
+            else ""
+        )
+        return InputError(
+            f"{key}: mechanism {scene.mechanism.kind} has no {first}{drives}"
+        )
+    if not first and last in SINGLE:
+        joint = scene.mechanism.linkage().revolutes[-1].name
+        return InputError(f"{key}: name the joint, for example {joint}.{last}")
+    part = allowed.get(first)
+    if part is not None and part.value == NONE:
+        kinds = ", ".join(
+            name for name in cast(Choice, part.meaning).words if name != NONE
+        )
+        return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
+    if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
+        return InputError(
+            f"{key}: joint {first} has no clearance; joints = {scene.joints}"
+        )
+    inner = [
+        name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")
+    ]
+    if part is not None and inner:
+        return unknown(f"key of {first}", last, inner)
+    if (
+        first not in scene.bearing_joints
+        and part is None
+        and last in vars(scene.bearings)
+    ):
+        return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
+    names = [
+        name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints
+    ]
+    if first in scene.bearing_joints:
+        names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
+    hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])
+    absent = not_modelled(key)
+    others = "." if absent else "; presswear list SCENE shows all keys"
+    return InputError(f"unknown key {shown(key)}{hint or others} {absent}".rstrip())

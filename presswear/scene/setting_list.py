@@ -1,0 +1,151 @@
+"""List of the settings of a scene: all values that can be set."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from presswear.linkage.elements import OutputPoint
+from presswear.scene.bearing import SINGLE
+from presswear.scene.guide_clearance import unread_in_guide
+from presswear.scene.scene import Scene
+from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of
+from presswear.tools.user_function import UserFunction
+
+SET = "set by the user"  # origin of a value that was changed
+COMMON = "bearings"  # field of a scene with the bearing that joints share
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One value that ``--set`` can change: a number, SI, a word, the name of a set or a kind."""
+
+    key: str
+    value: Any
+    meaning: Quantity | Choice
+
+    def described(self) -> str:
+        """Return value, range and meaning in one line."""
+        meaning = self.meaning
+        if isinstance(meaning, Choice):
+            return f"{self.value}  ({' | '.join(meaning.allowed())})  {meaning.text}"
+        value = NONE if self.value is None else meaning.written(self.value)
+        limits = meaning.in_unit_of(self.value or meaning.low).range_text()
+        return f"{value}  ({limits}; {meaning.origin})  {meaning.text}"
+
+
+def settings_of(scene: Scene) -> list[Setting]:
+    """Return all settings with present values; of single joints only those that differ."""
+    common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
+    single = (
+        setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint)
+    )
+    differing = (
+        one for one in single if one.value != common[one.key.rpartition(".")[2]]
+    )
+    return [*settings_in(scene, scene.origins), *differing]
+
+
+def applicable_settings_of(scene: Scene) -> list[Setting]:
+    """Return the settings of a scene without those that its mechanism does not read."""
+    unread = {*getattr(scene.mechanism, "unread", ())}
+    if "guide" not in scene.bearing_joints:
+        unread |= {"guide_length", "guide_width"}
+    return [one for one in settings_of(scene) if one.key not in unread]
+
+
+def used_settings_of(scene: Scene) -> list[Setting]:
+    """Return the settings whose values a run of the scene uses.
+
+    Left out are values of bearings that each joint has a value of its own for, or that
+    its laws do not read, and the settings of the other engines.
+    """
+    used = {
+        (one.key, one.value)
+        for joint in scene.bearing_joints
+        for one in settings_in(scene.bearing(joint))
+        if one.key not in unread_of(scene, joint)
+    }
+    common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
+    engines = (
+        one for one in vars(scene.numerics).values() if one.word != scene.solver.word
+    )
+    unused = {one.key for engine in engines for one in settings_in(engine)}
+    unused |= {
+        f"{joint}.{key}"
+        for joint in scene.bearing_joints
+        for key in unread_of(scene, joint)
+    }
+    return [
+        one
+        for one in applicable_settings_of(scene)
+        if one.key not in unused
+        and (one.key not in common or (one.key, one.value) in used)
+    ]
+
+
+def unread_of(scene: Scene, joint: str) -> tuple[str, ...]:
+    """Return the keys of values of a bearing that a run of the scene does not read."""
+    bearing = scene.bearing(joint)
+    is_guide = any(guide.name == joint for guide in scene.loose_guides)
+    return unread_in_guide(bearing) if is_guide else bearing.unread
+
+
+def all_settings(scene: Scene) -> Iterator[Setting]:
+    """Yield all settings that a scene has, also those of each joint with a bearing."""
+    yield from settings_in(scene, scene.origins)
+    for joint in scene.bearing_joints:
+        yield from _of_joint(scene, joint)
+
+
+def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
+    for setting in settings_in(scene.bearing(joint)):
+        key = f"{joint}.{setting.key}"
+        meaning = setting.meaning
+        if isinstance(meaning, Quantity):
+            meaning = replace(meaning, origin=scene.origins.get(key, SET))
+        yield Setting(key, setting.value, meaning)
+
+
+def settings_in(
+    owner: Any, origins: Mapping[str, str] | None = None, prefix: str = ""
+) -> Iterator[Setting]:
+    """Yield the settings of the parts of a data class, then those of its fields."""
+    plain = []
+    for name, key, value, meaning, inner in fields_of(owner, prefix):
+        if isinstance(meaning, Choice):
+            setting = Setting(key, meaning.shown(value), meaning)
+            if not meaning.is_part:
+                plain.append(setting)
+                continue
+            yield setting
+        elif meaning is not None:
+            origin = (origins or {}).get(key, meaning.origin)
+            if origin != meaning.origin:
+                meaning = replace(meaning, origin=origin)
+            plain.append(Setting(key, value, meaning))
+        if has_settings(value):
+            for setting in settings_in(value, origins, inner):
+                if name != COMMON or setting.key not in SINGLE:
+                    yield setting
+    yield from plain
+
+
+def has_settings(value: Any) -> bool:
+    """Return whether a value is a part whose fields are settings."""
+    return is_dataclass(value) and not isinstance(value, UserFunction | OutputPoint)
+
+
+def fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, str]]:
+    """Yield name, key, value and meaning of each field, and the prefix of the keys in it."""
+    for item in fields(owner):
+        if item.name in getattr(owner, "unset", ()):
+            continue
+        key = f"{prefix}{item.name}"
+        meaning = meaning_of(item, owner)
+        is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
+        inner = f"{key}." if is_optional else prefix
+        yield item.name, key, getattr(owner, item.name), meaning, inner
+
+
+IN_FILE = f"{SET}, in the file"
+DEFAULT = "default"  # origin of a value that a file leaves out
