@@ -1,12 +1,8 @@
 """Scene: a mechanism with its bearings, and all other settings of a run."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, ClassVar, cast, get_args
-
-import numpy as np
 
 from presswear.engines.settings import (
     Engine,
@@ -16,19 +12,16 @@ from presswear.engines.settings import (
     Purpose,
 )
 from presswear.linkage import loads
-from presswear.linkage.elements import CORNERS, Attachment, Guide, largest_tilt
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.elements import Guide, largest_tilt
 from presswear.linkage.press import Press
-from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
-from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
-from presswear.scene.clearance_linkage import with_bearings
 from presswear.scene.conventions import CONVENTIONS, Conventions
 from presswear.scene.guide_clearance import check_guide, deepest_wall
 from presswear.scene.initial_surfaces import initial_surfaces
 from presswear.scene.life_checks import check_life
+from presswear.scene.loaded_linkage import LoadedLinkage
 from presswear.scene.mechanism_kinds import OneMechanism, mechanism_from
 from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
 from presswear.scene.run_checks import (
@@ -39,11 +32,8 @@ from presswear.scene.run_checks import (
     check_torque_limits,
 )
 from presswear.scene.stage_names import stage_name
-from presswear.scene.wall_maps import with_wall_maps
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import (
-    Choice,
     choice,
     count,
     named_set,
@@ -63,7 +53,7 @@ LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 
 
 
 @dataclass(frozen=True)
-class Scene(Checked):
+class Scene(LoadedLinkage, Checked):
     """Mechanism, bearings and all other settings of a run.
 
     Attributes
@@ -178,22 +168,7 @@ class Scene(Checked):
         if isinstance(self.mechanism, Mapping | str):
             self._set(mechanism=mechanism_from(self.mechanism))
         check_type("mechanism", self.mechanism, OneMechanism)
-        if (
-            isinstance(self.bearings, Mapping)
-            and not self.bearings.keys() & Bearing.__dataclass_fields__.keys()
-        ):
-            self._set(
-                joints=self._joint_choice.combine(self.bearings),
-                joint_bearings=dict(self.bearings),
-                bearings=next(iter(self.bearings.values()), Bearing()),
-            )
-        if self.joints is None:
-            if not self.mechanism.default_joints and self.bearings != Bearing():
-                names = ", ".join(self.mechanism.allowed_joints)
-                raise InputError(
-                    f"bearings: no joint has clearance; set joints to any of {names}"
-                )
-            self._set(joints=self._joint_choice.combine(self.mechanism.default_joints))
+        self._open_joints()
         self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()
         self._give_stiffness_to_joints()
@@ -201,7 +176,7 @@ class Scene(Checked):
             if name not in self.mechanism.allowed_joints:
                 raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
         self._set(  # in one spelling, so that equal scenes are equal
-            joints=self._joint_choice.combine(self.bearing_joints),
+            joints=self.joint_choice.combine(self.bearing_joints),
             joint_bearings={
                 k: b for k, b in self.joint_bearings.items() if b != self.bearings
             },
@@ -215,13 +190,7 @@ class Scene(Checked):
         )
         if self.life is None and not self.wearing_joints:
             self._set(wear_updates=0)  # no joint wears
-        is_worn = self.wear_updates > 0 or bool(self.surfaces)
-        for name, bearing in self._bearings_of_pins.items():
-            prefix = f"{name}." if name else ""
-            bearing.check_contact(prefix, self.conventions.contact, is_worn)
-            bearing.check_conventions(prefix, self.conventions)
-        for guide in self.loose_guides:
-            self._check_guide(guide)
+        self._check_bearings()
         if self.life is not None:
             pins = {name: self.bearing(name) for name in self.loose_pins}
             limits, walls = self.life_limits, self._deepest_walls
@@ -232,14 +201,34 @@ class Scene(Checked):
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
             )
 
-    @property
-    def _bearings_of_pins(self) -> dict[str, Bearing]:
-        """Bearings of single pins by their names, and the common bearing by an empty name."""
-        guides = {guide.name for guide in self.loose_guides}
-        bearings = {"": self.bearings, **self.joint_bearings}
-        if guides and guides | self.joint_bearings.keys() >= set(self.bearing_joints):
-            del bearings[""]
-        return {name: one for name, one in bearings.items() if name not in guides}
+    def _open_joints(self) -> None:
+        """Open the joints that ``bearings`` names, or those of the mechanism by default."""
+        if (
+            isinstance(self.bearings, Mapping)
+            and not self.bearings.keys() & Bearing.__dataclass_fields__.keys()
+        ):
+            self._set(
+                joints=self.joint_choice.combine(self.bearings),
+                joint_bearings=dict(self.bearings),
+                bearings=next(iter(self.bearings.values()), Bearing()),
+            )
+        if self.joints is None:
+            if not self.mechanism.default_joints and self.bearings != Bearing():
+                names = ", ".join(self.mechanism.allowed_joints)
+                raise InputError(
+                    f"bearings: no joint has clearance; set joints to any of {names}"
+                )
+            self._set(joints=self.joint_choice.combine(self.mechanism.default_joints))
+
+    def _check_bearings(self) -> None:
+        """Raise InputError if a bearing does not fit the contact, the conventions or a guide."""
+        is_worn = self.wear_updates > 0 or bool(self.surfaces)
+        for name, bearing in self.bearings_of_pins.items():
+            prefix = f"{name}." if name else ""
+            bearing.check_contact(prefix, self.conventions.contact, is_worn)
+            bearing.check_conventions(prefix, self.conventions)
+        for guide in self.loose_guides:
+            self._check_guide(guide)
 
     def _check_guide(self, guide: Guide) -> None:
         """Raise InputError if a guide cannot have its clearance."""
@@ -271,7 +260,7 @@ class Scene(Checked):
         than the checks of single values.
         """
         coefficients = [
-            self.bearing(j).materials.wear_coefficient for j in self._loose_joints
+            self.bearing(j).materials.wear_coefficient for j in self.all_loose_joints
         ]
         if self.wear_updates > 0 and coefficients and not any(coefficients):
             raise InputError(
@@ -329,77 +318,10 @@ class Scene(Checked):
             for guide in self.worn_guides
         }
 
-    @property
-    def dry_pins(self) -> tuple[str, ...]:
-        """Names of the pin joints with clearance whose contacts begin and end in the run."""
-        return tuple(one for one in self.loose_pins if not self.bearing(one).has_film)
-
-    @property
-    def bearing_joints(self) -> tuple[str, ...]:
-        """Names of the joints with a bearing, which has clearance or only friction."""
-        words = self._joint_choice.split(self.joints)
-        return tuple(name for name in self.mechanism.allowed_joints if name in words)
-
-    @property
-    def clearance_joints(self) -> tuple[str, ...]:
-        """Names of the joints with clearance; of a guide those of its four corners."""
-        guides = (guide.name for guide in self.loose_guides)
-        corners = (f"{guide} {one}" for guide in guides for one in CORNERS)
-        return (*self.loose_pins, *corners)
-
-    @property
-    def loose_pins(self) -> tuple[str, ...]:
-        """Names of the pin joints with clearance."""
-        guides = [guide.name for guide in self.loose_guides]
-        return tuple(
-            name
-            for name in self.bearing_joints
-            if name not in guides and self.bearing(name).clearance > 0.0
-        )
-
-    @property
-    def loose_guides(self) -> tuple[Guide, ...]:
-        """Guides with clearance."""
-        names = self.bearing_joints
-        return tuple(
-            guide for guide in self.mechanism.linkage().guides if guide.name in names
-        )
-
-    @property
-    def worn_guides(self) -> tuple[Guide, ...]:
-        """Guides with clearance whose walls wear, with maps along the ideal motion."""
-        has_drives = bool(self.mechanism.linkage().drives)
-        return tuple(
-            guide
-            for guide in self.loose_guides
-            if has_drives and self.bearing(guide.name).materials.wear_coefficient > 0.0
-        )
-
-    @property
-    def wearing_joints(self) -> tuple[str, ...]:
-        """Names of the pins with clearance and of the guides whose walls wear."""
-        return (*self.loose_pins, *(guide.name for guide in self.worn_guides))
-
-    @property
-    def _loose_joints(self) -> tuple[str, ...]:
-        """Names of the pins and the guides with clearance."""
-        return (*self.loose_pins, *(guide.name for guide in self.loose_guides))
-
-    @property
-    def rigid_bearings(self) -> tuple[str, ...]:
-        """Names of the joints that have a bearing without clearance."""
-        return tuple(
-            name for name in self.bearing_joints if self.bearing(name).clearance == 0.0
-        )
-
-    @property
-    def _joint_choice(self) -> Choice:
-        return Choice((*self.mechanism.allowed_joints, "none"), several=True)
-
     def check_user_laws(self) -> None:
         """Raise InputError if a user law returns no number or creates energy; executes the law."""
         self.check_trusted()
-        for joint in self._loose_joints:
+        for joint in self.all_loose_joints:
             self.bearing(joint).check_user_laws(joint, self.conventions)
         for joint in self.rigid_bearings:
             self.bearing(joint).check_user_friction(joint)
@@ -413,7 +335,7 @@ class Scene(Checked):
         """User laws, source code, by keys such as ``A.normal_law`` and ``loads[0].law``."""
         laws = {
             f"{joint}.{key}": getattr(self.bearing(joint), key)
-            for joint in self._loose_joints
+            for joint in self.all_loose_joints
             for key in ("normal_law", "friction_law")
         }
         laws |= {
@@ -444,13 +366,6 @@ class Scene(Checked):
         """Allow this process to execute the source code of the user laws."""
         for law in self.user_laws.values():
             law.trusted()
-
-    def bearing(self, joint: str) -> Bearing:
-        """Return the bearing of a joint; of the corner of a slide that of its guide."""
-        for guide in self.loose_guides:
-            if joint.removeprefix(f"{guide.name} ") in CORNERS:
-                joint = guide.name
-        return self.joint_bearings.get(joint, self.bearings)
 
     @property
     def replicate_count(self) -> int:
@@ -497,96 +412,6 @@ class Scene(Checked):
         widths = dict.fromkeys(f"{360.0 / one.angles:.3g}°" for one in wears)
         return f"bins of {' and '.join(widths)}; twice as many bins halve it"
 
-    def linkage(
-        self, worn: Mapping[str, tuple[Surface, Surface]] | None = None
-    ) -> Linkage:
-        """Return the linkage on worn surfaces, or on initial ones; see ``surfaces``."""
-        if worn is None:
-            return self._initial_linkage
-        check_type("worn", worn, Mapping[str, tuple[Surface, Surface]])
-        return self._linkage_on(worn) if worn else self._initial_linkage
-
-    @cached_property
-    def _initial_linkage(self) -> Linkage:
-        return self._linkage_on({})
-
-    def _linkage_on(self, worn: Mapping[str, tuple[Surface, Surface]]) -> Linkage:
-        bearings = {name: self.bearing(name) for name in self.bearing_joints}
-        surfaces = {**self.surfaces, **worn}
-        linkage = with_bearings(self.loaded, bearings, self.conventions, surfaces)
-        # Without a drive nothing tells how far a slide moves.
-        if not (linkage.corners and linkage.drives):
-            return linkage
-        return with_wall_maps(linkage, self.ideal, bearings)
-
-    @property
-    def has_deviations(self) -> bool:
-        """True if clearance or an elastic joint lets the output leave its ideal motion."""
-        return bool(self.clearance_joints or self.linkage().elastic_joints)
-
-    @property
-    def stroke(self) -> float:
-        """Distance between the extremes of the output coordinate in the ideal motion, m."""
-        dead_centre = bottom_of(self.ideal)
-        return 0.0 if dead_centre is None else dead_centre.stroke
-
-    @property
-    def bottom(self) -> float:
-        """Output coordinate of bottom dead centre in the ideal motion, m."""
-        dead_centre = bottom_of(self.ideal)
-        if dead_centre is None:
-            return float(self.ideal.at(np.zeros(1)).output(self.base_linkage)[0, 0])
-        return dead_centre.height
-
-    @property
-    def lift(self) -> float:
-        """Height over the work at which a stroke on it is over, m: half way up."""
-        return (
-            0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
-        )
-
-    @property
-    def process_laws(self) -> dict[str, loads.OverPosition]:
-        """Laws of the process forces over the output coordinate, by name."""
-        if self.process is None:
-            return {}
-        return loads.laws_of(self.process, self.bottom + self.process.height, self.lift)
-
-    @property
-    def base_linkage(self) -> Linkage:
-        """Linkage of the mechanism, with the output direction away from the work.
-
-        With this direction bottom dead centre is the lowest position in every scene.
-        """
-        linkage = self.mechanism.linkage()
-        if self.process is None or self.process.bottom == "lowest":
-            return linkage
-        opposite = math.remainder(linkage.output.direction + math.pi, 2.0 * math.pi)
-        return replace(linkage, output=replace(linkage.output, direction=opposite))
-
-    @property
-    def loaded(self) -> Linkage:
-        """Ideal linkage under the forces of the process."""
-        ideal = followed(self.base_linkage)
-        if self.process is None:
-            return ideal
-        point = self._point_of_work(ideal)
-        direction = ideal.output.direction
-        laws = self.process_laws.items()
-        forces = (loads.Force(point, direction, law, name) for name, law in laws)
-        return replace(ideal, loads=(*ideal.loads, *forces))
-
-    def _point_of_work(self, ideal: Linkage) -> Attachment:
-        """Return the point of the process force: the output point, or a point beside it."""
-        point = ideal.output.attachment
-        guides = [guide for guide in ideal.guides if guide.body == point.body]
-        if self.process is None or self.process.offset == 0.0 or not guides:
-            return point
-        turn = ideal.output.direction - guides[0].angle
-        right = point.x + self.process.offset * math.sin(turn)
-        above = point.y - self.process.offset * math.cos(turn)
-        return Attachment(point.body, right, above)
-
     @property
     def auto_purpose(self) -> Purpose:
         """Purpose of a run for which no purpose is specified.
@@ -612,33 +437,6 @@ class Scene(Checked):
         numerics = self.numerics.resolved(purpose, self.tolerance)
         engines = numerics.tree, numerics.joints, numerics.dae
         return next(engine for engine in engines if engine.word == word)
-
-    @property
-    def ideal(self) -> IdealMotion:
-        """Motion of the mechanism with all joints closed."""
-        return ideal_motion(followed(self.base_linkage), self.mechanism.period)
-
-    @property
-    def run_up(self) -> float:
-        """Time in which the mechanism runs up from rest, s; cycles are counted after it."""
-        return self.mechanism.linkage().run_up_time
-
-    @property
-    def output(self) -> str:
-        """Name of the body of the output point in a sentence: ``the slider``, ``link 7``."""
-        body = self.mechanism.linkage().output.body
-        name = "slider" if body.startswith("slider") else body
-        return f"the {name}" if name[-1].islower() else name
-
-    def ideal_slider(self, time: Array, closed: bool = True) -> Array:
-        """Return displacement from the start, velocity and acceleration of the ideal output.
-
-        Shape (n, 3) at times of shape (n,), s; m, m/s, m/s^2. See ``IdealMotion.at``
-        for ``closed``.
-        """
-        slider = self.ideal.at(np.append(0.0, time), closed).output(self.base_linkage)
-        slider[:, 0] -= slider[0, 0]
-        return slider[1:]
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage of this scene."""
