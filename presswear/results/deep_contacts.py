@@ -7,6 +7,7 @@ from typing import get_args
 from presswear.linkage.laws import Elasticity, NormalLaw
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.results.stage import StageResult
+from presswear.scene.pin_joints import elastic_law, normal_stiffness
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
@@ -56,11 +57,11 @@ def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
         return {}
     records = {}
     for law in get_args(Elasticity):
-        stiffness = bearing.normal_stiffness(law, conventions.stiffness)
+        stiffness = normal_stiffness(bearing, law, conventions.stiffness)
         records[law] = normal_record(
             NormalLaw(stiffness, elasticity=law), bearing.clearance
         )
-    used = records[bearing.elastic_law(conventions.contact)]
+    used = records[elastic_law(bearing, conventions.contact)]
     energy = elastic_of(used, _depth_of(used, 0, force))[1]
     return {
         law: elastic_of(one, _depth_of(one, 1, energy))[0]
@@ -153,7 +154,7 @@ def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:
     forces = forces_by_law(scene, joint, force)
     if not forces:
         return ""
-    used = scene.bearing(joint).elastic_law(scene.conventions.contact)
+    used = elastic_law(scene.bearing(joint), scene.conventions.contact)
     order = [used, *(law for law in forces if law != used)]
     texts = [f"{quantity_text(forces[law], 'N')} by {LAW_WORDS[law]}" for law in order]
     return f"{joint} {', '.join(texts)}"

@@ -1,12 +1,10 @@
 """Bearing of a joint with clearance, or of a rigid joint with friction, as a user chooses it."""
 
-import math
 from collections.abc import Callable
-from dataclasses import InitVar, dataclass, fields, replace
-from typing import Any, cast, get_args
+from dataclasses import InitVar, dataclass, fields
+from typing import Any, get_args
 
 from presswear.linkage import elements, laws
-from presswear.linkage.surface import Surface
 from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
@@ -428,71 +426,10 @@ class Bearing(Checked):
             law = f"{where}normal_law = {self.normal_law}"
             raise InputError(f"{law}: with contact = 'foundation' allowed is {allowed}")
 
-    def elastic_law(self, contact: elements.SurfaceContact) -> laws.Elasticity:
-        """Return the elastic law of a contact of surfaces, new and worn."""
-        if contact == "foundation":
-            return "foundation"
-        return (
-            "power"
-            if self.elasticity == AUTO
-            else cast(laws.Elasticity, self.elasticity)
-        )
-
     @property
     def total_width(self) -> float:
         """Axial width of all parallel rods together, m."""
         return self.parallel_rods * self.width
-
-    def normal_stiffness(
-        self, elasticity: laws.Elasticity, reading: laws.StiffnessReading
-    ) -> float:
-        """Return the stiffness K, N/m^n, of all parallel rods together.
-
-        It is the contact stiffness; by default that of Liu for his law, and of Hertz for
-        the other laws. Parallel rods bear equal parts of the force.
-        """
-        if self.contact_stiffness is not None:
-            return self.parallel_rods * self.contact_stiffness
-        compliance = self.materials.compliance
-        if elasticity == "liu":
-            return laws.liu_stiffness(self.total_width, self.clearance, compliance)
-        radii = self.bearing_radius, self.bearing_radius - self.clearance
-        return self.parallel_rods * laws.hertz_stiffness(*radii, compliance, reading)
-
-    def normal(self, conventions: Conventions) -> laws.NormalLaw:
-        """Return the normal force law with its parameters."""
-        function = (
-            self.normal_law if isinstance(self.normal_law, UserFunction) else None
-        )
-        damping = laws.DAMPINGS[
-            "lankarani-nikravesh" if function else str(self.normal_law)
-        ]
-        viscosity = self.parallel_rods * self.viscous_damping
-        factors = damping.factor(self.restitution), viscosity
-        elasticity = self.elastic_law(conventions.contact)
-        stiffness = self.normal_stiffness(elasticity, conventions.stiffness)
-        return laws.NormalLaw(stiffness, self.exponent, *factors, elasticity, function)
-
-    def check_user_laws(self, joint: str, conventions: Conventions) -> None:
-        """Raise InputError if a user law returns no number or creates energy; executes the law."""
-        if isinstance(law := self.normal_law, UserFunction):
-            key = f"{joint}.normal_law"
-            normal = self.normal(conventions)
-            state = {
-                name: getattr(normal, name)
-                for name in ("stiffness", "exponent", "damping")
-            }
-            laws.check_normal(key, law, {**state, "clearance": self.clearance})
-            law.check_compiles(key, laws.NORMAL_PARAMETERS)
-        self.check_user_friction(joint)
-
-    def check_user_friction(self, joint: str) -> None:
-        """Raise InputError if a user friction law is unsound; see ``check_user_laws``."""
-        if isinstance(law := self.friction_law, UserFunction):
-            key = f"{joint}.friction_law"
-            ramp = {"lower_speed": self.lower_speed, "upper_speed": self.upper_speed}
-            laws.check_friction(key, law, {"coefficient": self.friction, **ramp})
-            law.check_compiles(key, laws.FRICTION_PARAMETERS)
 
     @property
     def friction_parameters(self) -> laws.FrictionLaw:
@@ -505,61 +442,3 @@ class Bearing(Checked):
         ramp = self.friction, self.lower_speed, self.upper_speed
         bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
         return laws.FrictionLaw(*ramp, name, function, static, *bristles)
-
-    def rigid(self, revolute: elements.Revolute) -> elements.Revolute:
-        """Return an ideal pin joint with the friction of this bearing, or an elastic one."""
-        stiffness = self.stiffness
-        if stiffness is not None:
-            stiffness *= self.parallel_rods
-        return replace(
-            revolute,
-            bearing_radius=self.bearing_radius,
-            friction=self.friction_parameters,
-            stiffness=stiffness,
-            damping_ratio=self.damping_ratio,
-        )
-
-    def deepest_wear(self, contact: elements.SurfaceContact) -> float:
-        """Return the depth of a worn surface, m, up to which the model holds."""
-        if self.has_film:
-            return laws.OILED_WEAR * self.clearance
-        return elements.deepest_wear(contact, self.clearance, self.bearing_radius)
-
-    def joint(
-        self,
-        revolute: elements.Revolute,
-        conventions: Conventions,
-        worn: tuple[Surface, Surface],
-    ) -> elements.ClearanceJoint:
-        """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
-        wear = elements.WearLaw(
-            coefficient=self.materials.wear_coefficient,
-            slip=conventions.slip,
-            wear_distribution=conventions.wear_distribution,
-            bearing_share=self.materials.bearing_share,
-            angles=self.angles,
-            running_in=self.materials.running_in,
-            running_in_depth=self.materials.running_in_depth or self.roughness,
-            pressure_exponent=self.materials.pressure_exponent,
-            pressure_reference=self.materials.pressure_reference,
-        )
-        ends = revolute.name, revolute.first, revolute.second
-        sizes = self.bearing_radius, self.clearance, self.total_width
-        forces = self.normal(conventions), self.friction_parameters
-        law = wear if wear.coefficient > 0.0 else None
-        frame = conventions.map_frame
-        return elements.ClearanceJoint(
-            *ends, *sizes, *forces, law, frame, conventions.contact, *worn, self.oil
-        )
-
-    @property
-    def oil(self) -> elements.Oil | None:
-        """Oil whose film acts in the run; None: dry contact."""
-        if not self.has_film or self.viscosity is None:
-            return None
-        return elements.Oil(
-            viscosity=self.viscosity,
-            roughness=math.sqrt(2.0) * self.roughness,
-            asperity_pressure=self.asperity_pressure,
-            films=self.parallel_rods,
-        )

@@ -16,6 +16,7 @@ from presswear.linkage.surface import Surface
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
 from presswear.scene.guide_clearance import corners_of
+from presswear.scene.pin_joints import clearance_joint, rigid_joint
 
 
 def with_bearings(
@@ -51,9 +52,9 @@ def with_bearings(
             loose_guides.append(joint)
             corners += corners_of(bearing, joint, worn)
         elif bearing.clearance > 0.0:
-            loose_pins.append(bearing.joint(joint, conventions, worn))
+            loose_pins.append(clearance_joint(bearing, joint, conventions, worn))
         else:
-            joints.append(bearing.rigid(joint))
+            joints.append(rigid_joint(bearing, joint))
     bodies = tuple(_with_inertia(body, loose_guides) for body in ideal.bodies)
     clearances = (*ideal.clearances, *loose_pins, *corners)
     loosened = replace(

@@ -7,6 +7,7 @@ from presswear.linkage import elements, laws
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import AUTO, LEAST_CLEARANCE, Bearing
 from presswear.scene.conventions import Conventions
+from presswear.scene.pin_joints import normal_law_of
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
@@ -61,7 +62,9 @@ def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
     if bearing.contact_stiffness is None:
         stiffness = 0.25 * math.pi * bearing.width / bearing.materials.compliance
         bearing = replace(bearing, contact_stiffness=stiffness, exponent=1.0)
-    return replace(bearing.normal(Conventions(contact="radial")), elasticity="power")
+    return replace(
+        normal_law_of(bearing, Conventions(contact="radial")), elasticity="power"
+    )
 
 
 def check_guide(bearing: Bearing, guide: elements.Guide) -> None:

@@ -11,6 +11,7 @@ from presswear.linkage.elements import WALL_BINS, WALLS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.bearing import MIN_ANGLES, Bearing
 from presswear.scene.guide_clearance import deepest_wall
+from presswear.scene.pin_joints import deepest_wear
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import written
@@ -71,7 +72,7 @@ def _surface(
     angle, depth = _points_of(where, value)
     if not depth.any():
         return Surface()
-    deepest = bearing.deepest_wear(contact)
+    deepest = deepest_wear(bearing, contact)
     for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
         place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
         allowed = f"allowed is 0 to {written(deepest, 'm')}"

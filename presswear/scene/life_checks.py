@@ -8,6 +8,7 @@ from presswear.linkage.laws import OILED_WEAR
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
 from presswear.scene.options import CLEARANCES, Life, Limit
+from presswear.scene.pin_joints import deepest_wear
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
@@ -103,7 +104,7 @@ def _greatest_value(
     if limit.joint in walls:
         return walls[limit.joint]
     bearing = pins[limit.joint]
-    deepest = bearing.deepest_wear(contact)
+    deepest = deepest_wear(bearing, contact)
     if limit.name == "depth":
         return deepest
     return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)

@@ -24,6 +24,7 @@ from presswear.scene.life_checks import check_life
 from presswear.scene.loaded_linkage import LoadedLinkage
 from presswear.scene.mechanism_kinds import OneMechanism, mechanism_from
 from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
+from presswear.scene.pin_joints import check_user_friction, check_user_laws
 from presswear.scene.run_checks import (
     check_masses,
     check_open_tree,
@@ -322,9 +323,9 @@ class Scene(LoadedLinkage, Checked):
         """Raise InputError if a user law returns no number or creates energy; executes the law."""
         self.check_trusted()
         for joint in self.all_loose_joints:
-            self.bearing(joint).check_user_laws(joint, self.conventions)
+            check_user_laws(self.bearing(joint), joint, self.conventions)
         for joint in self.rigid_bearings:
-            self.bearing(joint).check_user_friction(joint)
+            check_user_friction(self.bearing(joint), joint)
         for key, law in self.user_laws.items():
             if key.startswith(("loads[", "drives[")):
                 loads.check_load(key, law)

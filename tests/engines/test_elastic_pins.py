@@ -16,6 +16,7 @@ from presswear.linkage.surface import Surface
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.statics import equilibrium
 from presswear.scene.differences import changes_from
+from presswear.scene.pin_joints import clearance_joint, normal_law_of
 from presswear.scene.setting_list import used_settings_of
 
 MASS = 2.0
@@ -194,6 +195,8 @@ def test_parallel_rods_are_one_with_their_widths_and_stiffness() -> None:
     one = pw.Bearing(contact_stiffness=4e10)
     four = pw.Bearing(contact_stiffness=1e10, parallel_rods=4)
     conventions = pw.Scene().conventions
-    assert four.normal(conventions) == one.normal(conventions)
-    joint = four.joint(four_bar(None).revolutes[0], conventions, (Surface(), Surface()))
+    assert normal_law_of(four, conventions) == normal_law_of(one, conventions)
+    joint = clearance_joint(
+        four, four_bar(None).revolutes[0], conventions, (Surface(), Surface())
+    )
     assert joint.width == 4.0 * one.width

@@ -23,6 +23,7 @@ from presswear.linkage.surface import Surface
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS
+from presswear.scene.pin_joints import normal_law_of
 from presswear.tools.user_function import UserFunction
 from presswear.validation import reference_problems as references
 from presswear.validation.cases import first_contact
@@ -143,7 +144,7 @@ def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
     bearing = Bearing(
         CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu"
     )
-    liu = normal_record(bearing.normal(CONVENTIONS["paper"]), CLEARANCE)
+    liu = normal_record(normal_law_of(bearing, CONVENTIONS["paper"]), CLEARANCE)
     modulus = 1.0 / (0.91 / 206e9 + 0.91 / 110e9)
     printed = 0.5 * math.pi * depth * modulus * 0.03
     printed *= math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
@@ -176,13 +177,13 @@ def test_small_contacts_have_the_stiffness_of_the_law() -> None:
     press = Bearing(0.8e-3)
     conforming = replace(press, elasticity="liu")
     measured = replace(conforming, contact_stiffness=2e9)
-    assert conforming.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(
+    assert normal_law_of(conforming, CONVENTIONS["paper"]).stiffness == pytest.approx(
         8.63e10, rel=1e-3
     )
-    assert press.normal(CONVENTIONS["paper"]).stiffness == pytest.approx(
+    assert normal_law_of(press, CONVENTIONS["paper"]).stiffness == pytest.approx(
         1.25e10, rel=0.01
     )
-    assert measured.normal(CONVENTIONS["paper"]).stiffness == 2e9
+    assert normal_law_of(measured, CONVENTIONS["paper"]).stiffness == 2e9
 
 
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])

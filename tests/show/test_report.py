@@ -18,6 +18,7 @@ from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
 from presswear.results.stage import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
+from presswear.scene.pin_joints import normal_law_of
 from presswear.scene.setting_list import used_settings_of
 from presswear.show.figures import drawings
 from presswear.show.page import Illustration
@@ -381,7 +382,7 @@ def test_bodies_joints_and_contacts_are_listed() -> None:
     assert shown == pytest.approx([1e3 * x, 1e3 * y, np.degrees(angle)], rel=1e-4)
     assert page.row("crank")[-1] == f"{30 * 30 / np.pi:.3f} rpm"
     bearing = OWN_FOUR_BAR.bearing("B")
-    stiffness = bearing.normal(OWN_FOUR_BAR.conventions).stiffness
+    stiffness = normal_law_of(bearing, OWN_FOUR_BAR.conventions).stiffness
     places = ["coupler: 100, 0", "rocker: 60, 0"]
     contact = ["14.700", f"{1e-9 * stiffness:.4g}·10⁹", f"{0.75 * (1.0 - 0.9**2):.4f}"]
     assert page.row("B")[1:] == places + contact

@@ -1,0 +1,144 @@
+"""Pin joints of a linkage that have a bearing: sizes, laws and oil."""
+
+import math
+from dataclasses import replace
+from typing import cast
+
+from presswear.linkage import elements, laws
+from presswear.linkage.surface import Surface
+from presswear.scene.bearing import AUTO, Bearing
+from presswear.scene.conventions import Conventions
+from presswear.tools.user_function import UserFunction
+
+
+def elastic_law(bearing: Bearing, contact: elements.SurfaceContact) -> laws.Elasticity:
+    """Return the elastic law of a contact of surfaces, new and worn."""
+    if contact == "foundation":
+        return "foundation"
+    if bearing.elasticity == AUTO:
+        return "power"
+    return cast(laws.Elasticity, bearing.elasticity)
+
+
+def normal_stiffness(
+    bearing: Bearing, elasticity: laws.Elasticity, reading: laws.StiffnessReading
+) -> float:
+    """Return the stiffness K, N/m^n, of all parallel rods together.
+
+    It is the contact stiffness; by default that of Liu for his law, and of Hertz for
+    the other laws. Parallel rods bear equal parts of the force.
+    """
+    if bearing.contact_stiffness is not None:
+        return bearing.parallel_rods * bearing.contact_stiffness
+    compliance = bearing.materials.compliance
+    if elasticity == "liu":
+        return laws.liu_stiffness(bearing.total_width, bearing.clearance, compliance)
+    radii = bearing.bearing_radius, bearing.bearing_radius - bearing.clearance
+    return bearing.parallel_rods * laws.hertz_stiffness(*radii, compliance, reading)
+
+
+def normal_law_of(bearing: Bearing, conventions: Conventions) -> laws.NormalLaw:
+    """Return the normal force law with its parameters."""
+    law = bearing.normal_law
+    user_law = law if isinstance(law, UserFunction) else None
+    name = "lankarani-nikravesh" if user_law else str(law)
+    elasticity = elastic_law(bearing, conventions.contact)
+    return laws.NormalLaw(
+        stiffness=normal_stiffness(bearing, elasticity, conventions.stiffness),
+        exponent=bearing.exponent,
+        damping=laws.DAMPINGS[name].factor(bearing.restitution),
+        viscosity=bearing.parallel_rods * bearing.viscous_damping,
+        elasticity=elasticity,
+        user_law=user_law,
+    )
+
+
+def check_user_laws(bearing: Bearing, joint: str, conventions: Conventions) -> None:
+    """Raise InputError if a user law returns no number or creates energy; executes the law."""
+    if isinstance(law := bearing.normal_law, UserFunction):
+        key = f"{joint}.normal_law"
+        normal = normal_law_of(bearing, conventions)
+        state = {
+            name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")
+        }
+        laws.check_normal(key, law, {**state, "clearance": bearing.clearance})
+        law.check_compiles(key, laws.NORMAL_PARAMETERS)
+    check_user_friction(bearing, joint)
+
+
+def check_user_friction(bearing: Bearing, joint: str) -> None:
+    """Raise InputError if a user friction law is unsound; see ``check_user_laws``."""
+    if isinstance(law := bearing.friction_law, UserFunction):
+        key = f"{joint}.friction_law"
+        ramp = {"lower_speed": bearing.lower_speed, "upper_speed": bearing.upper_speed}
+        laws.check_friction(key, law, {"coefficient": bearing.friction, **ramp})
+        law.check_compiles(key, laws.FRICTION_PARAMETERS)
+
+
+def rigid_joint(bearing: Bearing, revolute: elements.Revolute) -> elements.Revolute:
+    """Return an ideal pin joint with the friction of this bearing, or an elastic one."""
+    stiffness = bearing.stiffness
+    if stiffness is not None:
+        stiffness *= bearing.parallel_rods
+    return replace(
+        revolute,
+        bearing_radius=bearing.bearing_radius,
+        friction=bearing.friction_parameters,
+        stiffness=stiffness,
+        damping_ratio=bearing.damping_ratio,
+    )
+
+
+def deepest_wear(bearing: Bearing, contact: elements.SurfaceContact) -> float:
+    """Return the depth of a worn surface, m, up to which the model holds."""
+    if bearing.has_film:
+        return laws.OILED_WEAR * bearing.clearance
+    return elements.deepest_wear(contact, bearing.clearance, bearing.bearing_radius)
+
+
+def oil_of(bearing: Bearing) -> elements.Oil | None:
+    """Return the oil whose film acts in the run, or None for dry contact."""
+    if not bearing.has_film or bearing.viscosity is None:
+        return None
+    return elements.Oil(
+        viscosity=bearing.viscosity,
+        roughness=math.sqrt(2.0) * bearing.roughness,
+        asperity_pressure=bearing.asperity_pressure,
+        films=bearing.parallel_rods,
+    )
+
+
+def clearance_joint(
+    bearing: Bearing,
+    revolute: elements.Revolute,
+    conventions: Conventions,
+    worn: tuple[Surface, Surface],
+) -> elements.ClearanceJoint:
+    """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
+    wear = elements.WearLaw(
+        coefficient=bearing.materials.wear_coefficient,
+        slip=conventions.slip,
+        wear_distribution=conventions.wear_distribution,
+        bearing_share=bearing.materials.bearing_share,
+        angles=bearing.angles,
+        running_in=bearing.materials.running_in,
+        running_in_depth=bearing.materials.running_in_depth or bearing.roughness,
+        pressure_exponent=bearing.materials.pressure_exponent,
+        pressure_reference=bearing.materials.pressure_reference,
+    )
+    return elements.ClearanceJoint(
+        revolute.name,
+        revolute.first,
+        revolute.second,
+        bearing_radius=bearing.bearing_radius,
+        clearance=bearing.clearance,
+        width=bearing.total_width,
+        normal=normal_law_of(bearing, conventions),
+        friction=bearing.friction_parameters,
+        wear=wear if wear.coefficient > 0.0 else None,
+        map_frame=conventions.map_frame,
+        contact=conventions.contact,
+        bearing_surface=worn[0],
+        pin_surface=worn[1],
+        oil=oil_of(bearing),
+    )
