@@ -50,13 +50,13 @@ from presswear.recording import statistics as statistics
 from presswear.recording.observer import Observer as Observer
 from presswear.recording.observer import Progress as Progress
 from presswear.recording.statistics import Estimate as Estimate
+from presswear.results.joint_result import JointResult as JointResult
 from presswear.results.readings import Reading as Reading
 from presswear.results.readings import read_readings as read_readings
 from presswear.results.remaining_life import remaining_life as remaining_life
 from presswear.results.result import Result as Result
 from presswear.results.result import load as load
 from presswear.results.result import read_surfaces as read_surfaces
-from presswear.results.stage import JointResult as JointResult
 from presswear.results.stage import StageResult as StageResult
 from presswear.scene import catalog
 from presswear.scene.bearing import Bearing as Bearing

@@ -13,7 +13,7 @@ from presswear.recording.statistics import (
     pooled,
     spread,
 )
-from presswear.results.stage import BottomStatistics
+from presswear.results.stage_statistics import BottomStatistics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

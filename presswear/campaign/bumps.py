@@ -12,7 +12,7 @@ import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
 from presswear.recording.recorder import Recorder
-from presswear.results.stage import Bumps
+from presswear.results.stage_statistics import Bumps
 from presswear.tools.arrays import Array
 
 

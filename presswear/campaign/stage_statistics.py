@@ -42,11 +42,11 @@ from presswear.recording.statistics import (
     map_batches,
     map_errors,
 )
-from presswear.results.stage import (
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import (
     Bumps,
     JointStatistics,
     OutputStatistics,
-    StageResult,
     StageStatistics,
 )
 from presswear.scene.scene import Scene

@@ -21,7 +21,7 @@ from presswear.recording.statistics import (
     smoothed_mean,
     widened,
 )
-from presswear.results.stage import WearPeak
+from presswear.results.stage_statistics import WearPeak
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

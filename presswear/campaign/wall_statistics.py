@@ -14,7 +14,7 @@ from presswear.recording.statistics import (
     half_width_of_runs,
     mean_map,
 )
-from presswear.results.stage import WallStatistics
+from presswear.results.stage_statistics import WallStatistics
 from presswear.tools.arrays import Array
 
 

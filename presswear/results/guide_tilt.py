@@ -12,8 +12,9 @@ from presswear.linkage.elements import CORNERS, Guide
 from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import Estimate
 from presswear.results.corners import tilt_series
+from presswear.results.joint_result import JointResult
 from presswear.results.sampled_cycles import sampled_cycles
-from presswear.results.stage import JointResult, StageResult
+from presswear.results.stage import StageResult
 from presswear.results.strokes import SampledStroke, mean_of_strokes, sampled_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

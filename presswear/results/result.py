@@ -22,7 +22,8 @@ from presswear.results.guide_tilt import GuideTilt, guide_tilts
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
 from presswear.results.pin_load import elastic_pin_forces
-from presswear.results.stage import JointStatistics, StageResult
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import JointStatistics
 from presswear.results.stored_arrays import (
     CURVE_BYTES,
     check_numbers,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.recording.statistics import Estimate
-from presswear.results.stage import JointResult, StageResult
+from presswear.results.joint_result import JointResult
+from presswear.results.stage import StageResult
 from presswear.results.strokes import (
     PHASES,
     SNAP_THROUGH_S,

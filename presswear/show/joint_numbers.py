@@ -7,7 +7,8 @@ from presswear.results.deep_contacts import SMALL_CONTACT, forces_by_law, penetr
 from presswear.results.motions import needs_warning, sentence_of
 from presswear.results.motor_load import period_in
 from presswear.results.rigid_joints import ideal_forces
-from presswear.results.stage import JointStatistics, StageResult
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import IDEAL
 from presswear.show.key_number import key_of_greatest, measured

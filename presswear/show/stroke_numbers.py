@@ -7,7 +7,8 @@ from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed
 from presswear.results.run_film import run_films
-from presswear.results.stage import BottomStatistics, StageResult
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import BottomStatistics
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
 from presswear.show.key_number import measured

@@ -22,9 +22,11 @@ from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.bottom_dead_centre import rise
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
+from presswear.results.joint_result import JointResult
 from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.results.result import Result
-from presswear.results.stage import JointResult, JointStatistics, StageResult
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.sweeps.parameters import Column

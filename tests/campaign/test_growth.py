@@ -37,9 +37,10 @@ from presswear.recording.statistics import (
     smoothing_widths,
 )
 from presswear.results.export import life_table
+from presswear.results.joint_result import JointResult
 from presswear.results.life import LifeResult
 from presswear.results.result import load, unfinished
-from presswear.results.stage import JointResult, StageResult
+from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS

@@ -13,7 +13,7 @@ from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of, state_of
-from presswear.results.stage import StageStatistics
+from presswear.results.stage_statistics import StageStatistics
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines

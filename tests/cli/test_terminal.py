@@ -31,7 +31,8 @@ from presswear.cli.terminal import (
 from presswear.recording.observer import COMPILING, Progress
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate
-from presswear.results.stage import JointStatistics, StageResult, StageStatistics
+from presswear.results.stage import StageResult
+from presswear.results.stage_statistics import JointStatistics, StageStatistics
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import example_file
 

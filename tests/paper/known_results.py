@@ -13,7 +13,7 @@ from presswear.linkage.surface import bin_centres
 from presswear.paper.evidence import Evidence
 from presswear.paper.settings import BASE, CASES, JOINTS, base_scene, run_name
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
-from presswear.results.stage import StageStatistics
+from presswear.results.stage_statistics import StageStatistics
 from presswear.tools.arrays import Array
 
 BINS = 72

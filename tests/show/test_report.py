@@ -16,7 +16,7 @@ from test_page import Page
 import presswear as pw
 from presswear.physics.statics import total_clearance
 from presswear.results.life import Ended
-from presswear.results.stage import StageStatistics, WearPeak
+from presswear.results.stage_statistics import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.pin_joints import normal_law_of
 from presswear.scene.setting_list import used_settings_of

@@ -9,8 +9,8 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MultipleLocator
 
 from presswear.linkage.surface import SIDES, Surface
+from presswear.results.joint_result import JointResult
 from presswear.results.result import Result
-from presswear.results.stage import JointResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, Stages
 from presswear.tools.arrays import Array
