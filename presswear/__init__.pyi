@@ -2,7 +2,7 @@
 
 from presswear.api import run as run
 from presswear.api import simulate as simulate
-from presswear.campaign.campaign import run_scenes as run_scenes
+from presswear.campaign.runs import run_scenes as run_scenes
 from presswear.engines.base import Start as Start
 from presswear.engines.settings import ExudynJoints as ExudynJoints
 from presswear.engines.settings import ExudynTree as ExudynTree
@@ -23,16 +23,12 @@ from presswear.linkage.laws import Materials as Materials
 from presswear.linkage.laws import NormalLaw as NormalLaw
 from presswear.linkage.linkage import Linkage as Linkage
 from presswear.linkage.linkage import assemble as assemble
-from presswear.linkage.loads import Blanking as Blanking
-from presswear.linkage.loads import Coining as Coining
-from presswear.linkage.loads import Drawing as Drawing
+from presswear.linkage.load_laws import Harmonics as Harmonics
+from presswear.linkage.load_laws import OverPosition as OverPosition
+from presswear.linkage.load_laws import OverTime as OverTime
 from presswear.linkage.loads import Force as Force
-from presswear.linkage.loads import Harmonics as Harmonics
 from presswear.linkage.loads import Load as Load
 from presswear.linkage.loads import Moment as Moment
-from presswear.linkage.loads import OverPosition as OverPosition
-from presswear.linkage.loads import OverTime as OverTime
-from presswear.linkage.loads import Spring as Spring
 from presswear.linkage.mechanisms import FourBar as FourBar
 from presswear.linkage.mechanisms import SixBar as SixBar
 from presswear.linkage.mechanisms import SliderCrank as SliderCrank
@@ -40,9 +36,13 @@ from presswear.linkage.mechanisms import TwoPoint as TwoPoint
 from presswear.linkage.motion_pieces import Rise as Rise
 from presswear.linkage.motor import Motor as Motor
 from presswear.linkage.press import Press as Press
+from presswear.linkage.process import Blanking as Blanking
+from presswear.linkage.process import Coining as Coining
+from presswear.linkage.process import Drawing as Drawing
 from presswear.linkage.servos import Dwell as Dwell
 from presswear.linkage.servos import Forming as Forming
 from presswear.linkage.servos import Pendulum as Pendulum
+from presswear.linkage.spring import Spring as Spring
 from presswear.linkage.surface import Surface as Surface
 from presswear.physics.statics import deflection as deflection
 from presswear.physics.statics import total_clearance as total_clearance

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswear.campaign import campaign
+from presswear.campaign import runs
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
@@ -70,11 +70,11 @@ def run(
         If the scene, or the content of the folder, does not allow the run.
     """
     if observers or not sys.stderr.isatty() or parent_process() is not None:
-        return campaign.run(scene, folder, engine, jobs, observers, check, interval)
+        return runs.run(scene, folder, engine, jobs, observers, check, interval)
     from presswear.cli.run_observer import late_bar  # slow to import
 
     with late_bar(scene) as bar:
-        return campaign.run(scene, folder, engine, jobs, (bar,), check, interval)
+        return runs.run(scene, folder, engine, jobs, (bar,), check, interval)
 
 
 @checked_arguments

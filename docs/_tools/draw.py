@@ -16,9 +16,10 @@ from cycler import cycler
 from matplotlib.axes import Axes
 
 import presswear
-from presswear.campaign.campaign import run_stage, workers_of
+from presswear.campaign.campaign import run_stage
 from presswear.campaign.ensemble import Runner
 from presswear.campaign.refinement import Refinement
+from presswear.campaign.runs import workers_of
 from presswear.campaign.service_life import BlockPlan, LifeProblem, next_block
 from presswear.campaign.wear_histories import WearHistories
 from presswear.campaign.wear_update import initial_depth
@@ -31,9 +32,11 @@ from presswear.linkage.laws import (
     NormalLaw,
     delivered_restitution,
 )
-from presswear.linkage.loads import Blanking, Force, OverPosition
+from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.loads import Force
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import RISES, Rise
+from presswear.linkage.process import Blanking
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene

@@ -138,7 +138,7 @@ def _run_into(
     console: Console,
 ) -> None:
     """Run a scene into its folder with a progress bar; a run that is stopped says how to go on."""
-    from presswear.campaign.campaign import run_into, workers_of
+    from presswear.campaign.runs import run_into, workers_of
 
     has_report = not (arguments.no_report or store.is_finished)
     command = terminal.resume_command(arguments, store.path, scene)

@@ -26,7 +26,8 @@ from presswear.linkage.elements import (
     Pin,
     Revolute,
 )
-from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
+from presswear.linkage.load_laws import OverTime
+from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.part_checks import (
     check_drawing,
     check_inertias,
@@ -35,6 +36,7 @@ from presswear.linkage.part_checks import (
     check_names,
 )
 from presswear.linkage.parts import Parts, Placing, cycle, gravity, run_up
+from presswear.linkage.spring import Spring
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from presswear.linkage.loads import LOAD_PARAMETERS
+from presswear.linkage.load_laws import LOAD_PARAMETERS
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 from presswear.tools.serialize import Checked

@@ -20,7 +20,8 @@ from presswear.linkage.elements import (
     Revolute,
     angle,
 )
-from presswear.linkage.loads import AnyLoad, Force, Load, Moment, Spring
+from presswear.linkage.loads import AnyLoad, Force, Load, Moment
+from presswear.linkage.spring import Spring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import count, quantity
 from presswear.tools.serialize import Checked

@@ -13,14 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import (
+from presswear.linkage.load_laws import (
     LOAD_PARAMETERS,
-    Force,
     Harmonics,
-    Moment,
     OverPosition,
     OverTime,
 )
+from presswear.linkage.loads import Force, Moment
 from presswear.physics.constraints import lever
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined

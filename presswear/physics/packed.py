@@ -16,7 +16,7 @@ from presswear.linkage.elements import (
     ends_of,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Spring
+from presswear.linkage.spring import Spring
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.foundation import (

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Bushing
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Force, OverPosition, OverTime
+from presswear.linkage.load_laws import OverPosition, OverTime
+from presswear.linkage.loads import Force
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
 from presswear.physics.equations.body_forces import BodyForces

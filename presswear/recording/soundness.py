@@ -10,7 +10,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from presswear.linkage.linkage import Linkage, place_of
-from presswear.linkage.loads import PROCESSES, Force, OverPosition
+from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.loads import Force
+from presswear.linkage.process import PROCESSES
 from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import ideal_motion

@@ -7,11 +7,11 @@ from typing import Any
 
 from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Blanking, Drawing
 from presswear.linkage.mechanism import LITERATURE
 from presswear.linkage.mechanisms import SliderCrank, TwoPoint
 from presswear.linkage.motor import Motor
 from presswear.linkage.press import Press
+from presswear.linkage.process import Blanking, Drawing
 from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS

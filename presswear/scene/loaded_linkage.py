@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage import loads
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.loads import Force
+from presswear.linkage.process import Process, laws_of
 from presswear.linkage.surface import Surface
 from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
 from presswear.scene.bearing_joints import BearingJoints
@@ -26,7 +28,7 @@ class LoadedLinkage(BearingJoints):
 
     conventions: Conventions
     surfaces: Any  # initial surfaces by joint
-    process: loads.Process | None
+    process: Process | None
 
     def linkage(
         self, worn: Mapping[str, tuple[Surface, Surface]] | None = None
@@ -76,7 +78,7 @@ class LoadedLinkage(BearingJoints):
         point = self._point_of_work(ideal)
         direction = ideal.output.direction
         laws = self.process_laws.items()
-        forces = (loads.Force(point, direction, law, name) for name, law in laws)
+        forces = (Force(point, direction, law, name) for name, law in laws)
         return replace(ideal, loads=(*ideal.loads, *forces))
 
     def _point_of_work(self, ideal: Linkage) -> Attachment:
@@ -91,11 +93,11 @@ class LoadedLinkage(BearingJoints):
         return Attachment(point.body, right, above)
 
     @property
-    def process_laws(self) -> dict[str, loads.OverPosition]:
+    def process_laws(self) -> dict[str, OverPosition]:
         """Laws of the process forces over the output coordinate, by name."""
         if self.process is None:
             return {}
-        return loads.laws_of(self.process, self.bottom + self.process.height, self.lift)
+        return laws_of(self.process, self.bottom + self.process.height, self.lift)
 
     @property
     def lift(self) -> float:

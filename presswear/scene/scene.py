@@ -11,9 +11,10 @@ from presswear.engines.settings import (
     InHouse,
     Purpose,
 )
-from presswear.linkage import loads
 from presswear.linkage.elements import Guide, largest_tilt
+from presswear.linkage.load_laws import LOAD_PARAMETERS, check_load
 from presswear.linkage.press import Press
+from presswear.linkage.process import PROCESSES, Process, check_reach
 from presswear.linkage.topology import branches_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
@@ -155,9 +156,7 @@ class Scene(LoadedLinkage, Checked):
         default_factory=dict, hash=False
     )
     recording: Recording = field(default_factory=Recording)
-    process: loads.Process | None = one_of(
-        loads.PROCESSES, "force of the work on the output point"
-    )
+    process: Process | None = one_of(PROCESSES, "force of the work on the output point")
     life: Life | None = one_of(
         LIVES,
         "service life: limits up to which the joints wear, in wear_updates stages",
@@ -271,7 +270,7 @@ class Scene(LoadedLinkage, Checked):
         ideal = self.ideal  # raises if the linkage cannot follow its drives
         check_springs(self.base_linkage, ideal)
         if self.process is not None:
-            loads.check_reach(self.process, self.stroke, self.output)
+            check_reach(self.process, self.stroke, self.output)
             self._check_offset(self.process)
         if not self.has_untrusted_loads:
             bushings = self.linkage().bushings
@@ -281,7 +280,7 @@ class Scene(LoadedLinkage, Checked):
         if self.engine == ExudynTree.word:
             check_open_tree(self.linkage(), ENGINES)
 
-    def _check_offset(self, process: loads.Process) -> None:
+    def _check_offset(self, process: Process) -> None:
         """Raise InputError if the force of the work has an offset and the output cannot tilt."""
         body = self.base_linkage.output.body
         if process.offset == 0.0 or any(g.body == body for g in self.loose_guides):
@@ -328,8 +327,8 @@ class Scene(LoadedLinkage, Checked):
             check_user_friction(self.bearing(joint), joint)
         for key, law in self.user_laws.items():
             if key.startswith(("loads[", "drives[")):
-                loads.check_load(key, law)
-                law.check_compiles(key, loads.LOAD_PARAMETERS)
+                check_load(key, law)
+                law.check_compiles(key, LOAD_PARAMETERS)
 
     @property
     def user_laws(self) -> dict[str, UserFunction]:

@@ -14,7 +14,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.patches import Patch
 
-from presswear.campaign.campaign import run_scenes
+from presswear.campaign.runs import run_scenes
 from presswear.linkage.laws import MATERIALS, Materials
 from presswear.recording.statistics import Estimate
 from presswear.results.result import Result

@@ -96,7 +96,7 @@ def run_scene(
         raise InputError(
             "a worker has another program: install equal versions of all packages"
         )
-    from presswear.campaign.campaign import run  # slow to import
+    from presswear.campaign.runs import run
 
     while folder is not None and holder(folder):
         time.sleep(POLL)  # a worker of a killed sweep ends within a second
@@ -303,7 +303,7 @@ class ProcessExecutor(ProcessPoolExecutor):
     def __init__(self, count: int) -> None:
         # A fork would copy the locks of numerical libraries and of the progress bar.
         context = get_context("forkserver" if sys.platform == "linux" else "spawn")
-        context.set_forkserver_preload([__name__, "presswear.campaign.campaign"])
+        context.set_forkserver_preload([__name__, "presswear.campaign.runs"])
         self._before = set(active_children())
         super().__init__(count, context, end_with_parent)
 

@@ -23,7 +23,8 @@ from presswear.linkage.elements import (
     Revolute,
 )
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Load, Spring
+from presswear.linkage.loads import Load
+from presswear.linkage.spring import Spring
 from presswear.recording.columns import SERIES, names_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed

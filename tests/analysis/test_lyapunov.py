@@ -20,7 +20,8 @@ from presswear.analysis.lyapunov import (
 )
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.loads import Force, OverPosition
+from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.loads import Force
 from presswear.recording.statistics import Estimate
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

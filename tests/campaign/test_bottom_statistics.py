@@ -11,7 +11,7 @@ import pytest
 import stiff_joints
 
 from presswear.campaign.bottom_statistics import bottom_statistics, equal_bottoms
-from presswear.campaign.campaign import run
+from presswear.campaign.runs import run
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble

@@ -13,9 +13,10 @@ from scipy import stats
 
 from presswear.campaign import ensemble as ensemble_module
 from presswear.campaign import replicates
-from presswear.campaign.campaign import run, run_stage
+from presswear.campaign.campaign import run_stage
 from presswear.campaign.ensemble import FEWEST, WATCHED_CYCLES, Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
+from presswear.campaign.runs import run
 from presswear.campaign.stage_arrays import COLUMNS, deviation
 from presswear.campaign.stage_wear import StageWear, wear_peaks_of
 from presswear.campaign.wear_update import initial_depth

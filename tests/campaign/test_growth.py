@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 from scipy import stats
 
-from presswear.campaign import campaign as campaigns
+from presswear.campaign import runs
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
 from presswear.cli import run_observer
@@ -513,7 +513,7 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
     scene = replace(LIFE, tolerance=tolerance)
     use(FakeEngine(exponential))
     with pytest.raises(KeyboardInterrupt):
-        campaigns.run(scene, path, observers=[Stops(number)], jobs=1)
+        runs.run(scene, path, observers=[Stops(number)], jobs=1)
     return scene
 
 
@@ -608,7 +608,7 @@ def test_a_finished_refinement_gives_a_preliminary_life(
     assert "Service life, preliminary" in page
     with pytest.raises(InputError, match="its life is preliminary, without curves"):
         life_table(result)
-    finished = campaigns.run(scene, path, jobs=1).life
+    finished = runs.run(scene, path, jobs=1).life
     assert finished is not None
     assert finished.ended == "limit"
     assert finished.refinements[0] == life.refinements[0]
@@ -619,11 +619,9 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 3, 2e-3)
     with pytest.raises(InputError, match=r"tolerance is 0\.002 there and 0\.001 here"):
-        campaigns.run(replace(scene, tolerance=1e-3), path, jobs=1)
+        runs.run(replace(scene, tolerance=1e-3), path, jobs=1)
     words = Seen()
-    result = campaigns.run(
-        replace(scene, tolerance=0.3), path, observers=[words], jobs=1
-    )
+    result = runs.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
     assert not any("refinement" in progress.word for progress in words.progress)
     assert (result.status, result.scene.tolerance) == ("completed", 0.3)
     assert result.life is not None
@@ -639,8 +637,8 @@ def test_a_looser_tolerance_completes_a_life_that_was_not_known(
     assert LIFE.life is not None
     scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
     use(FakeEngine(exponential))
-    assert campaigns.run(scene, path, jobs=1).status == "unconverged"
-    result = campaigns.run(replace(scene, tolerance=0.3), path, jobs=1)
+    assert runs.run(scene, path, jobs=1).status == "unconverged"
+    result = runs.run(replace(scene, tolerance=0.3), path, jobs=1)
     assert (result.status, result.message, result.scene.tolerance) == (
         "completed",
         "",
@@ -662,10 +660,10 @@ def test_a_long_life_is_announced_and_confirmed(
     watched = Noted(bar, scene, False)
     if answer == "n":
         with pytest.raises(KeyboardInterrupt):
-            campaigns.run(scene, tmp_path / "life", observers=[watched], jobs=1)
+            runs.run(scene, tmp_path / "life", observers=[watched], jobs=1)
         assert watched.cycles > 0.0
         return
-    life = campaigns.run(scene, observers=[watched], jobs=1).life
+    life = runs.run(scene, observers=[watched], jobs=1).life
     assert life is not None
     ran = sum(each.cycles for each in life.refinements)
     assert 0.5 < watched.cycles / ran < 2.0
@@ -691,7 +689,7 @@ def test_compared_lives_are_announced_and_confirmed_once(
     announce = announcing(progress_bar(console), 2.0, False)
     lives = {"plain": scene, "other": replace(scene, seed=1)}
     run_lives = partial(
-        campaigns.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
+        runs.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
     )
     if answer == "n":
         with pytest.raises(KeyboardInterrupt):
@@ -728,7 +726,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
     """dh/dN = a + b h: up to half of the limit at the rate a, then at the rate a + b h."""
     use(FakeEngine(exponential))
     path = tmp_path / "life"
-    result = campaigns.run(quick(), path, jobs=1)
+    result = runs.run(quick(), path, jobs=1)
     assert (result.status, len(result.stages)) == ("completed", 2)
     life = load(path).life
     assert life == result.life
@@ -764,7 +762,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
 
 def test_a_quick_life_runs_two_short_stages(use: Use) -> None:
     use(FakeEngine(exponential))
-    result = campaigns.run(quick(replicates=3), jobs=1)
+    result = runs.run(quick(replicates=3), jobs=1)
     assert [stage.statistics.cycles for stage in result.stages] == [30, 30]
 
 
@@ -775,12 +773,12 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
                 raise KeyboardInterrupt
 
     use(FakeEngine(exponential))
-    whole = campaigns.run(quick(), jobs=1).life
+    whole = runs.run(quick(), jobs=1).life
     path = tmp_path / "life"
     with pytest.raises(KeyboardInterrupt):
-        campaigns.run(quick(), path, observers=[StopsInTheSecondStage()], jobs=1)
+        runs.run(quick(), path, observers=[StopsInTheSecondStage()], jobs=1)
     assert load(path).life is None
-    assert campaigns.run(quick(), path, jobs=1).life == whole
+    assert runs.run(quick(), path, jobs=1).life == whole
 
 
 @pytest.mark.parametrize(

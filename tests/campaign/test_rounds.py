@@ -12,9 +12,11 @@ from endurance.sameness import folder_differences
 
 import presswear as pw
 from presswear.campaign import ensemble
-from presswear.campaign.campaign import Checkpoint, run, run_into, run_stage, workers_of
+from presswear.campaign.campaign import run_stage
+from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.replicates import RunState, WorkUnit
+from presswear.campaign.runs import run, run_into, workers_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import ResultFolder, read_stored
 from presswear.scene.settings import changed

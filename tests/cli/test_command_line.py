@@ -18,7 +18,7 @@ import pytest
 
 import presswear as pw
 from presswear.__main__ import main
-from presswear.campaign import campaign
+from presswear.campaign import runs
 from presswear.cli import COMMANDS, scenes
 from presswear.cli.parser import parser_for
 from presswear.cli.terminal import logging_to_stderr
@@ -167,7 +167,7 @@ def test_verbose_logs_the_stages(
     is_verbose: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with logging_to_stderr(is_verbose):
-        campaign.run(replace(pw.scenes.ideal(), cycles=1, engine="dae"))
+        runs.run(replace(pw.scenes.ideal(), cycles=1, engine="dae"))
     lines = capsys.readouterr().err.splitlines()
     assert bool(lines) == is_verbose
     assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
@@ -295,7 +295,7 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
         resumed.append(scene)
         store.interrupt()
 
-    monkeypatch.setattr(campaign, "run_into", run_into)
+    monkeypatch.setattr(runs, "run_into", run_into)
     monkeypatch.setattr(report, "write_report", lambda *arguments, **options: "")
     assert "has changed" not in command(line)
     Path("laws.py").write_text(law)

@@ -11,7 +11,7 @@ from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.settings import Engine, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Spring
+from presswear.linkage.spring import Spring
 from presswear.validation.cases import order_of
 
 FREQUENCY = 1000.0

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.campaign import run
 from presswear.campaign.replicates import start_of
+from presswear.campaign.runs import run
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, Purpose
 from presswear.linkage.press import GEOMETRIES, Press

@@ -15,7 +15,8 @@ from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import FINEST, ExudynTree, InHouse
 from presswear.linkage.elements import Attachment, Slip
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Load, Spring
+from presswear.linkage.loads import Load
+from presswear.linkage.spring import Spring
 from presswear.linkage.surface import Surface
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS

@@ -15,16 +15,10 @@ from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import Attachment, Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
-from presswear.linkage.loads import (
-    Force,
-    Harmonics,
-    Load,
-    Moment,
-    OverPosition,
-    OverTime,
-    Spring,
-)
+from presswear.linkage.load_laws import Harmonics, OverPosition, OverTime
+from presswear.linkage.loads import Force, Load, Moment
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.spring import Spring
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.conventions import CONVENTIONS

@@ -13,16 +13,15 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, Guide, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import (
-    Force,
+from presswear.linkage.load_laws import (
     Harmonics,
     Law,
-    Moment,
     OverPosition,
     OverTime,
-    Spring,
     check_load,
 )
+from presswear.linkage.loads import Force, Moment
+from presswear.linkage.spring import Spring
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import Array, State

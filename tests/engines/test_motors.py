@@ -15,7 +15,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import OverPosition
+from presswear.linkage.load_laws import OverPosition
 from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi

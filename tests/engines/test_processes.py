@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.loads import Process
+from presswear.linkage.process import Process
 from presswear.linkage.servos import Servo
 from presswear.physics.statics import needed_torques
 from presswear.tools.arrays import Array

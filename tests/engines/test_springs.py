@@ -10,7 +10,8 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import Force, Spring
+from presswear.linkage.loads import Force
+from presswear.linkage.spring import Spring
 from presswear.tools.errors import InputError
 
 ENGINES: list[tuple[Engine, float]] = [

@@ -25,22 +25,13 @@ from presswear.linkage.elements import (
     Pin,
 )
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
-from presswear.linkage.loads import (
-    Blanking,
-    Coining,
-    Drawing,
-    Force,
-    Harmonics,
-    Load,
-    Moment,
-    OverPosition,
-    OverTime,
-    Spring,
-    laws_of,
-)
+from presswear.linkage.load_laws import Harmonics, OverPosition, OverTime
+from presswear.linkage.loads import Force, Load, Moment
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import MAX_PIECES, Rise
 from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.process import Blanking, Coining, Drawing, laws_of
+from presswear.linkage.spring import Spring
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.campaign import run
-from presswear.linkage.loads import Blanking, Coining, Drawing
+from presswear.campaign.runs import run
 from presswear.linkage.mechanisms import FourBar, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.press import GEOMETRIES, Geometry, Press
+from presswear.linkage.process import Blanking, Coining, Drawing
 from presswear.linkage.servos import Dwell, Forming, Pendulum
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import deflection

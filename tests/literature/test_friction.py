@@ -17,12 +17,10 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.exudyn_joints.kernels import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
-from presswear.linkage.loads import Force, OverTime
+from presswear.linkage.load_laws import OverTime
+from presswear.linkage.loads import Force
 from presswear.physics.friction_and_normal import friction_record
-from presswear.physics.interactions.lugre import (
-    bristle_force,
-    bristle_rate,
-)
+from presswear.physics.interactions.lugre import bristle_force, bristle_rate
 from presswear.validation import reference_problems as references
 
 PRESS = 10.0

@@ -11,15 +11,8 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Body
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.loads import (
-    Force,
-    Harmonics,
-    Law,
-    Moment,
-    OverPosition,
-    OverTime,
-    Sense,
-)
+from presswear.linkage.load_laws import Harmonics, Law, OverPosition, OverTime, Sense
+from presswear.linkage.loads import Force, Moment
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.layout import LOAD_WORK
 from presswear.physics.loads import (

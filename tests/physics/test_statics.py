@@ -13,7 +13,7 @@ import presswear as pw
 from presswear.engines.base import Plan, Start
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import OverPosition, OverTime
+from presswear.linkage.load_laws import OverPosition, OverTime
 from presswear.linkage.press import GEOMETRIES
 from presswear.physics.ideal import bottom_of, motion_of
 from presswear.physics.statics import (

@@ -16,7 +16,8 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.campaign.campaign import Checkpoint, run_into
+from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.runs import run_into
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.results.folder import (
     FILE,

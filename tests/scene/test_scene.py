@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from presswear.campaign.campaign import run
+from presswear.campaign.runs import run
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.scene.catalog import SCENES, scene_named, wear_times

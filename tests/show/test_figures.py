@@ -19,7 +19,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
 import presswear as pw
-from presswear.campaign.campaign import run
+from presswear.campaign.runs import run
 from presswear.linkage.surface import bin_centres
 from presswear.recording.columns import CYCLE, JOINT_CYCLE, names_of
 from presswear.results.oil_film import oil_films
@@ -27,13 +27,7 @@ from presswear.results.rigid_joints import ideal_curves
 from presswear.results.strokes import sampled_strokes
 from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.settings import changed
-from presswear.show.figures import (
-    NAMES,
-    OF_MANY_CYCLES,
-    drawings,
-    first_drawings,
-    save,
-)
+from presswear.show.figures import NAMES, OF_MANY_CYCLES, drawings, first_drawings, save
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.motion import whole_cycles
 from presswear.show.figures.style import LINES, Drawing, label_values, panels

@@ -238,7 +238,7 @@ _SIGNALLED = """
 import os, signal, threading
 from presswear.tools.processes import Workers, stoppable
 try:
-    with stoppable(), Workers(2, ["presswear.campaign.campaign"]) as workers:
+    with stoppable(), Workers(2, ["presswear.campaign.runs"]) as workers:
         threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGTERM)).start()
         workers.run({0: str, 1: str}, lambda key, outcome: {0: str, 1: str}, print)
 except KeyboardInterrupt:

@@ -41,7 +41,7 @@ from presswear.engines.exudyn_joints.kernels import (
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import OverPosition
+from presswear.linkage.load_laws import OverPosition
 from presswear.linkage.topology import bodies_of, branches_of, prescribed_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT

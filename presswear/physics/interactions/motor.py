@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import LOAD_PARAMETERS
+from presswear.linkage.load_laws import LOAD_PARAMETERS
 from presswear.linkage.motor import Motor
 from presswear.physics.equations.text import (
     ONE,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from presswear.linkage.linkage import Linkage, place_of
-from presswear.linkage.loads import Spring
+from presswear.linkage.spring import Spring
 from presswear.physics.equations.text import ONE, Vector
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from presswear.linkage.loads import Coining
+from presswear.linkage.process import Coining
 from presswear.linkage.surface import SIDES
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.bottom_dead_centre import bottom_errors

@@ -1,0 +1,221 @@
+"""Processes of a press: the force of the work over its depth.
+
+The work lies towards an extreme of the output coordinate in the ideal motion, its bottom
+dead centre: for the slider of a press the lowest place. If the extreme is the highest
+place, a scene observes the opposite direction, so that up is away from the work in every
+scene. Height is counted from bottom dead centre, depth from where the work is touched.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, ClassVar, Literal
+
+from presswear.linkage.load_laws import OverPosition
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import choice, quantity, written
+from presswear.tools.serialize import Checked
+
+Extreme = Literal["lowest", "highest"]
+MAX_FORCE = 1e9  # of a process, N: that of the strongest press
+MAX_DEPTH = 10.0  # of a height or depth, m: the longest link of a machine
+MIN_DEPTH = 1e-6  # m
+_CURVE_PIECES = 4  # straight pieces of half a cosine
+Curve = tuple[tuple[float, float], ...]
+
+
+def _force(text: str, default: float, low: float = 1e-3) -> Any:
+    return quantity(default, "N", low, MAX_FORCE, "chosen", text)
+
+
+def _depth(default: float, text: str) -> Any:
+    return quantity(default, "m", MIN_DEPTH, MAX_DEPTH, "chosen", text)
+
+
+def _offset() -> Any:
+    return quantity(0.0, "m", -MAX_DEPTH, MAX_DEPTH, "chosen", _OFFSET)
+
+
+# Texts of settings that several processes have
+_HEIGHT = "height above the ideal bottom dead centre at which the work is touched"
+_CUSHION = "additional constant force, in both directions of motion"
+_BOTTOM = "output coordinate at bottom dead centre, where the work is"
+_OFFSET = (
+    "distance of the force from the output point, to the right with the work below; its "
+    "guide needs clearance"
+)
+
+
+class _Work(Checked):
+    """Curve of a process and what follows from it; a cushion gives back what it takes.
+
+    It is elastic-plastic: where the motion turns back, the force falls as steeply as
+    the curve rises at most; see ``laws_of``.
+    """
+
+    @property
+    def curve(self) -> Curve:
+        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+        return ((0.0, 0.0),)
+
+    @property
+    def fracture(self) -> float | None:
+        """Depth at which the work breaks, m."""
+        return None
+
+    @property
+    def work(self) -> float:
+        """Work of a stroke, J."""
+        return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(self.curve))
+
+
+@dataclass(frozen=True)
+class Blanking(_Work):
+    """Blanking: the force rises, stays constant, and falls to zero after the fracture."""
+
+    kind: ClassVar[str] = "blanking"
+
+    force: float = _force("force of the plateau", 500.0)
+    height: float = _depth(5e-3, _HEIGHT)
+    thickness: float = _depth(1e-3, "thickness of the sheet")
+    stiffness: float | None = quantity(
+        None,
+        "N/m",
+        1.0,
+        1e12,
+        "chosen",
+        "of the elastic rise; default: force over rise",
+    )
+    rise: float = _depth(
+        1e-4, "depth over which the force rises; contains the stretch of a rigid frame"
+    )
+    plateau: float = quantity(
+        0.4,
+        "",
+        0.0,
+        1.0,
+        "chosen",
+        "fraction of the thickness at fracture",
+        open_low=True,
+    )
+    snap: float = _depth(
+        5e-5, "depth over which the force falls to zero after the fracture"
+    )
+    cushion: float = _force(_CUSHION, 0.0, 0.0)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.stiffness is not None:
+            low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
+            if not low <= self.stiffness <= high:
+                limits = " to ".join(written(value, "N/m") for value in (low, high))
+                allowed = f"with force = {written(self.force, 'N')} allowed is {limits}"
+                raise InputError(
+                    f"stiffness = {written(self.stiffness, 'N/m')}: {allowed}"
+                )
+
+    @property
+    def curve(self) -> Curve:  # noqa: D102
+        rise = self.rise if self.stiffness is None else self.force / self.stiffness
+        broken = rise + self.plateau * self.thickness
+        return (
+            (0.0, 0.0),
+            (rise, self.force),
+            (broken, self.force),
+            (broken + self.snap, 0.0),
+        )
+
+    @property
+    def fracture(self) -> float:  # noqa: D102
+        return self.curve[2][0]
+
+
+@dataclass(frozen=True)
+class Drawing(_Work):
+    """Deep drawing: the force rises and falls as half cosines of straight pieces."""
+
+    kind: ClassVar[str] = "drawing"
+
+    force: float = _force("largest force", 300.0)
+    height: float = _depth(10e-3, _HEIGHT)
+    depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
+    peak: float = quantity(
+        0.35, "", 0.05, 0.95, "chosen", "fraction of the depth at the peak"
+    )
+    cushion: float = _force(_CUSHION, 0.0, 0.0)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
+
+    @property
+    def curve(self) -> Curve:  # noqa: D102
+        peak = self.peak * self.depth
+        parts = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
+        sizes = [0.5 * self.force * (1.0 - math.cos(math.pi * part)) for part in parts]
+        falling = (peak + part * (self.depth - peak) for part in parts[1:])
+        depths = (*(part * peak for part in parts), *falling)
+        return tuple(zip(depths, (*sizes, *sizes[-2::-1]), strict=True))
+
+
+@dataclass(frozen=True)
+class Coining(_Work):
+    """Coining: an elastic stop, whose force is the same on the way down and up."""
+
+    kind: ClassVar[str] = "coining"
+
+    stiffness: float = quantity(1e6, "N/m", 1.0, 1e12, "chosen", "of die and work")
+    height: float = _depth(3e-4, _HEIGHT)
+    bottom: Extreme = choice("lowest", Extreme, _BOTTOM)
+    offset: float = _offset()
+
+    cushion: ClassVar[float] = 0.0
+
+
+Process = Blanking | Drawing | Coining
+PROCESSES: Mapping[str, type[Process]] = {
+    one.kind: one for one in (Blanking, Drawing, Coining)
+}
+
+
+def check_reach(process: Process, stroke: float, body: str) -> None:
+    """Raise InputError if the stroke of a body does not reach the work, or ends inside it, m."""
+    depth = process.curve[-1][0]
+    if not depth <= process.height < stroke:
+        raise InputError(
+            f"process.height = {written(process.height, 'm')} above bottom dead centre of "
+            f"{body}: must be at least {written(depth, 'm')}, the depth of the work, and below "
+            f"{written(stroke, 'm')}, the stroke"
+        )
+
+
+def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
+    """Return the laws of a process and its cushion, of forces away from the work, by name.
+
+    Work that breaks or flows is loaded along its curve, and unloaded and loaded again
+    along a straight line as steep as the steepest rise of the curve, up to the greatest
+    depth of the stroke. Once it is worked through nothing acts until the stroke is
+    over.
+
+    The work is touched at the position ``contact``, along the direction away from it,
+    m. A new blank lies there after a stroke, which is over at the height ``lift``
+    above, m.
+    """
+
+    def table(curve: Curve) -> list[tuple[float, float]]:
+        return sorted((0.0 - depth, force) for depth, force in curve)
+
+    if isinstance(process, Coining):
+        stop = ((0.0, 0.0), (MAX_DEPTH, process.stiffness * MAX_DEPTH))
+        return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
+    steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
+    stroke = table(((-lift, 0.0), *process.curve))
+    law = OverPosition(
+        stroke, "against", zero=contact, release=True, unloading=steepest
+    )
+    laws = {process.kind: law}
+    if process.cushion > 0.0:
+        constant = ((0.0, 0.0), (process.curve[1][0], process.cushion))
+        laws["cushion"] = OverPosition(table(constant), outside="hold", zero=contact)
+    return laws
