@@ -18,7 +18,7 @@ from presswear.physics.equations.layout import ENERGIES
 from presswear.physics.interactions.elastic_guide import period_on
 from presswear.physics.interactions.spring import check_springs
 from presswear.physics.ledger import SETTLED
-from presswear.physics.loads import place_loads
+from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
 from presswear.physics.wear import map_shape

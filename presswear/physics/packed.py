@@ -36,7 +36,8 @@ from presswear.physics.friction_and_normal import (
     friction_record,
     normal_record,
 )
-from presswear.physics.loads import Loads, pack_loads
+from presswear.physics.loads import Loads
+from presswear.physics.packed_loads import pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats
 

@@ -19,7 +19,7 @@ from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.friction_and_normal import friction_force, friction_record
 from presswear.physics.ideal import IdealMotion, Motion, bottom_of, ideal_motion
 from presswear.physics.interactions.lugre import stribeck_coefficient
-from presswear.physics.loads import place_loads, settle_loads
+from presswear.physics.load_transitions import place_loads, settle_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import HELD_OPEN
 from presswear.tools.arrays import Array

@@ -10,11 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.contact import (
-    corner_acceleration,
-    penetration_acceleration,
-)
-from presswear.physics.loads import count_transitions
+from presswear.physics.contact import corner_acceleration, penetration_acceleration
+from presswear.physics.load_transitions import count_transitions
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     joint_crossing,

@@ -14,11 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.friction_and_normal import (
-    elastic_at,
-    normal_force,
-)
-from presswear.physics.loads import Loads, transition_at_start, transition_value
+from presswear.physics.friction_and_normal import elastic_at, normal_force
+from presswear.physics.load_transitions import transition_at_start, transition_value
+from presswear.physics.loads import Loads
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 

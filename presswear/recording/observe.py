@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
-from presswear.physics.loads import last_change
+from presswear.physics.load_transitions import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.pressure_wear import deposit_by_pressure
 from presswear.physics.wall_wear import deposit_on_wall

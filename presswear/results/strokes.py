@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.physics.ideal import bottom_of
-from presswear.physics.loads import sizes_over
+from presswear.physics.packed_loads import sizes_over
 from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate

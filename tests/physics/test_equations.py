@@ -35,7 +35,7 @@ from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ideal import Motion, motion_of
-from presswear.physics.loads import place_loads
+from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion
 from presswear.tools.arrays import Array

@@ -15,14 +15,8 @@ from presswear.linkage.load_laws import Harmonics, Law, OverPosition, OverTime, 
 from presswear.linkage.loads import Force, Moment
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.layout import LOAD_WORK
-from presswear.physics.loads import (
-    Loads,
-    load_motion,
-    load_size,
-    next_break,
-    place_loads,
-    settle_loads,
-)
+from presswear.physics.load_transitions import next_break, place_loads, settle_loads
+from presswear.physics.loads import Loads, load_motion, load_size
 from presswear.physics.packed import pack
 
 BODY = Body("body", 1.0, 1.0, {"tip": (0.2, -0.1)})

@@ -30,7 +30,7 @@ from presswear.physics.equations.layout import (
     WORK,
 )
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.loads import (
+from presswear.physics.load_transitions import (
     count_transitions,
     next_break,
     settle_loads,
@@ -49,11 +49,7 @@ from presswear.physics.touchdown import (
     settle,
     touch_down,
 )
-from presswear.recording.nominal_time import (
-    section_crossing,
-    section_value,
-    time_left,
-)
+from presswear.recording.nominal_time import section_crossing, section_value, time_left
 from presswear.recording.observe import observe
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to

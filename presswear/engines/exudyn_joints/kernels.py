@@ -38,12 +38,8 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
-from presswear.physics.loads import (
-    greatest_jump,
-    next_break,
-    settle_loads,
-    work_beyond_trapezoid,
-)
+from presswear.physics.load_transitions import greatest_jump, next_break, settle_loads
+from presswear.physics.loads import work_beyond_trapezoid
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power

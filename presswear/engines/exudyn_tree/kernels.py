@@ -32,7 +32,7 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
-from presswear.physics.loads import (
+from presswear.physics.load_transitions import (
     count_transitions,
     next_break,
     settle_loads,

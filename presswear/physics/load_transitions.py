@@ -1,0 +1,294 @@
+"""Transitions between the modes of loads.
+
+A switching function rises through zero where the next piece of a law begins. An engine
+ends a step there, and at ``next_break``, where a table over time bends.
+"""
+
+import math
+
+from presswear.physics.loads import (
+    ELASTIC,
+    OFF,
+    POSITION,
+    RAMP_SPEED,
+    RELEASED,
+    RISING,
+    SERIES,
+    TIME,
+    USER,
+    WHOLE,
+    Loads,
+    load_motion,
+    load_size,
+)
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled, inlined
+
+# Transitions from a mode: beyond its high and low position, its high and low speed
+TRANSITIONS = 4
+MAX_CHANGES = 8  # largest number of changes of a mode after a step
+# Time between the end of a step and a node of a table, within which they coincide, s
+TIME_NOISE = 1e-12
+
+
+@inlined
+def switching(
+    load: Records,
+    mode: Records,
+    transition: int,
+    s: float,
+    v: float,
+    a: float,
+    j: float,
+) -> tuple[float, float, float, float]:
+    """Return the switching function of a transition, and three time derivatives.
+
+    It is negative before the transition, and minus infinity if the mode has no such
+    transition. ``s`` to ``j`` are the position and three derivatives; see
+    ``load_motion``.
+    """
+    if load.kind != POSITION:
+        return -math.inf, 0.0, 0.0, 0.0
+    if transition == 0:
+        return s - mode.high, v, a, j
+    if transition == 1:
+        return mode.low - s, -v, -a, -j
+    if transition == 2:
+        return v - mode.fast, a, j, 0.0
+    return mode.slow - v, -a, -j, 0.0
+
+
+@inlined
+def is_past(value: float, rate: float) -> bool:
+    """Return whether a switching function has risen through zero."""
+    return value > 0.0 or (value == 0.0 and rate > 0.0)
+
+
+@compiled
+def set_limits(load: Records, nodes: Array, mode: Records) -> None:
+    """Set the limits of a mode: positions, or times, and speeds."""
+    mode.low = mode.slow = -math.inf
+    mode.high = mode.fast = math.inf
+    if load.kind == SERIES or load.kind == USER:
+        return
+    piece = mode.piece
+    branch = mode.branch
+    after = load.first + mode.piece
+    high = mode.turn * load.period + nodes[after, 0] if piece < load.count else math.inf
+    if branch == RELEASED:
+        mode.low = nodes[load.first, 0]
+    elif load.unloading > 0.0:
+        free = mode.deepest + mode.deepest_size / load.unloading
+        if branch == OFF:
+            mode.low, mode.high = nodes[load.first, 0], free
+        elif branch == ELASTIC:
+            mode.low, mode.high = free, mode.deepest
+        else:
+            mode.high = high
+            mode.slow = 0.0 if piece > 0 else -math.inf
+    else:
+        if branch != OFF:
+            mode.high = high
+            if piece > 0:
+                mode.low = mode.turn * load.period + nodes[after - 1, 0]
+        if load.sense != 0.0:
+            mode.fast = (0.0, RAMP_SPEED, math.inf)[branch]
+            mode.slow = (-math.inf, 0.0, RAMP_SPEED)[branch]
+
+
+@compiled
+def place_mode(
+    load: Records,
+    nodes: Array,
+    mode: Records,
+    at: float,
+    onward: float,
+    v: float,
+    a: float,
+) -> None:
+    """Set the piece of a table from a position or time, and the branch from the motion.
+
+    A position exactly at a node is in the next piece if ``onward`` is positive.
+    """
+    mode.turn = 0
+    if load.period > 0.0:
+        mode.turn = math.floor(at / load.period)
+        at -= mode.turn * load.period
+    mode.piece = 0
+    while mode.piece < load.count and is_past(
+        at - nodes[load.first + mode.piece, 0], onward
+    ):
+        mode.piece += 1
+    if load.period > 0.0:
+        mode.piece = min(max(mode.piece, 1), load.count - 1)
+    mode.branch = WHOLE
+    if load.release and mode.piece == load.count:
+        mode.branch = RELEASED
+    elif load.sense != 0.0 and load.unloading == 0.0 and not is_past(v - RAMP_SPEED, a):
+        mode.branch = RISING if is_past(v, a) else OFF
+
+
+@compiled
+def change_mode(
+    load: Records, nodes: Array, mode: Records, s: float, v: float, a: float
+) -> None:
+    """Change the mode of a load over position after a state beyond the limits of its mode."""
+    unloads = load.unloading > 0.0
+    before = mode.branch
+    if unloads and before in (OFF, ELASTIC) and not is_past(s - mode.deepest, v):
+        free = mode.deepest + mode.deepest_size / load.unloading
+        if not is_past(s - nodes[load.first, 0], v):
+            mode.branch = WHOLE
+            mode.piece = 0
+        else:
+            mode.branch = ELASTIC if is_past(s - free, v) else OFF
+    else:
+        place_mode(load, nodes, mode, s, v, v, a)
+        if (
+            unloads
+            and before == mode.branch == WHOLE
+            and mode.piece > 0
+            and is_past(-v, -a)
+        ):
+            # The motion has turned back: the load follows the elastic line from here.
+            mode.deepest_size = load_size(load, nodes, mode, 0.0, s, v)
+            mode.deepest = s
+            mode.branch = ELASTIC
+    set_limits(load, nodes, mode)
+
+
+@compiled
+def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
+    """Update the modes after an accepted step; return the number of changes."""
+    if loads is None:
+        return 0
+    changes = 0
+    nodes = loads.nodes
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
+        changes_before = changes
+        s, speed, acceleration = load_motion(load, q, v, a)
+        before = load_size(load, nodes, mode, t, s, speed)
+        while load.kind == TIME and mode.high <= t + TIME_NOISE:
+            mode.piece += 1
+            if mode.piece == load.count and load.period > 0.0:
+                mode.turn += 1
+                mode.piece = 1
+            set_limits(load, nodes, mode)
+            changes += 1
+        mode.change = (
+            (acceleration - mode.acceleration) / (t - mode.time)
+            if t > mode.time
+            else 0.0
+        )
+        mode.time = t
+        mode.place = s
+        mode.speed = speed
+        mode.acceleration = acceleration
+        for _ in range(MAX_CHANGES):
+            past = False
+            for transition in range(TRANSITIONS):
+                value, rate, _, _ = switching(
+                    load, mode, transition, s, speed, acceleration, 0.0
+                )
+                past = past or is_past(value, rate)
+            if not past:
+                break
+            change_mode(load, nodes, mode, s, speed, acceleration)
+            changes += 1
+        after = load_size(load, nodes, mode, t, s, speed)
+        if changes > changes_before:
+            mode.changed = t
+        greater = max(abs(before), abs(after))
+        mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
+    return changes
+
+
+@compiled
+def next_break(loads: Loads | None) -> float:
+    """Return the time of the next bend or jump over time of any load, s."""
+    earliest = math.inf
+    if loads is not None:
+        for k in range(loads.records.shape[0]):
+            if loads.records[k].kind == TIME:
+                earliest = min(earliest, loads.modes[k].high)
+    return earliest
+
+
+@compiled
+def count_transitions(loads: Loads | None) -> int:
+    """Return the number of possible transitions of all loads."""
+    return 0 if loads is None else TRANSITIONS * loads.records.shape[0]
+
+
+@compiled
+def transition_value(
+    loads: Loads | None, k: int, q: Array, v: Array, a: Array
+) -> tuple[float, float]:
+    """Return a switching function in a state, and its rate."""
+    if loads is None:
+        return -math.inf, 0.0
+    load = loads.records[k // TRANSITIONS]
+    mode = loads.modes[k // TRANSITIONS]
+    s, speed, acceleration = load_motion(load, q, v, a)
+    value, rate, _, _ = switching(
+        load, mode, k % TRANSITIONS, s, speed, acceleration, 0.0
+    )
+    return value, rate
+
+
+@compiled
+def transition_at_start(
+    loads: Loads | None, k: int, change: float
+) -> tuple[float, float, float, float]:
+    """Return a switching function in the last accepted state, and its derivatives.
+
+    ``change`` is the part of the change of the acceleration that is counted on.
+    """
+    if loads is None:
+        return -math.inf, 0.0, 0.0, 0.0
+    load = loads.records[k // TRANSITIONS]
+    mode = loads.modes[k // TRANSITIONS]
+    jerk = change * mode.change
+    return switching(
+        load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.acceleration, jerk
+    )
+
+
+@compiled
+def last_change(loads: Loads | None) -> float:
+    """Return the time at which the mode of any load has changed last, s."""
+    last = -math.inf
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            last = max(last, loads.modes[k].changed)
+    return last
+
+
+@compiled
+def greatest_jump(loads: Loads | None) -> float:
+    """Return the greatest jump of a load that settled last, part of the greater size."""
+    jump = 0.0
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            jump = max(jump, loads.modes[k].jump)
+    return jump
+
+
+@compiled
+def place_loads(loads: Loads, q: Array, v: Array) -> None:
+    """Set all modes in an initial state, at t = 0."""
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
+        s, speed, _ = load_motion(load, q, v, v)
+        mode.place = s
+        mode.speed = speed
+        place_mode(
+            load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0
+        )
+        set_limits(load, loads.nodes, mode)
+        # A motion out of the table begins at its deepest place.
+        if load.unloading > 0.0 and speed < mode.slow:
+            change_mode(load, loads.nodes, mode, s, speed, 0.0)
