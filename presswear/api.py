@@ -11,7 +11,7 @@ from presswear.campaign import runs
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.physics.ideal import followed, motion_of
+from presswear.physics.curve_following import followed, motion_of
 from presswear.recording.observe import ROWS_AT_LEAST, ROWS_AT_MOST
 from presswear.recording.observer import Observer
 from presswear.results.folder import INTERVAL

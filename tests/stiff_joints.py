@@ -6,7 +6,7 @@ Run:  python tests/stiff_joints.py
 import numpy as np
 
 import presswear as pw
-from presswear.physics.statics import constraint_forces
+from presswear.physics.inverse_dynamics import constraint_forces
 
 
 def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, float]:

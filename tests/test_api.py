@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.physics.ideal import motion_of
+from presswear.physics.curve_following import motion_of
 
 FOUR_BAR = pw.FourBar()
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from presswear.campaign.cycle_means import Recorders, mean_over_cycles
-from presswear.physics.ideal import DWELL, Bottom, bottom_of, dwell_of
+from presswear.physics.dead_centre import DWELL, Bottom, bottom_of, dwell_of
 from presswear.recording.statistics import (
     Estimate,
     after_startup,

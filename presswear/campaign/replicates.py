@@ -20,7 +20,8 @@ from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import IdealMotion, bottom_of
+from presswear.physics.dead_centre import bottom_of
+from presswear.physics.ideal import IdealMotion
 from presswear.physics.wall_wear import walls_of
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder

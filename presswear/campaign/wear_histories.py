@@ -32,7 +32,7 @@ from presswear.campaign.service_life import (
 )
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint, GuideCorner
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.physics.running_in import archard_depth, running_in_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of
@@ -40,12 +40,7 @@ from presswear.physics.wear import largest_play, worn_volume
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES, quantile
-from presswear.results.life import (
-    Ended,
-    LifeResult,
-    LimitResult,
-    RefinementResult,
-)
+from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
 from presswear.results.stage import WearStep
 from presswear.scene.options import CLEARANCES, Life, Service
 from presswear.scene.scene import Scene

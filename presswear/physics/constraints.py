@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
-from presswear.physics.assembly import Rows
+from presswear.physics.constraint_rows import Rows
 from presswear.physics.drive_motion import drive_motion, motions_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, floats, inlined

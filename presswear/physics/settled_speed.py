@@ -10,7 +10,7 @@ from presswear.linkage.elements import Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motor import Motor
 from presswear.physics.ideal import IdealMotion
-from presswear.physics.statics import load_corners, needed_torques
+from presswear.physics.inverse_dynamics import load_corners, needed_torques
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 

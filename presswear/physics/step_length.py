@@ -11,15 +11,9 @@ from typing import Any
 import numpy as np
 
 from presswear.physics.contact import corner_acceleration, penetration_acceleration
+from presswear.physics.event_time import step_to_event, time_across, time_to_event
 from presswear.physics.load_transitions import count_transitions
-from presswear.physics.touchdown import (
-    LEAST_STEPS,
-    joint_crossing,
-    load_crossing,
-    step_to_event,
-    time_across,
-    time_to_event,
-)
+from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, load_crossing
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 

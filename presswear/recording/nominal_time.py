@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from presswear.linkage.linkage import Linkage
-from presswear.physics.touchdown import crossing, hermite
+from presswear.physics.event_time import crossing, hermite
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import Estimate
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene

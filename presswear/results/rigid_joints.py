@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from presswear.linkage.elements import Bushing
-from presswear.physics.statics import (
+from presswear.physics.inverse_dynamics import (
     constraint_forces,
     forces_in_motion,
     friction_corners,

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
+from presswear.physics.event_time import crossing, hermite
 from presswear.physics.packed_loads import sizes_over
-from presswear.physics.touchdown import crossing, hermite
 from presswear.recording import statistics
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.corners import tilt_series

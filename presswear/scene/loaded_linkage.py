@@ -14,7 +14,9 @@ from presswear.linkage.load_laws import OverPosition
 from presswear.linkage.loads import Force
 from presswear.linkage.process import Process, laws_of
 from presswear.linkage.surface import Surface
-from presswear.physics.ideal import IdealMotion, bottom_of, followed, ideal_motion
+from presswear.physics.curve_following import followed
+from presswear.physics.dead_centre import bottom_of
+from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.scene.bearing_joints import BearingJoints
 from presswear.scene.clearance_linkage import with_bearings
 from presswear.scene.conventions import Conventions

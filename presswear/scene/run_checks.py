@@ -43,7 +43,7 @@ def check_torque_limits(
         drive.torque_limit is not None and drive.motor is None
         for drive in loaded.drives
     ):
-        from presswear.physics.statics import check_drives  # slow import
+        from presswear.physics.inverse_dynamics import check_drives  # slow import
 
         check_drives(loaded, ideal, bushings)
 

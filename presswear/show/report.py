@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import span_of, words_of
 from presswear.results.oil_film import dry_contact

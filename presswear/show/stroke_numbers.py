@@ -1,7 +1,7 @@
 """Key numbers of the strokes: motion, work, frame, slide, flywheel and bottom dead centre."""
 
 from presswear.physics import statics
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import Estimate
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts

@@ -28,7 +28,8 @@ from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import Motion, followed
+from presswear.physics.curve_following import followed
+from presswear.physics.ideal import Motion
 from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

@@ -19,7 +19,7 @@ from presswear.linkage import laws
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.ideal import motion_of
+from presswear.physics.curve_following import motion_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene

@@ -17,7 +17,7 @@ from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servos import Dwell
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom_dead_centre import bottom_errors, rise
 from presswear.scene.catalog import clearance_c, ideal, wear_times

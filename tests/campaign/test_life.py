@@ -31,7 +31,7 @@ from presswear.campaign.service_life import (
     run_refinements,
 )
 from presswear.engines import driver
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.recording.recorder import Recorder

@@ -4,7 +4,7 @@ import numpy as np
 
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array

@@ -13,8 +13,8 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.linkage import Linkage
+from presswear.physics.inverse_dynamics import needed_torques
 from presswear.physics.packed import pack
-from presswear.physics.statics import needed_torques
 
 RUBS = pw.Bearing(clearance=0.0, friction=0.1, bearing_radius=0.02)
 LOOSE = pw.Bearing(clearance=1e-4, friction=0.1, bearing_radius=0.02)

@@ -13,7 +13,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.process import Process
 from presswear.linkage.servos import Servo
-from presswear.physics.statics import needed_torques
+from presswear.physics.inverse_dynamics import needed_torques
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()

@@ -13,8 +13,8 @@ from scipy.interpolate import BPoly, CubicSpline
 import presswear as pw
 from presswear.linkage.drives import Drive
 from presswear.linkage.motion_pieces import RISES, Rise, pieces_of
+from presswear.physics.curve_following import motion_of
 from presswear.physics.drive_motion import run_up_motion
-from presswear.physics.ideal import motion_of
 from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi

@@ -12,7 +12,8 @@ from presswear.linkage.mechanisms import FourBar, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.press import GEOMETRIES, Geometry, Press
 from presswear.linkage.process import Blanking, Coining, Drawing
 from presswear.linkage.servos import Dwell, Forming, Pendulum
-from presswear.physics.ideal import bottom_of, motion_of
+from presswear.physics.curve_following import motion_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.physics.statics import deflection
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

@@ -16,7 +16,7 @@ from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.closed_loops import place_prescribed
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import motion_of
+from presswear.physics.curve_following import motion_of
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 
 PRESS = Press().linkage()

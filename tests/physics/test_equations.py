@@ -29,12 +29,13 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
+from presswear.physics.curve_following import motion_of
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import END, function_of, model_of
 from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
-from presswear.physics.ideal import Motion, motion_of
+from presswear.physics.ideal import Motion
 from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion

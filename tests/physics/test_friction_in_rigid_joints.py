@@ -9,8 +9,8 @@ import presswear as pw
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.laws import LUGRE, FrictionLaw, NormalLaw
 from presswear.linkage.linkage import Linkage
-from presswear.physics.ideal import motion_of
-from presswear.physics.statics import (
+from presswear.physics.curve_following import motion_of
+from presswear.physics.inverse_dynamics import (
     check_drives,
     constraint_forces,
     friction_corners,

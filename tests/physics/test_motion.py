@@ -18,6 +18,7 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import RISES, Rise
+from presswear.physics.curve_following import motion_of as ideal_of
 from presswear.physics.drive_motion import (
     break_after,
     drive_motion,
@@ -25,7 +26,6 @@ from presswear.physics.drive_motion import (
     motions_of,
     run_up_motion,
 )
-from presswear.physics.ideal import motion_of as ideal_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

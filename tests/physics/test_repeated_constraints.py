@@ -11,7 +11,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import ideal_motion
-from presswear.physics.statics import constraint_forces
+from presswear.physics.inverse_dynamics import constraint_forces
 from presswear.scene.plausible import doubts
 
 SLOW = math.pi / 30.0  # rad/s, 1 rpm: inertia forces of some mN

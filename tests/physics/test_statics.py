@@ -1,11 +1,11 @@
-"""Linkages at rest under a load, and torques that ideal motions need; what is refused."""
+"""Linkages at rest under a load: total clearance, deflection, and what is refused."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_form import needed_by_virtual_work, press_motion
+from closed_form import press_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,23 +13,18 @@ import presswear as pw
 from presswear.engines.base import Plan, Start
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.load_laws import OverPosition, OverTime
 from presswear.linkage.press import GEOMETRIES
-from presswear.physics.ideal import bottom_of, motion_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.physics.statics import (
     LEAST_PULL,
-    check_drives,
     equilibrium,
     heights_at_bottom,
     least_pull,
-    load_corners,
-    needed_torques,
     pull_of,
     total_clearance,
 )
 from presswear.scene.conventions import CONVENTIONS
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError
 
 LIGHT = pw.Scene(
     pw.SliderCrank(slide_angle=0.0, gravity=0.0),
@@ -61,45 +56,6 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
     linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
     expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
     assert pw.total_clearance(linkage, force) == pytest.approx(expected, abs=1e-13)
-
-
-def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
-    mechanism = LIGHT.mechanism
-    assert isinstance(mechanism, pw.SliderCrank)
-    crank = mechanism.crank_length
-    rod = mechanism.rod_length
-    speed = mechanism.speed
-    linkage = mechanism.linkage()
-    period = mechanism.period
-    point = linkage.output.attachment
-    direction = linkage.output.direction
-    loads = (
-        pw.Force(
-            point,
-            direction,
-            OverPosition(((-0.02, 1.0), (0.01, 3.0)), outside="hold", zero=0.12),
-            "sheet",
-        ),
-        pw.Moment(
-            "crank", OverPosition(((0.3, 0.0), (0.9, 5.0)), outside="hold", zero=7.0)
-        ),
-        pw.Force(
-            point, direction, OverTime(((0.001, 1.0), (0.002, 2.0))), "every cycle"
-        ),
-        pw.Force(
-            point, direction, OverTime(((0.003, 1.0), (0.02, 2.0)), period=0.0), "once"
-        ),
-    )
-    time = np.linspace(0.0, 2.0 * period, 200)
-    corners = load_corners(replace(linkage, loads=loads), LIGHT.ideal, time)
-    # The law of cosines: the crank angle at which the slider is at x, on both sides
-    x = np.array([0.1, 0.13])
-    angle = np.arccos((x**2 + crank**2 - rod**2) / (2.0 * crank * x))
-    angles = np.append(angle, 2.0 * math.pi - angle)
-    turns = angles + 2.0 * math.pi * np.arange(2)[:, np.newaxis]
-    expected = [*turns.ravel() / speed, 7.3 / speed, 7.9 / speed]
-    expected += [0.001, 0.002, period + 0.001, period + 0.002, 0.003, 0.02]
-    assert np.sort(corners) == pytest.approx(np.sort(expected), abs=1e-8)
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
@@ -242,42 +198,6 @@ def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
         pw.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="no bottom dead centre: its output point"):
         pw.total_clearance(replace(held(1.0), loads=()))
-
-
-@pytest.mark.parametrize("run_up", [0, 1])
-def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
-    """Under a stop and weights; behind a run-up the cycle is the same."""
-    press = pw.Press(run_up=run_up)
-    stop = OverPosition([(-0.6, 200.0), (-0.5, 0.0)], outside="hold")
-    plain = press.linkage()
-    linkage = plain.changed(loads=[pw.Force("slider 6", 0.5 * np.pi, stop)])
-    within = np.linspace(0.0, press.period, 101)
-    place = press_motion(press, within).output(plain)[:, 0]
-    upwards = np.interp(place, *np.array(stop.table).T)
-    result = needed_torques(linkage, motion_of(linkage), linkage.run_up_time + within)
-    expected = needed_by_virtual_work(press, within, upwards)
-    np.testing.assert_allclose(result, expected, atol=1e-9 * np.abs(expected).max())
-
-
-def test_a_limit_is_that_of_the_greatest_torque() -> None:
-    """A bar on a pin at even speed bears its weight alone: m g r."""
-    bar = pw.Bar("crank", length=0.4, mass=2.0)
-    weight = 2.0 * 9.81 * 0.2
-
-    def made(limit: float) -> pw.Linkage:
-        drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=limit)
-        return pw.assemble([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
-
-    enough = made(1.001 * weight)
-    little = made(0.999 * weight)
-    check_drives(enough, motion_of(enough))
-    says = r"crank = 3\.92008 N m: the ideal motion needs 3\.924 N m, at 162\.\d degrees of a cycle"
-    with pytest.raises(InputError, match=says):
-        check_drives(little, motion_of(little))
-    with pytest.raises(
-        InputError, match="torque_limit of crank = 0 N m: allowed is 1e-06 to"
-    ):
-        made(0.0)
 
 
 def test_a_pull_must_lift_the_weight_off_the_joints() -> None:

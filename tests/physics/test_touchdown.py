@@ -14,6 +14,7 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT
+from presswear.physics.force_peak import peak_within
 from presswear.physics.friction_and_normal import elastic_at, normal_force
 from presswear.physics.packed import pack
 from presswear.physics.step_length import (
@@ -29,8 +30,6 @@ from presswear.physics.touchdown import (
     LEAST_STEPS,
     MEMORY,
     STORED_CONTACT,
-    crossing,
-    peak_within,
     settle,
 )
 from presswear.recording.observe import RecorderState
@@ -45,24 +44,6 @@ LINE = replace(
     JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin", 0.0, 0.0)
 )
 """A pin that meets its bearing with the whole mass of its body."""
-
-
-@given(
-    st.floats(0.01, 0.9),
-    st.floats(0.02, 0.09),
-    st.floats(-1.0, 3.0),
-    st.floats(1e-7, 1.0),
-)
-def test_crossing_is_the_first_root(
-    root: float, length: float, lean: float, h: float
-) -> None:
-    """A contact that starts and ends within the step."""
-    # Zero where s is root, root + length or -6 / lean, which lies outside.
-    cubic = -np.poly1d([root, root + length], r=True) * np.poly1d([0.25 * lean, 1.5])
-    slope = cubic.deriv()
-    ends = (cubic(0.0), slope(0.0) / h, cubic(1.0), slope(1.0) / h)
-    assert max(cubic(0.0), cubic(1.0)) < 0.0
-    assert crossing(*ends, h) == pytest.approx(root, abs=1e-12)
 
 
 @given(
@@ -235,6 +216,42 @@ def test_a_step_is_not_sent_back_to_the_same_place_again(
     assert third < 0.0 or third < 0.9 * second
 
 
+@pytest.mark.parametrize(
+    ("h", "steps", "started_closed", "accepted"),
+    [
+        (1e-5, 3, False, False),
+        (1e-5, LEAST_STEPS - 1, False, False),
+        (1e-5, LEAST_STEPS, False, True),
+        (1e-5, 3, True, False),
+        (1.2 * LEAST, 3, False, True),  # hardly longer than the shortest step
+    ],
+)
+def test_a_contact_that_ends_after_a_few_steps_is_divided(
+    h: float, steps: int, started_closed: bool, accepted: bool
+) -> None:
+    """A pin that leaves at constant speed and is open after half a step."""
+    line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
+    line.memory["steps"] = steps
+    line.memory["started_closed"] = started_closed
+    line.memory["longest_step"] = math.inf
+    shorter = line.shorter(h, *line.flown(h))
+    if accepted:
+        assert shorter == -1.0
+    else:
+        assert shorter == pytest.approx(0.5 * h / (LEAST_STEPS - steps + 1), rel=1e-6)
+        assert line.memory["longest_step"][0] == shorter
+
+
+def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
+    line = _Line().start(0.0, 0.0)
+    line.packed.joints["always_closed"] = True
+    line.steps["free"] = 1.0
+    line.memory["penetration"] = 0.0
+    without_force = line.wanted()
+    line.memory["penetration"] = OILED_DEPTH * LINE.clearance
+    assert without_force == line.wanted() < 1e-3
+
+
 @pytest.mark.parametrize("h", [1e-6, 1e-9, 1e-12])
 def test_round_off_of_the_place_makes_no_peak(h: float) -> None:
     """The pin turns back within a step, far from the origin, where places are off by 1e-13 m."""
@@ -272,39 +289,3 @@ def test_a_peak_on_a_foundation_is_not_extrapolated_far(
     peak = peak_within(joint, 1.0, last[0], contact[0], 1e-5)
     assert (peak > 0.0) == is_found
     assert peak < 105.0
-
-
-@pytest.mark.parametrize(
-    ("h", "steps", "started_closed", "accepted"),
-    [
-        (1e-5, 3, False, False),
-        (1e-5, LEAST_STEPS - 1, False, False),
-        (1e-5, LEAST_STEPS, False, True),
-        (1e-5, 3, True, False),
-        (1.2 * LEAST, 3, False, True),  # hardly longer than the shortest step
-    ],
-)
-def test_a_contact_that_ends_after_a_few_steps_is_divided(
-    h: float, steps: int, started_closed: bool, accepted: bool
-) -> None:
-    """A pin that leaves at constant speed and is open after half a step."""
-    line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
-    line.memory["steps"] = steps
-    line.memory["started_closed"] = started_closed
-    line.memory["longest_step"] = math.inf
-    shorter = line.shorter(h, *line.flown(h))
-    if accepted:
-        assert shorter == -1.0
-    else:
-        assert shorter == pytest.approx(0.5 * h / (LEAST_STEPS - steps + 1), rel=1e-6)
-        assert line.memory["longest_step"][0] == shorter
-
-
-def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
-    line = _Line().start(0.0, 0.0)
-    line.packed.joints["always_closed"] = True
-    line.steps["free"] = 1.0
-    line.memory["penetration"] = 0.0
-    without_force = line.wanted()
-    line.memory["penetration"] = OILED_DEPTH * LINE.clearance
-    assert without_force == line.wanted() < 1e-3

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
-from presswear.physics.ideal import bottom_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.recording.columns import BOTTOM_HEIGHT, BOTTOM_TIME
 from presswear.recording.observe import lowest_between, note_bottom
 from presswear.scene.catalog import ideal

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.physics.ideal import bottom_of, motion_of
+from presswear.physics.curve_following import motion_of
+from presswear.physics.dead_centre import bottom_of
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.mechanism_kinds import MECHANISMS

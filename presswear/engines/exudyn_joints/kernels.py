@@ -38,18 +38,14 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
+from presswear.physics.event_time import time_to_event
 from presswear.physics.load_transitions import greatest_jump, next_break, settle_loads
 from presswear.physics.loads import work_beyond_trapezoid
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
-from presswear.physics.touchdown import (
-    LEAST_STEPS,
-    joint_crossing,
-    settle,
-    time_to_event,
-)
+from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, settle
 from presswear.recording.nominal_time import section_at_start, section_value
 from presswear.recording.observe import RecorderState, observe, sum_drives
 from presswear.tools.arrays import Array

@@ -32,6 +32,7 @@ from presswear.physics.equations.layout import (
     WORK,
     Layout,
 )
+from presswear.physics.event_time import step_to_event, time_across, time_to_event
 from presswear.physics.load_transitions import (
     count_transitions,
     next_break,
@@ -40,12 +41,7 @@ from presswear.physics.load_transitions import (
 )
 from presswear.physics.packed import Packed
 from presswear.physics.step_length import contact_step, longest_step
-from presswear.physics.touchdown import (
-    settle,
-    step_to_event,
-    time_across,
-    time_to_event,
-)
+from presswear.physics.touchdown import settle
 from presswear.recording.nominal_time import section_at_start
 from presswear.recording.observe import RecorderState, observe
 from presswear.tools.arrays import Array

@@ -14,8 +14,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import Press
 from presswear.linkage.servos import Dwell
+from presswear.physics.curve_following import followed, motion_of
 from presswear.physics.drive_motion import motions_of
-from presswear.physics.ideal import followed, motion_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError
 

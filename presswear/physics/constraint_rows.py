@@ -1,0 +1,302 @@
+"""Constraint rows of a linkage at many instants, in numpy.
+
+A scene finds its ideal motion without compiled code. ``physics.constraints`` packs the
+rows for kernels.
+"""
+
+import math
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.drives import Drive, series
+from presswear.linkage.elements import GROUND, Attachment, OutputPoint
+from presswear.linkage.linkage import Linkage
+from presswear.tools.arrays import Array
+
+Group = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows, and as many coordinates
+ROUND_OFF = 4e-15  # error of a row that is round-off, part of the size of the linkage
+# Least rows of a group that is solved at once: below, numpy takes longer than LAPACK;
+# with hundreds of rows, LAPACK starts threads for each of thousands of small matrices.
+_GROUP = 30
+
+
+class Rows:
+    """The constraint rows of a linkage, evaluated at many instants.
+
+    A row is the distance of two points along a direction, or the angle of a body, minus
+    the value that is prescribed. Rows come in the order of ``physics.constraints``: two
+    for each pin joint, two for each guide, a third for a guide with a spring, and one
+    for each drive. If the point of a drive follows a curve, its row holds the point on
+    the curve in place of the angle. The curve begins at ``start``, coordinates of the
+    shape (bodies, 3). Other coordinates have the shape (n, bodies, 3). Times are those
+    after a run-up.
+    """
+
+    def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
+        self.linkage = linkage
+        self.bodies = len(linkage.bodies)
+        frame = Attachment(GROUND, 0.0, 0.0)
+        # Name, both points, direction, share of the first body's angle, value that is
+        # to be held
+        rows: list[
+            tuple[str, Attachment, Attachment, tuple[float, float], float, float]
+        ] = []
+        for joint in linkage.revolutes:
+            for axis in ((1.0, 0.0), (0.0, 1.0)):
+                rows.append((joint.name, joint.first, joint.second, axis, 0.0, 0.0))
+        for guide in linkage.guides:
+            centre = Attachment(guide.body, 0.0, 0.0)
+            point = Attachment(GROUND, guide.x, guide.y)
+            across = -math.sin(guide.direction), math.cos(guide.direction)
+            rows.append((guide.name, centre, point, across, 0.0, 0.0))
+            rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
+            if guide.stiffness is not None:
+                along = math.cos(guide.direction), math.sin(guide.direction)
+                rows.append((guide.name, centre, point, along, 0.0, 0.0))
+        self.following = []  # rows of drives whose points follow curves
+        for drive in linkage.prescribed_drives:
+            point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
+            if drive.follow is not None:
+                self.following.append(len(rows))
+                output = drive.follow.point
+                assert isinstance(output, OutputPoint), "a linkage has found it"
+                point = Attachment(output.body, output.x, output.y)
+                turn = 0.0
+                along = math.cos(output.direction), math.sin(output.direction)
+            rows.append((drive.name, point, frame, along, turn, 0.0))
+        self.names = tuple(row[0] for row in rows)  # joint, guide or drive
+        self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
+        self.turn, self.target = np.array([row[4:] for row in rows]).reshape(-1, 2).T
+        indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
+        # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
+        # second
+        self.ends: list[tuple[NDArray[np.int64], Array, Array, float]] = []
+        for ends, sign in (
+            ([row[1] for row in rows], 1.0),
+            ([row[2] for row in rows], -1.0),
+        ):
+            bodies = np.array([indices[end.body] for end in ends], dtype=np.int64)
+            x, y = np.array([(end.x, end.y) for end in ends]).reshape(-1, 2).T
+            self.ends.append((bodies, x, y, sign))
+        pins = slice(0, 2 * len(linkage.revolutes), 2)
+        self.joined = [
+            body[pins] for body, _, _, _ in self.ends
+        ]  # bodies of the pin joints
+        sizes = np.zeros(self.bodies + 1)
+        for body, x, y, _ in self.ends:
+            np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])
+        # Farthest joint of a body or point on the frame, m: the place of the linkage in
+        # the drawing is part of its round-off, but not of the scale of its angles.
+        points = [math.hypot(guide.x, guide.y) for guide in linkage.guides]
+        self.size = max(float(sizes.max(initial=0.0)), *points, 0.0) or 1.0
+        # farthest joint of a moving body, m
+        self.arm = float(sizes[:-1].max(initial=0.0)) or 1.0
+        self.scale = np.ones(3 * self.bodies)  # makes metres and radians comparable
+        self.scale[2::3] = 1.0 / np.where(sizes[:-1] > 0.0, sizes[:-1], self.arm)
+        if self.following:
+            assert start is not None, "curves begin where the linkage starts"
+            initial = self.errors(np.zeros(1), start[np.newaxis])[0][0]
+            self.target[self.following] = initial[self.following]
+
+    @property
+    def repeated(self) -> int:
+        """Number of rows beyond the coordinates: they repeat what other rows hold."""
+        return max(len(self.names) - 3 * self.bodies, 0)
+
+    def _moving(self, level: Array) -> Array:
+        """Return a level with the frame, which is at rest, behind the bodies."""
+        return np.concatenate([level, np.zeros((len(level), 1, 3))], axis=1)
+
+    def _arms(self, q: Array) -> list[tuple[Array, Array]]:
+        """Return x and y from the mass centres to both points, each (n, rows), m."""
+        cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
+        ends = [(cosine[:, body], sine[:, body], x, y) for body, x, y, _ in self.ends]
+        return [(cos * x - sin * y, sin * x + cos * y) for cos, sin, x, y in ends]
+
+    def errors(self, time: Array, *levels: Array) -> list[Array]:
+        """Return Phi and its derivatives in time, one for each level, each (n, rows).
+
+        ``levels`` are coordinates, and their first and second derivatives.
+        """
+        prescribed = np.zeros((3, len(time), len(self.names)))
+        drives = self.linkage.prescribed_drives
+        for row, drive in enumerate(drives, -len(drives)):
+            for level, value in zip(
+                prescribed, motion_of_row(drive, time), strict=True
+            ):
+                level[:, row] = value
+        prescribed[0] += self.target
+        moving = [self._moving(level) for level in levels]
+        arms = self._arms(moving[0])
+        result = []
+        for order, level in enumerate(moving):
+            gap: Array | float = 0.0
+            for (body, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
+                arm = np.stack([x, y], axis=-1)
+                left = np.stack([-y, x], axis=-1)
+                point = level[:, body, :2] + (
+                    arm if order == 0 else level[:, body, 2:] * left
+                )
+                if order == 2:
+                    point = point - moving[1][:, body, 2:] ** 2 * arm
+                gap = gap + sign * point
+            angle = self.turn * level[:, self.ends[0][0], 2]
+            result.append((gap * self.normal).sum(axis=-1) + angle - prescribed[order])
+        return result
+
+    def _parts(self, q: Array) -> list[Array]:
+        """Return the derivatives of the rows by x, y and angle of the bodies of both points.
+
+        Each array has the shape (n, rows, 3).
+        """
+        derivatives = []
+        arms = self._arms(self._moving(q))
+        for (_, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
+            by_body = np.empty((*x.shape, 3))
+            by_body[..., :2] = sign * self.normal
+            by_body[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
+            derivatives.append(by_body)
+        derivatives[0][..., 2] += self.turn
+        return derivatives
+
+    def _block(self, parts: list[Array], group: Group) -> Array:
+        """Return the derivatives of some rows by some coordinates, shape (n, rows, columns).
+
+        ``parts`` are those of ``_parts``.
+        """
+        rows, columns = group
+        # Column of each coordinate in the result. The last column collects the
+        # derivatives by all other coordinates, and is left out.
+        column_of = np.full(3 * (self.bodies + 1), columns.size)
+        column_of[columns] = np.arange(columns.size)
+        result = np.zeros((len(parts[0]), rows.size, columns.size + 1))
+        row_index = np.arange(rows.size)[:, np.newaxis]
+        for (body, _, _, _), by_body in zip(self.ends, parts, strict=True):
+            column = column_of[3 * body[rows, np.newaxis] + np.arange(3)]
+            result[:, row_index, column] += by_body[:, rows]
+        return result[..., :-1]
+
+    def jacobian(self, q: Array) -> Array:
+        """Return the derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
+        return self._block(
+            self._parts(q), (np.arange(len(self.names)), np.arange(3 * self.bodies))
+        )
+
+    @cached_property
+    def groups(self) -> list[Group]:
+        """Rows and coordinates of groups that are solved one after the other.
+
+        The rows of a group depend only on the coordinates of this group and of the
+        groups before it. The groups are the irreducible blocks of the Jacobian, joined
+        to at least ``_GROUP`` rows.
+        """
+        rows = np.arange(len(self.names))
+        if rows.size <= _GROUP:
+            return [(rows, rows)]
+        # An element that is zero at these random angles is zero at all angles.
+        angles = np.random.default_rng(0).uniform(0.3, 1.2, (1, self.bodies, 3))
+        pattern = self.jacobian(angles)[0] != 0.0
+        owner: dict[int, int] = {}  # row that determines a coordinate
+
+        def owns(row: int, tried: set[int]) -> bool:
+            for column in map(int, np.flatnonzero(pattern[row])):
+                if column not in tried:
+                    tried.add(column)
+                    if column not in owner or owns(owner[column], tried):
+                        owner[column] = row
+                        return True
+            return False
+
+        if not all(owns(int(row), set()) for row in rows):
+            return [(rows, rows)]  # the Jacobian is singular at all angles
+        columns = np.array(sorted(owner, key=owner.__getitem__))
+        # Element (i, j) is true if row i contains the coordinate that row j determines.
+        needs = pattern[:, columns]
+        # Also true if it does so through other rows.
+        for _ in range(rows.size.bit_length()):
+            needs = needs @ needs
+        block = (needs & needs.T).argmax(axis=1)
+        order = np.lexsort((block, needs.sum(axis=1)))
+        cuts = [0]
+        for start in map(int, np.flatnonzero(np.diff(block[order]))):
+            if start + 1 - cuts[-1] >= _GROUP:
+                cuts.append(start + 1)
+        groups = (order[first:last] for first, last in pairwise([*cuts, rows.size]))
+        return [(group, columns[group]) for group in groups]
+
+    def solve(self, q: Array, right: Array) -> Array:
+        """Solve the equations of the Jacobian, shape (n, rows), for coordinates like ``q``.
+
+        If rows are repeated, it is the least-squares solution.
+        """
+        if self.repeated:
+            inverse = np.linalg.pinv(self.jacobian(q) * self.scale)
+            scaled = (inverse @ right[..., np.newaxis])[..., 0]
+            return np.asarray((scaled * self.scale).reshape(q.shape))
+        parts = self._parts(q)
+        result = np.zeros((len(q), self.bodies + 1, 3))
+        flat = result.reshape(len(q), -1)
+        for rows, columns in self.groups:
+            rest = right[:, rows]
+            if columns.size < right.shape[1]:
+                # Subtract the contributions of the groups before.
+                for (body, _, _, _), by_body in zip(self.ends, parts, strict=True):
+                    solved = result[:, body[rows]]
+                    rest = rest - (by_body[:, rows] * solved).sum(axis=-1)
+            block = self._block(parts, (rows, columns))
+            flat[:, columns] = np.linalg.solve(block, rest[..., np.newaxis])[..., 0]
+        return result[:, :-1]
+
+    def forces(self, q: Array, right: Array) -> Array:
+        """Return the forces of the rows that balance forces on the coordinates, (n, rows, k).
+
+        ``right`` has the shape (n, 3 bodies, k), N and N m. If rows are repeated, the
+        forces are not unique: those with the smallest norm are returned, in which a
+        moment is divided by ``arm``.
+        """
+        transposed = self.jacobian(q).transpose(0, 2, 1)
+        if not self.repeated:
+            return np.asarray(np.linalg.solve(transposed, right))
+        arms = np.where(self.turn == 0.0, 1.0, self.arm)[:, np.newaxis]
+        return np.asarray(arms * (np.linalg.pinv(transposed * arms.T) @ right))
+
+    def side(self, q: Array) -> Array:
+        """Return the sign of the determinant of the Jacobian, which changes at dead points, (n,).
+
+        It is 1 if a point follows a curve, because the drive may then pass a dead point.
+        It is 1 if rows are repeated, because the determinant is then zero.
+        """
+        if self.following or self.repeated:
+            return np.ones(len(q))
+        parts = self._parts(q)
+        signs = [
+            np.linalg.slogdet(self._block(parts, group))[0] for group in self.groups
+        ]
+        return np.asarray(np.prod(signs, axis=0))
+
+    def distance(self, q: Array) -> Array:
+        """Return a distance from the nearest dead point, shape (n,), 0 at a dead point.
+
+        It is one over the norm of the inverse, the largest of all groups. The norm of
+        the inverse of the whole Jacobian would grow with the number of linkages in a
+        chain.
+        """
+        if self.repeated:
+            values = np.linalg.svd(self.jacobian(q) * self.scale, compute_uv=False)
+            return np.asarray(1.0 / np.sqrt((values**-2.0).sum(axis=1)))
+        parts = self._parts(q)
+        norms = []
+        for group in self.groups:
+            inverse = np.linalg.inv(self._block(parts, group) * self.scale[group[1]])
+            norms.append(np.linalg.norm(inverse, axis=(1, 2)))
+        return np.asarray(1.0 / np.max(norms, axis=0))
+
+
+def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
+    """Return the angle of a drive, or the curve of its point, with two derivatives."""
+    if drive.follow is None:
+        return drive.motion(time)
+    return series(drive.follow, drive.base, time)
