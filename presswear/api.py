@@ -12,8 +12,8 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.curve_following import followed, motion_of
-from presswear.recording.observe import ROWS_AT_LEAST, ROWS_AT_MOST
 from presswear.recording.observer import Observer
+from presswear.recording.series_rows import ROWS_AT_LEAST, ROWS_AT_MOST
 from presswear.results.folder import INTERVAL
 from presswear.results.result import Result
 from presswear.scene.scene import Scene

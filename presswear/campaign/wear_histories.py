@@ -9,41 +9,31 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign import wear_update
-from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
+from presswear.campaign.cycles_of_life import cycles_left
 from presswear.campaign.ensemble import (
     WATCHED_CYCLES,
     WATCHED_SECONDS,
     EnsembleState,
     Runner,
 )
-from presswear.campaign.life_estimate import estimate_life
+from presswear.campaign.life_problem import fewest_cycles_of, problem_of
+from presswear.campaign.life_quantities import levels_of, samples_of
+from presswear.campaign.life_result import life_result, preliminary_life
 from presswear.campaign.refinement import (
     FIRST_CHANGE,
     LoadBlock,
     Refinement,
     Refinements,
 )
-from presswear.campaign.replicates import RunSpec, linkage_on, worn_out
-from presswear.campaign.service_life import (
-    FIRST_WEAR,
-    BlockPlan,
-    LifeProblem,
-    run_refinements,
-)
+from presswear.campaign.replicates import RunSpec, worn_out
+from presswear.campaign.service_life import BlockPlan, LifeProblem, run_refinements
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.elements import ClearanceJoint, GuideCorner
-from presswear.physics.dead_centre import bottom_of
+from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.running_in import archard_depth, running_in_of
-from presswear.physics.statics import total_clearance
-from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of
-from presswear.physics.wear import largest_play, worn_volume
-from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
-from presswear.recording.statistics import STARTUP_CYCLES, quantile
-from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
-from presswear.results.stage import WearStep
-from presswear.scene.options import CLEARANCES, Life, Service
-from presswear.scene.scene import Scene
+from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.results.life import LifeResult
+from presswear.scene.options import Service
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large, quantity_text
@@ -69,58 +59,6 @@ class LifeState:
     running: EnsembleState = EnsembleState()
     # runs that do not wear, which show whether they settle
     watched: EnsembleState | None = None
-
-
-def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
-    """Return the quantities of surfaces of shape (histories, joints, 2, bins), m, by key.
-
-    Clearances take long and are computed only if a limit is on one of them.
-    """
-    levels = {}
-    linkage = scene.linkage()
-    for k, joint in enumerate(linkage.clearances):
-        if isinstance(joint, GuideCorner):
-            continue
-        item = depth[:, k, :, : joint.bins]
-        levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
-        levels[f"{joint.name}.wear_volume"] = np.array(
-            [worn_volume(joint, one) for one in item]
-        )
-        if not CLEARANCES.keys().isdisjoint(limited):
-            play = np.array([largest_play(joint, one) for one in item])
-            levels[f"{joint.name}.radial_clearance"] = 0.5 * play
-            levels[f"{joint.name}.diametral_clearance"] = play
-    for guide, walls in walls_of(linkage, depth).items():
-        corner = next(one for one in linkage.corners if one.guide.name == guide)
-        levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
-        volumes = [wall_volume(corner, one) for one in walls]
-        levels[f"{guide}.wear_volume"] = np.array(volumes)
-        tilts = [tilt_between(corner, one) for one in walls]
-        levels[f"{guide}.tilt"] = np.array(tilts)
-    if "total_clearance" in limited:
-        values = [total_clearance(linkage_on(scene, one)) for one in depth]
-        levels["total_clearance"] = np.array(values)
-    return levels
-
-
-def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
-    """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
-    samples = {}
-    for k, joint in enumerate(scene.linkage().clearances):
-        forces = rows[:, :, cycle_column("force_max", k)]
-        samples[f"{joint.name}.force_max"] = forces.mean(axis=1)
-    ideal = bottom_of(scene.ideal)
-    if ideal is not None:
-        off = rows[:, :, cycle_column("bottom_height")] - ideal.height
-        mean = off.mean(axis=1)
-        # Where a history wears out in one stroke, only the histories together have a
-        # variance.
-        is_single = off.shape[1] == 1
-        variance = (
-            np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
-        )
-        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
-    return samples
 
 
 @dataclass
@@ -335,32 +273,6 @@ class WearHistories:
             )
 
 
-def problem_of(scene: Scene, life: Life) -> LifeProblem:
-    """Return limits and accuracy of a service life of a scene.
-
-    The first cycles wear as much whatever the wear coefficients are, so that the
-    surfaces follow one another alike, and a life is inversely proportional to the
-    coefficients.
-    """
-    pairs = [scene.bearing(name).materials for name in scene.wearing_joints]
-    coefficient = max(
-        pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
-    )
-    limits = scene.life_limits
-    services = life.services(scene.loose_pins)
-    accuracy = life.at_most, scene.tolerance, life.max_cycles
-    return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
-
-
-def fewest_cycles_of(scene: Scene) -> float:
-    """Return the cycles of all replicates that a life takes at least, before anything has run."""
-    life = scene.life
-    joints = scene.wearing_joints
-    assert life is not None
-    clearances = {name: scene.bearing(name).clearance for name in joints}
-    return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)
-
-
 def run_life(
     runner: Runner,
     initial: Array,
@@ -430,154 +342,3 @@ def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:
     if WATCHED_CYCLES * seconds <= WATCHED_SECONDS:
         return WATCHED_CYCLES
     return max(WATCHED_SECONDS / seconds, STAGE_CYCLES)
-
-
-def preliminary_life(
-    scene: Scene, problem: LifeProblem, refinements: Refinements
-) -> LifeResult:
-    """Return the life of some refinements that others follow, with the state as its message."""
-    life = life_result(scene, problem, refinements)
-    error = "has an unknown error"
-    if life.error is not None:
-        error = f"has an error of {100.0 * life.error:.2g} %"
-    elif life.sampling is not None:
-        sampling = f"{100.0 * life.sampling:.2g} % by the scatter of the motion"
-        error = f"has an error of {sampling}, and an unknown error of the wear steps"
-    count = len(refinements)
-    message = (
-        f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
-    )
-    return replace(life, ended="preliminary", message=message)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def life_result(
-    scene: Scene, problem: LifeProblem, refinements: Refinements
-) -> LifeResult:
-    """Return the life as results store it."""
-    last = refinements[-1]
-    end = refinements[-1].blocks[-1]
-    life = estimate_life(refinements, problem.limits)
-    ended: Ended = "limit"
-    message = ""
-    if math.isinf(life.strokes):
-        ended = "cycles"
-        message = f"within {last.cycles} cycles of all replicates"
-        if end.strokes >= problem.at_most:
-            ended = "at_most"
-            message = f"within {problem.at_most:.4g} strokes"
-        message = f"no limit is exceeded {message}"
-        if end.ended_by:
-            ended = "worn"
-            message = end.ended_by
-    limits = []
-    for limit in problem.limits:
-        item = estimate_life(refinements, [limit])
-        if last.crossing([limit]) == last.crossing(problem.limits):
-            item = life  # here coarser refinements that another limit ended count too
-        errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
-        reached = (float(values[-1]) for values in last.band(limit.key))
-        limits.append(
-            LimitResult(limit.key, limit.unit, limit.value, *errors, *reached)
-        )
-    stored = []
-    for each in refinements:
-        strokes = each.crossing(problem.limits)
-        error = each.sampling_error(problem.limits)
-        stored.append(
-            RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error))
-        )
-    curves = {"strokes": last.strokes}
-    for key in (*last.blocks[0].levels, *last.blocks[0].samples):
-        value, half = last.band(key)
-        curves[key] = np.column_stack([value, value - half, value + half])
-    # A life is inversely proportional to the wear coefficients, all of them high or low
-    # together.
-    joints = scene.wearing_joints
-    services = problem.services[: end.interval]
-    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
-    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
-    errors = _finite(life.sampling), _finite(life.step), scatter
-    words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
-    strokes = life.strokes if math.isfinite(life.strokes) else end.strokes
-    details = tuple(limits), tuple(stored)
-    settled = tuple(block.settled for block in last.blocks if block.cycles)
-    result = LifeResult(ended, message, strokes, *errors, *details, (), words, curves)
-    return replace(result, settled=settled)
-
-
-def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
-    """Return a message if a life is less accurate than requested, or unknown."""
-    if life.ended != "limit":
-        return [f"the life is not known: {life.message}"]
-    if life.error is not None and life.error <= scene.tolerance:
-        return []
-    fault = "is unknown"
-    if life.error is not None:
-        fault = f"is {100.0 * life.error:.2g} %, above tolerance = {100.0 * scene.tolerance:.2g} %"
-    return [f"the error of the life {fault}: a larger life.max_cycles is needed"]
-
-
-def wear_between(
-    refinements: Refinements,
-    joints: Sequence[ClearanceJoint],
-    initial: Array,
-    since: float,
-    until: float,
-) -> wear_update.WearUpdate:
-    """Return the wear between two numbers of strokes, interpolated between ends of blocks."""
-    last = refinements[-1]
-    coarser = None
-    surfaces_at = _interpolated(last, initial)
-    added_depth = surfaces_at(until)[1] - surfaces_at(since)[1]
-    if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
-        coarser_at = _interpolated(refinements[-2], initial)
-        coarser = coarser_at(until)[1] - coarser_at(since)[1]
-    steps = []
-    at = since
-    for block in last.blocks:
-        end = min(block.strokes, until)
-        if end <= at:
-            continue
-        depth, material_loss = surfaces_at(end)
-        change = (material_loss - surfaces_at(at)[1]).mean(axis=0) / block.cycles
-        forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
-        steps.append(
-            WearStep(
-                cycles_per_update=end - at,
-                cycles=block.cycles * len(initial),
-                factor=(end - at) / block.cycles,
-                clearance_change=wear_update.largest_change(joints, change),
-                max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
-                peak_force=wear_update.by_joint(joints, forces),
-                wall_s=block.wall_s,
-            )
-        )
-        at = end
-    return wear_update.WearUpdate(
-        surfaces_at(until)[0], added_depth, tuple(steps), coarser
-    )
-
-
-def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
-    """Return a function of strokes: depth of the surfaces and material lost, stacked, m.
-
-    A bushing that was replaced has lost its material all the same.
-    """
-    depth = np.array([initial, *(block.depth for block in refinement.blocks)])
-    added_depth = np.diff(depth, axis=0, prepend=depth[:1])
-    added_depth[1:][[not block.cycles for block in refinement.blocks]] = 0.0
-    values = np.stack([depth, np.cumsum(added_depth, axis=0)], axis=1)
-    ends = np.append(0.0, refinement.strokes)
-
-    def at(strokes: float) -> Array:
-        k = int(np.searchsorted(ends, strokes, side="right"))
-        if k == len(ends):
-            return np.asarray(values[-1])
-        part = (strokes - ends[k - 1]) / (ends[k] - ends[k - 1])
-        return np.asarray(values[k - 1] + part * (values[k] - values[k - 1]))
-
-    return at

@@ -106,8 +106,8 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
 
 def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> int:
     """Run the life of a scene and of its variants, and print all of them."""
+    from presswear.campaign.life_problem import fewest_cycles_of
     from presswear.campaign.runs import run_scenes
-    from presswear.campaign.wear_histories import fewest_cycles_of
     from presswear.results.life import life_ratio
 
     scenes = {"plain": scene}

@@ -117,7 +117,7 @@ def _print_start(
     store: "ResultFolder", scene: Scene, remarks: list[str], console: Console
 ) -> None:
     """Print the title of a run, its warnings and what it needs."""
-    from presswear.campaign.wear_histories import fewest_cycles_of
+    from presswear.campaign.life_problem import fewest_cycles_of
 
     lines = [title_of(scene)]
     lines += [f"warning: {doubt}" for doubt in doubts(scene)]

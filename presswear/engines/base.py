@@ -32,23 +32,25 @@ from presswear.recording.columns import (
 )
 from presswear.recording.film import empty_film
 from presswear.recording.nominal_time import nominal_of
-from presswear.recording.observe import (
-    CONTACTS_AT_MOST,
+from presswear.recording.observer import Observer
+from presswear.recording.output_point import output_motion
+from presswear.recording.recorder import Recorder
+from presswear.recording.recorder_state import (
     DRIVE,
-    FORCE_STEP,
-    FRAME_ROWS,
     GUIDE,
     OUTPUT,
     PIN,
+    WEAR_INTEGRALS,
+    RecorderState,
+)
+from presswear.recording.series_rows import (
+    CONTACTS_AT_MOST,
+    FORCE_STEP,
+    FRAME_ROWS,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
     ROWS_IN_ALL,
-    WEAR_INTEGRALS,
-    RecorderState,
-    output_motion,
 )
-from presswear.recording.observer import Observer
-from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State

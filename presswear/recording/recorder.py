@@ -36,7 +36,7 @@ from presswear.recording.columns import (
     series_column,
 )
 from presswear.recording.film import Film
-from presswear.recording.observe import RecorderState
+from presswear.recording.recorder_state import RecorderState
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 

@@ -21,7 +21,7 @@ from presswear.recording.columns import (
     cycle_columns,
 )
 from presswear.recording.film import FILM_CYCLES, FILM_JOINT_COUNT, FRAMES_PER_CYCLE
-from presswear.recording.observe import CONTACTS_AT_MOST, ROWS_AT_MOST, ROWS_IN_ALL
+from presswear.recording.series_rows import CONTACTS_AT_MOST, ROWS_AT_MOST, ROWS_IN_ALL
 from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene

@@ -18,9 +18,11 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import presswear as pw
-from presswear.campaign import replicates, wear_histories
+from presswear.campaign import replicates
 from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
 from presswear.campaign.life_estimate import LifeEstimate, estimate_life
+from presswear.campaign.life_quantities import levels_of, samples_of
+from presswear.campaign.life_result import life_result
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import (
     FIRST_WEAR,
@@ -30,6 +32,7 @@ from presswear.campaign.service_life import (
     next_refinement,
     run_refinements,
 )
+from presswear.campaign.wear_histories import WearHistories
 from presswear.engines import driver
 from presswear.physics.dead_centre import bottom_of
 from presswear.physics.wear import map_shape
@@ -319,7 +322,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     worn = np.zeros((2, *map_shape(joints)))
     worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin
     worn[1, 1, 0, :] = 1e-6  # the bearing of C all around
-    levels = wear_histories.levels_of(scene, worn, tuple(FOLLOWED))
+    levels = levels_of(scene, worn, tuple(FOLLOWED))
     assert levels["A.depth"].tolist() == [3e-6, 0.0]
     assert levels["C.depth"].tolist() == [0.0, 1e-6]
     around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
@@ -330,14 +333,12 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     rows[:, :, cycle_column("bottom_height")] = ideal.height + off
     column = cycle_column("force_max", 1)
     rows[0, :, column] = 10.0, 20.0, 30.0, 40.0
-    samples = wear_histories.samples_of(scene, rows)
+    samples = samples_of(scene, rows)
     assert samples["bdc_error"] == pytest.approx([2.5, 5.0])
     assert samples["bdc_drift"] == pytest.approx([2.5, 5.0])
     assert samples["repeatability"] == pytest.approx([5.0 / 3.0, 0.0])
     assert samples["C.force_max"].tolist() == [25.0, 0.0]
-    single = wear_histories.samples_of(
-        scene, rows[:, :1]
-    )  # 1 and 5: a history wore out
+    single = samples_of(scene, rows[:, :1])  # 1 and 5: a history wore out
     assert single["repeatability"] == pytest.approx([8.0, 8.0])
     assert samples["A.force_max"].tolist() == [0.0, 0.0]
     names = {name.partition(".")[2] or name for name in (*levels, *samples)}
@@ -345,7 +346,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     flat = np.zeros((1, *map_shape(press.linkage().clearances)))
     names |= {"tilt"}  # of guides
     assert names == FOLLOWED.keys()
-    levels = wear_histories.levels_of(press, flat, tuple(FOLLOWED))
+    levels = levels_of(press, flat, tuple(FOLLOWED))
     of_guides = [
         f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.kinds
     ]
@@ -505,7 +506,7 @@ def test_no_number_depends_on_the_processes(
 def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
     """Replicates of refinements and of stages are independent, if no two of them start alike."""
     call = replicates.WorkUnit.__call__
-    advance = wear_histories.WearHistories.advance
+    advance = WearHistories.advance
     started: list[int] = []
     numbers: dict[int, set[int]] = {}  # of replicates, by refinement
 
@@ -520,7 +521,7 @@ def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
         return block
 
     monkeypatch.setattr(replicates.WorkUnit, "__call__", starting)
-    monkeypatch.setattr(wear_histories.WearHistories, "advance", noting)
+    monkeypatch.setattr(WearHistories, "advance", noting)
     life = life_of_scene(scene_of())
     assert len(numbers) == len(life.refinements) > 1
     assert all(len(each) == 2 for each in numbers.values())
@@ -711,7 +712,7 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     coarse = evenly_worn(10, 1.04e6, A=5e-11, C=4.5e-11)
     both = coarse, evenly_worn(40, 1.04e6, A=4.7e-11, C=4.9e-11)
     limits = (Limit("depth", joint, 0.05e-3) for joint in "AC")
-    life = wear_histories.life_result(scene, problem(*limits), both)
+    life = life_result(scene, problem(*limits), both)
     first = life.first
     assert (first.key, life.limits[0].step) == ("C.depth", None)
     assert (first.strokes, first.sampling, first.step) == (
@@ -733,9 +734,7 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
         0.5,
         0.5,
     ]
-    life = wear_histories.life_result(
-        scene, problem(DEPTH), [evenly_worn(10, 2e6, A=5e-11, C=1e-11)]
-    )
+    life = life_result(scene, problem(DEPTH), [evenly_worn(10, 2e6, A=5e-11, C=1e-11)])
     low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
 

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import presswear as pw
 from presswear.engines.base import Plan, Run
-from presswear.engines.exudyn_joints.kernels import exponential_step
+from presswear.engines.exudyn_joints.interaction_states import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
 from presswear.linkage.load_laws import OverTime

@@ -32,7 +32,7 @@ from presswear.physics.touchdown import (
     STORED_CONTACT,
     settle,
 )
-from presswear.recording.observe import RecorderState
+from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 
 MASS = 0.1

@@ -13,7 +13,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.physics.dead_centre import bottom_of
 from presswear.recording.columns import BOTTOM_HEIGHT, BOTTOM_TIME
-from presswear.recording.observe import lowest_between, note_bottom
+from presswear.recording.output_point import lowest_between, note_bottom
 from presswear.scene.catalog import ideal
 
 SPEED = 11.0

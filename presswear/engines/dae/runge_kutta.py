@@ -9,7 +9,7 @@ from presswear.engines.dae.dynamics import System, evaluate
 from presswear.engines.dormand_prince import DOP853, Tableau
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
-from presswear.recording.observe import RecorderState
+from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 from presswear.tools.packing import PackedArguments, unpack

@@ -13,10 +13,9 @@ functions are pure.  The same call chooses the next step and writes it into the
 running solver; ``PostNewton`` sends back a step that ran too far past a touchdown.
 """
 
-import math
 import time as clock
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -25,27 +24,26 @@ import numpy as np
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import Solver, add, settings_of
+from presswear.engines.exudyn_joints.body_state import BodyState, Friction, refresh
+from presswear.engines.exudyn_joints.interaction_states import STEP_START
 from presswear.engines.exudyn_joints.kernels import (
     ACCEPTED,
     FORCES,
     SHORTER,
     START,
-    STEP_START,
     Drives,
-    Frame,
-    Friction,
     begin_friction,
-    refresh,
     run_task,
 )
+from presswear.engines.exudyn_joints.model import add_bodies, add_joints, left_out
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition
-from presswear.linkage.topology import bodies_of, branches_of, prescribed_of
+from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
-from presswear.physics.drive_motion import drive_motion, is_steady
+from presswear.physics.drive_motion import is_steady
 from presswear.physics.equations.function import model_of, written
 from presswear.physics.equations.layout import initial_states
 from presswear.physics.equations.writer import write_body_forces
@@ -54,11 +52,11 @@ from presswear.physics.ledger import Ledger, stored_energy
 from presswear.physics.packed import Packed, spring_period
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
-from presswear.recording.observe import RecorderState
 from presswear.recording.recorder import Recorder
+from presswear.recording.recorder_state import RecorderState
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, specialised
+from presswear.tools.compile import specialised
 from presswear.tools.exudyn import exudyn_module
 from presswear.tools.packing import pack_arguments
 
@@ -80,167 +78,14 @@ _SOLVED = (
 )
 
 
-def left_out(linkage: Linkage) -> frozenset[str]:
-    """Return the prescribed bodies that only clearance joints connect to the others.
-
-    Joints with friction stay, because the friction needs their forces.
-    """
-    omitted = prescribed_of(linkage)
-    if len(omitted) == len(linkage.bodies):
-        return frozenset()
-    omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
-    while True:
-        joined = [bodies_of(joint) for joint in linkage.joints]
-        connected = frozenset[str]().union(
-            *(bodies for bodies in joined if not bodies <= omitted)
-        )
-        if not connected & omitted:
-            return omitted
-        omitted -= connected
-
-
-def add_bodies(
-    system: Any, linkage: Linkage, start: Start, omitted: frozenset[str]
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Add the bodies in their initial state; returns nodes and objects by body name."""
-    nodes: dict[str, Any] = {}
-    bodies: dict[str, Any] = {GROUND: add(system, "Object", "Ground")}
-    for i, body in enumerate(linkage.bodies):
-        if body.name in omitted:
-            continue
-        # Reference coordinates are zero, so that coordinates are positions.
-        nodes[body.name] = node = add(
-            system,
-            "Node",
-            "RigidBody2D",
-            referenceCoordinates=[0.0, 0.0, 0.0],
-            initialCoordinates=list(start.position[3 * i : 3 * i + 3]),
-            initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
-        )
-        inertia = body.effective_inertia
-        bodies[body.name] = rigid = add(
-            system,
-            "Object",
-            "RigidBody2D",
-            mass=body.mass,
-            inertia=inertia,
-            nodeNumber=node,
-        )
-        if linkage.gravity != 0.0:
-            marker = add(system, "Marker", "BodyMass", bodyNumber=rigid)
-            weight = [0.0, -linkage.gravity, 0.0]
-            add(
-                system,
-                "Load",
-                "MassProportional",
-                markerNumber=marker,
-                loadVector=weight,
-            )
-    return nodes, bodies
-
-
-def add_joints(
-    system: Any,
-    linkage: Linkage,
-    motions: Records,
-    omitted: frozenset[str],
-    nodes: dict[str, Any],
-    bodies: dict[str, Any],
-) -> dict[str, int]:
-    """Add ideal joints, drives and constant loads.
-
-    Returns the object numbers of joints and drives by name.
-    """
-
-    def marker_at(point: Attachment) -> Any:
-        place = [point.x, point.y, 0.0]
-        return add(
-            system,
-            "Marker",
-            "BodyRigid",
-            bodyNumber=bodies[point.body],
-            localPosition=place,
-        )
-
-    objects: dict[str, int] = {}
-    for joint in linkage.revolutes:
-        if not bodies_of(joint) <= omitted:
-            markers = [marker_at(joint.first), marker_at(joint.second)]
-            objects[joint.name] = add(
-                system, "Object", "JointRevolute2D", markerNumbers=markers
-            )
-    for guide in linkage.guides:
-        if guide.body in omitted:
-            continue
-        normal = guide.direction - guide.angle + 0.5 * math.pi
-        on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
-        objects[guide.name] = add(
-            system,
-            "Object",
-            "JointPrismatic2D",
-            markerNumbers=[on_frame, marker_at(Attachment(guide.body, 0.0, 0.0))],
-            axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
-            normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
-            constrainRotation=True,
-        )
-    still = add(system, "Node", "PointGround")
-    fixed = add(system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0)
-    for drive, motion in zip(linkage.drives, motions, strict=True):
-        if drive.body in omitted or not linkage.prescribes(drive):
-            continue
-        driven = add(
-            system,
-            "Marker",
-            "NodeCoordinate",
-            nodeNumber=nodes[drive.body],
-            coordinate=2,
-        )
-        # The constraint is on the velocity. The trapezoidal rule integrates a constant
-        # speed exactly; ``project_state`` corrects the angle of an uneven one.
-        turning: dict[str, Any] = {"offset": drive.speed}
-        if not is_steady(linkage, drive):
-            turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
-        objects[drive.name] = add(
-            system,
-            "Object",
-            "ConnectorCoordinate",
-            markerNumbers=[fixed, driven],
-            velocityLevel=True,
-            **turning,
-        )
-    for load in linkage.dead_loads:
-        if load.body not in omitted:
-            at = marker_at(Attachment(load.body, 0.0, 0.0))
-            add(
-                system,
-                "Load",
-                "ForceVector",
-                markerNumber=at,
-                loadVector=[load.x, load.y, 0.0],
-            )
-            add(
-                system,
-                "Load",
-                "TorqueVector",
-                markerNumber=at,
-                loadVector=[0.0, 0.0, load.moment],
-            )
-    return objects
-
-
-def _speed_function(motion: Records) -> Callable[..., float]:
-    """Return the function that Exudyn calls for the speed of a drive."""
-    return lambda system, t, item, offset: drive_motion(motion, t)[1]
-
-
-def frame_of(
+def body_state_of(
     linkage: Linkage,
     start: Start,
     omitted: frozenset[str],
     records: RecorderState,
     solved: Sequence[Any],
     friction: Friction | None,
-) -> Frame:
+) -> BodyState:
     """Return the coordinates of all bodies from Exudyn's live coordinates and derivatives."""
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
@@ -260,7 +105,7 @@ def frame_of(
     solved_q, solved_v, solved_a = solved
     states = np.zeros((6, len(forces.states)))
     states[STEP_START] = initial_states(forces.states, start.position)
-    return Frame(
+    return BodyState(
         solved_q=solved_q,
         solved_v=solved_v,
         solved_a=solved_a,
@@ -390,8 +235,10 @@ class _Joints:
         self.live = {name: getattr(data, f"Get{name}")(copy=False) for name in _SOLVED}
         *solved, multipliers = self.live.values()
         friction = self._friction(multipliers)
-        frame = frame_of(linkage, start, self.omitted, self.records, solved, friction)
-        self.frame = frame
+        body_state = body_state_of(
+            linkage, start, self.omitted, self.records, solved, friction
+        )
+        self.body_state = body_state
         self.drives = _drives(
             self.system, linkage, self.objects, multipliers, self.records.packed.mass
         )
@@ -400,7 +247,7 @@ class _Joints:
         if friction is not None:
             packed = self.records.packed
             constraints = constraints_of(linkage).system(packed.mass)
-            begin_friction(frame, constraints, packed, self.drives, friction)
+            begin_friction(body_state, constraints, packed, self.drives, friction)
         self.energies = self.records.memory["energy"]
         self.energies[:] = self.records.contacts[
             "energy"
@@ -452,7 +299,12 @@ class _Joints:
         ]
         out = np.frombuffer(self.force) if self.joined else np.zeros(0)
         packed = pack_arguments(
-            self.frame, self.drives, self.records, steps, np.array(rows, np.int64), out
+            self.body_state,
+            self.drives,
+            self.records,
+            steps,
+            np.array(rows, np.int64),
+            out,
         )
         run = specialised(run_task, packed, START, 0.0)
         tasks = FORCES, START, ACCEPTED, SHORTER
@@ -464,7 +316,7 @@ class _Joints:
             plan,
             accept,
             exu.DynamicSolverType.TrapezoidalIndex2,
-            _settings(settings, longest, rubs=self.frame.friction is not None),
+            _settings(settings, longest, rubs=self.body_state.friction is not None),
             longest,
             REMEDY,
             {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
@@ -498,13 +350,13 @@ class _Joints:
 
     def motion(self) -> tuple[float, Array, Array]:
         """Return time, s, coordinates and rates of all bodies; of a failed run before its step."""
-        frame = self.frame
-        if not (np.isfinite(frame.q).all() and np.isfinite(frame.v).all()):
+        body_state = self.body_state
+        if not (np.isfinite(body_state.q).all() and np.isfinite(body_state.v).all()):
             for name in _SOLVED[:3]:
                 get = getattr(self.system.systemData, f"Get{name}")
                 self.live[name][:] = get(exu.ConfigurationType.StartOfStep)
-            refresh(frame, self.solver.time)
-        return self.solver.time, np.array(frame.q), np.array(frame.v)
+            refresh(body_state, self.solver.time)
+        return self.solver.time, np.array(body_state.q), np.array(body_state.v)
 
     def place(self) -> None:
         """Fill the contacts in the present state."""
@@ -521,19 +373,19 @@ class _Joints:
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
-        frame = self.frame
+        body_state = self.body_state
         arrays = dict(
             zip(("q", "v", "a", "multipliers"), self.live.values(), strict=True)
         )
-        arrays |= {"force": self.drives.force, "states": frame.states}
+        arrays |= {"force": self.drives.force, "states": body_state.states}
         if self.omitted:
             arrays |= {
-                "all_q": frame.q,
-                "all_v": frame.v,
-                "all_a": frame.a,
-                "axes": frame.axes,
+                "all_q": body_state.q,
+                "all_v": body_state.v,
+                "all_a": body_state.a,
+                "axes": body_state.axes,
             }
-            arrays["prescribed"] = frame.prescribed.work
+            arrays["prescribed"] = body_state.prescribed.work
         return {name: np.asarray(array) for name, array in arrays.items()}
 
     def diagnostics(self) -> dict[str, float | int | str]:

@@ -43,7 +43,8 @@ from presswear.physics.packed import Packed
 from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import settle
 from presswear.recording.nominal_time import section_at_start
-from presswear.recording.observe import RecorderState, observe
+from presswear.recording.observe import observe
+from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
 from presswear.tools.packing import PackedArguments, unpack

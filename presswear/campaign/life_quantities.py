@@ -1,0 +1,68 @@
+"""Quantities of a service life, from surfaces and from strokes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswear.campaign.replicates import linkage_on
+from presswear.linkage.elements import GuideCorner
+from presswear.physics.dead_centre import bottom_of
+from presswear.physics.statics import total_clearance
+from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of
+from presswear.physics.wear import largest_play, worn_volume
+from presswear.recording.columns import cycle_column
+from presswear.scene.options import CLEARANCES
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, Array]:
+    """Return the quantities of surfaces of shape (histories, joints, 2, bins), m, by key.
+
+    Clearances take long and are computed only if a limit is on one of them.
+    """
+    levels = {}
+    linkage = scene.linkage()
+    for k, joint in enumerate(linkage.clearances):
+        if isinstance(joint, GuideCorner):
+            continue
+        item = depth[:, k, :, : joint.bins]
+        levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
+        levels[f"{joint.name}.wear_volume"] = np.array(
+            [worn_volume(joint, one) for one in item]
+        )
+        if not CLEARANCES.keys().isdisjoint(limited):
+            play = np.array([largest_play(joint, one) for one in item])
+            levels[f"{joint.name}.radial_clearance"] = 0.5 * play
+            levels[f"{joint.name}.diametral_clearance"] = play
+    for guide, walls in walls_of(linkage, depth).items():
+        corner = next(one for one in linkage.corners if one.guide.name == guide)
+        levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
+        volumes = [wall_volume(corner, one) for one in walls]
+        levels[f"{guide}.wear_volume"] = np.array(volumes)
+        tilts = [tilt_between(corner, one) for one in walls]
+        levels[f"{guide}.tilt"] = np.array(tilts)
+    if "total_clearance" in limited:
+        values = [total_clearance(linkage_on(scene, one)) for one in depth]
+        levels["total_clearance"] = np.array(values)
+    return levels
+
+
+def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
+    """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
+    samples = {}
+    for k, joint in enumerate(scene.linkage().clearances):
+        forces = rows[:, :, cycle_column("force_max", k)]
+        samples[f"{joint.name}.force_max"] = forces.mean(axis=1)
+    ideal = bottom_of(scene.ideal)
+    if ideal is not None:
+        off = rows[:, :, cycle_column("bottom_height")] - ideal.height
+        mean = off.mean(axis=1)
+        # Where a history wears out in one stroke, only the histories together have a
+        # variance.
+        is_single = off.shape[1] == 1
+        variance = (
+            np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
+        )
+        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
+    return samples

@@ -1,0 +1,102 @@
+"""Service life as results store it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from presswear.campaign.life_estimate import estimate_life
+from presswear.campaign.refinement import Refinements
+from presswear.campaign.service_life import LifeProblem
+from presswear.recording.statistics import quantile
+from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
+from presswear.scene.scene import Scene
+
+
+def preliminary_life(
+    scene: Scene, problem: LifeProblem, refinements: Refinements
+) -> LifeResult:
+    """Return the life of some refinements that others follow, with the state as its message."""
+    life = life_result(scene, problem, refinements)
+    error = "has an unknown error"
+    if life.error is not None:
+        error = f"has an error of {100.0 * life.error:.2g} %"
+    elif life.sampling is not None:
+        sampling = f"{100.0 * life.sampling:.2g} % by the scatter of the motion"
+        error = f"has an error of {sampling}, and an unknown error of the wear steps"
+    count = len(refinements)
+    message = (
+        f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
+    )
+    return replace(life, ended="preliminary", message=message)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def life_result(
+    scene: Scene, problem: LifeProblem, refinements: Refinements
+) -> LifeResult:
+    """Return the life as results store it."""
+    last = refinements[-1]
+    end = refinements[-1].blocks[-1]
+    life = estimate_life(refinements, problem.limits)
+    ended: Ended = "limit"
+    message = ""
+    if math.isinf(life.strokes):
+        ended = "cycles"
+        message = f"within {last.cycles} cycles of all replicates"
+        if end.strokes >= problem.at_most:
+            ended = "at_most"
+            message = f"within {problem.at_most:.4g} strokes"
+        message = f"no limit is exceeded {message}"
+        if end.ended_by:
+            ended = "worn"
+            message = end.ended_by
+    limits = []
+    for limit in problem.limits:
+        item = estimate_life(refinements, [limit])
+        if last.crossing([limit]) == last.crossing(problem.limits):
+            item = life  # here coarser refinements that another limit ended count too
+        errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
+        reached = (float(values[-1]) for values in last.band(limit.key))
+        limits.append(
+            LimitResult(limit.key, limit.unit, limit.value, *errors, *reached)
+        )
+    stored = []
+    for each in refinements:
+        strokes = each.crossing(problem.limits)
+        error = each.sampling_error(problem.limits)
+        stored.append(
+            RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error))
+        )
+    curves = {"strokes": last.strokes}
+    for key in (*last.blocks[0].levels, *last.blocks[0].samples):
+        value, half = last.band(key)
+        curves[key] = np.column_stack([value, value - half, value + half])
+    # A life is inversely proportional to the wear coefficients, all of them high or low
+    # together.
+    joints = scene.wearing_joints
+    services = problem.services[: end.interval]
+    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
+    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
+    errors = _finite(life.sampling), _finite(life.step), scatter
+    words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
+    strokes = life.strokes if math.isfinite(life.strokes) else end.strokes
+    details = tuple(limits), tuple(stored)
+    settled = tuple(block.settled for block in last.blocks if block.cycles)
+    result = LifeResult(ended, message, strokes, *errors, *details, (), words, curves)
+    return replace(result, settled=settled)
+
+
+def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
+    """Return a message if a life is less accurate than requested, or unknown."""
+    if life.ended != "limit":
+        return [f"the life is not known: {life.message}"]
+    if life.error is not None and life.error <= scene.tolerance:
+        return []
+    fault = "is unknown"
+    if life.error is not None:
+        fault = f"is {100.0 * life.error:.2g} %, above tolerance = {100.0 * scene.tolerance:.2g} %"
+    return [f"the error of the life {fault}: a larger life.max_cycles is needed"]

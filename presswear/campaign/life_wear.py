@@ -1,0 +1,73 @@
+"""Wear between two stages through a service life."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from presswear.campaign import wear_update
+from presswear.campaign.refinement import Refinement, Refinements
+from presswear.linkage.elements import ClearanceJoint
+from presswear.results.stage import WearStep
+from presswear.tools.arrays import Array
+
+
+def wear_between(
+    refinements: Refinements,
+    joints: Sequence[ClearanceJoint],
+    initial: Array,
+    since: float,
+    until: float,
+) -> wear_update.WearUpdate:
+    """Return the wear between two numbers of strokes, interpolated between ends of blocks."""
+    last = refinements[-1]
+    coarser = None
+    surfaces_at = _interpolated(last, initial)
+    added_depth = surfaces_at(until)[1] - surfaces_at(since)[1]
+    if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
+        coarser_at = _interpolated(refinements[-2], initial)
+        coarser = coarser_at(until)[1] - coarser_at(since)[1]
+    steps = []
+    at = since
+    for block in last.blocks:
+        end = min(block.strokes, until)
+        if end <= at:
+            continue
+        depth, material_loss = surfaces_at(end)
+        change = (material_loss - surfaces_at(at)[1]).mean(axis=0) / block.cycles
+        forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
+        steps.append(
+            WearStep(
+                cycles_per_update=end - at,
+                cycles=block.cycles * len(initial),
+                factor=(end - at) / block.cycles,
+                clearance_change=wear_update.largest_change(joints, change),
+                max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
+                peak_force=wear_update.by_joint(joints, forces),
+                wall_s=block.wall_s,
+            )
+        )
+        at = end
+    return wear_update.WearUpdate(
+        surfaces_at(until)[0], added_depth, tuple(steps), coarser
+    )
+
+
+def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
+    """Return a function of strokes: depth of the surfaces and material lost, stacked, m.
+
+    A bushing that was replaced has lost its material all the same.
+    """
+    depth = np.array([initial, *(block.depth for block in refinement.blocks)])
+    added_depth = np.diff(depth, axis=0, prepend=depth[:1])
+    added_depth[1:][[not block.cycles for block in refinement.blocks]] = 0.0
+    values = np.stack([depth, np.cumsum(added_depth, axis=0)], axis=1)
+    ends = np.append(0.0, refinement.strokes)
+
+    def at(strokes: float) -> Array:
+        k = int(np.searchsorted(ends, strokes, side="right"))
+        if k == len(ends):
+            return np.asarray(values[-1])
+        part = (strokes - ends[k - 1]) / (ends[k] - ends[k - 1])
+        return np.asarray(values[k - 1] + part * (values[k] - values[k - 1]))
+
+    return at
