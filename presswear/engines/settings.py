@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
-from presswear.tools.quantities import choice, count, quantity
+from presswear.tools.fields import choice, count, quantity
 from presswear.tools.serialize import Named
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from presswear.linkage.motion_pieces import (
 from presswear.linkage.motor import Motor
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import quantity
+from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4

@@ -8,7 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal, cast
 from presswear.linkage.laws import OILED_WEAR, FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity, quantity
+from presswear.tools.fields import quantity
+from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked, checked_arguments, converted
 
 MapFrame = Literal["fixed", "body"]

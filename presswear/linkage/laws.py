@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import quantity
+from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 

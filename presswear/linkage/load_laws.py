@@ -13,7 +13,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from presswear.linkage.elements import MAX_ANGLE
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Quantity, quantity
+from presswear.tools.fields import quantity
+from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked, make
 from presswear.tools.user_function import UserFunction
 

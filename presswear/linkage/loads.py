@@ -6,7 +6,7 @@ from typing import Annotated, cast
 from presswear.linkage.elements import ANGLE, Attachment
 from presswear.linkage.load_laws import Law, LawOf
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import quantity
+from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked
 
 MAX_LOAD = 1e12  # N or N m; the strongest press has 1e9

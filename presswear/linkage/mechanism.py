@@ -21,7 +21,8 @@ from presswear.linkage.elements import (
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motor import Motor
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import optional, quantity, written
+from presswear.tools.fields import optional, quantity
+from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
 MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m

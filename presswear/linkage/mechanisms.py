@@ -38,7 +38,7 @@ from presswear.linkage.mechanism import (
 )
 from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity, run_up
-from presswear.tools.quantities import choice, quantity
+from presswear.tools.fields import choice, quantity
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ import numpy as np
 from presswear.linkage.elements import ANGLE, MAX_ANGLE
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity, choice
+from presswear.tools.fields import choice
+from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
 MAX_PIECES = 512  # of a motion

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from presswear.linkage.load_laws import LOAD_PARAMETERS
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import quantity
+from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 

@@ -23,7 +23,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.spring import Spring
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import count, quantity
+from presswear.tools.fields import count, quantity
 from presswear.tools.serialize import Checked
 
 # Fields of data classes; without a cycle its time follows from the drives.

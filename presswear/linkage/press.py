@@ -36,7 +36,8 @@ from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity, run_up
 from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import named_set, one_of, quantity, written
+from presswear.tools.fields import named_set, one_of, quantity
+from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
 CRANK_2_START = math.radians(-119.27)

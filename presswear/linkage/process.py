@@ -14,7 +14,8 @@ from typing import Any, ClassVar, Literal
 
 from presswear.linkage.load_laws import OverPosition
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import choice, quantity, written
+from presswear.tools.fields import choice, quantity
+from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
 Extreme = Literal["lowest", "highest"]

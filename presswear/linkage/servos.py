@@ -13,7 +13,8 @@ from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.motion_pieces import RISES, TURN, Rise
 from presswear.linkage.motor import Motor, servo_damping, servo_stiffness
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import choice, quantity, written
+from presswear.tools.fields import choice, quantity
+from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
 # smallest part of the cycle in which the slider comes down to the constant speed

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Annotated, cast
 
 from presswear.linkage.elements import MAX_LENGTH, Attachment, End
-from presswear.tools.quantities import Quantity, quantity
+from presswear.tools.fields import quantity
+from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
 

@@ -8,14 +8,8 @@ from presswear.linkage import elements, laws
 from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import (
-    Quantity,
-    choice,
-    count,
-    named_set,
-    quantity,
-    written,
-)
+from presswear.tools.fields import choice, count, named_set, quantity
+from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 

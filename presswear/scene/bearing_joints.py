@@ -6,7 +6,7 @@ from typing import Any
 from presswear.linkage.elements import CORNERS, Guide
 from presswear.scene.bearing import Bearing
 from presswear.scene.mechanism_kinds import OneMechanism
-from presswear.tools.quantities import Choice
+from presswear.tools.choices import Choice
 
 
 class BearingJoints:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from presswear.linkage import elements, laws
-from presswear.tools.quantities import choice
+from presswear.tools.fields import choice
 from presswear.tools.serialize import Checked
 
 

@@ -7,16 +7,10 @@ from typing import Any
 from presswear.linkage.linkage import Linkage
 from presswear.scene.bearing import SINGLE
 from presswear.scene.scene import Scene
-from presswear.scene.setting_list import (
-    settings_in,
-    settings_of,
-)
+from presswear.scene.setting_list import settings_in, settings_of
+from presswear.tools.choices import NONE, Choice
 from presswear.tools.files import digest
-from presswear.tools.quantities import (
-    NONE,
-    Choice,
-    Quantity,
-)
+from presswear.tools.quantities import Quantity
 from presswear.tools.user_function import UserFunction, is_stored_function
 
 _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences

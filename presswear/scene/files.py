@@ -19,9 +19,10 @@ from presswear.scene.setting_keys import MOTOR, SERVO, TABLES, name_of_key
 from presswear.scene.setting_list import DEFAULT, IN_FILE, Setting, settings_of
 from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.arrays import Array
+from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text, separator_of
-from presswear.tools.quantities import NONE, Choice, Quantity, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.serialize import LARGEST, checked_arguments
 
 SUFFIX = ".toml"

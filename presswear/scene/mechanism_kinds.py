@@ -5,7 +5,7 @@ from typing import Any, cast, get_args
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.press import Press
-from presswear.tools.quantities import Choice
+from presswear.tools.choices import Choice
 from presswear.tools.serialize import make
 
 Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint

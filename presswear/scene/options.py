@@ -8,15 +8,8 @@ from typing import ClassVar, NamedTuple
 
 from presswear.engines import settings
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import (
-    Quantity,
-    choice,
-    count,
-    free_text,
-    parse_quantity,
-    quantity,
-    written,
-)
+from presswear.tools.fields import choice, count, free_text, quantity
+from presswear.tools.quantities import Quantity, parse_quantity, written
 from presswear.tools.serialize import Checked, check_fields
 
 

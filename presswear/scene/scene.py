@@ -35,14 +35,8 @@ from presswear.scene.run_checks import (
 )
 from presswear.scene.stage_names import stage_name
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.quantities import (
-    choice,
-    count,
-    named_set,
-    one_of,
-    quantity,
-    written,
-)
+from presswear.tools.fields import choice, count, named_set, one_of, quantity
+from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked, check_type, converted, from_plain, plain
 from presswear.tools.user_function import UserFunction
 

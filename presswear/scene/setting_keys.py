@@ -8,9 +8,10 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.bearing import DIAMETRAL, DOUBLED, SINGLE
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import Setting, all_settings
+from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.not_modelled import not_modelled
-from presswear.tools.quantities import NONE, SYMBOLS, Choice
+from presswear.tools.symbols import SYMBOLS
 
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 # of a file, too: the settings of a drive, which a file may have without a kind

@@ -8,7 +8,9 @@ from presswear.linkage.elements import OutputPoint
 from presswear.scene.bearing import SINGLE
 from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene
-from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of
+from presswear.tools.choices import NONE, Choice
+from presswear.tools.fields import meaning_of
+from presswear.tools.quantities import Quantity
 from presswear.tools.user_function import UserFunction
 
 SET = "set by the user"  # origin of a value that was changed

@@ -28,6 +28,7 @@ from presswear.sweeps.responses import (
     parse_limits,
     request,
 )
+from presswear.tools.choices import Choice
 from presswear.tools.errors import InputError, RunFailed, not_installed, printable
 from presswear.tools.files import (
     check_ending,
@@ -38,7 +39,6 @@ from presswear.tools.files import (
     write_bytes,
 )
 from presswear.tools.processes import check_jobs
-from presswear.tools.quantities import Choice
 from presswear.tools.serialize import (
     check_type,
     checked_arguments,

@@ -30,16 +30,12 @@ from typing import (
 
 import numpy as np
 
+from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.fields import meaning_of
 from presswear.tools.files import read_checked, write_bytes
-from presswear.tools.quantities import (
-    NONE,
-    SYMBOLS,
-    Choice,
-    Quantity,
-    meaning_of,
-    plain_number,
-)
+from presswear.tools.quantities import Quantity, plain_number
+from presswear.tools.symbols import SYMBOLS
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])

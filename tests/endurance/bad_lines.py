@@ -11,7 +11,8 @@ from typing import Any
 
 from presswear.scene.catalog import SCENES, slider_crank, wear_times
 from presswear.scene.setting_list import settings_of
-from presswear.tools.quantities import Choice, Quantity
+from presswear.tools.choices import Choice
+from presswear.tools.quantities import Quantity
 
 Family = Callable[[Random], list[str]]  # draws a command line of a kind
 

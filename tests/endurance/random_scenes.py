@@ -40,8 +40,10 @@ from presswear.scene.options import Numerics
 from presswear.scene.run_checks import MAX_MASS_RATIO
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.tools.choices import Choice
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
-from presswear.tools.quantities import Choice, Quantity, meaning_of
+from presswear.tools.fields import meaning_of
+from presswear.tools.quantities import Quantity
 from presswear.validation.cases import ENERGY, sound
 
 # Coarsest tolerances at which statistics are usable for wear; coarser ones are reported

@@ -18,7 +18,8 @@ from presswear.physics.statics import deflection
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Quantity, meaning_of
+from presswear.tools.fields import meaning_of
+from presswear.tools.quantities import Quantity
 
 SHORT = (
     r"rod_length = \S+ mm: with crank_length = 50 mm allowed is 50\.005 mm to 10000 mm"

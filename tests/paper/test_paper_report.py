@@ -12,11 +12,14 @@ from known_results import EVEN, every_evidence, every_result, evidence_of, stage
 
 from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
+from presswear.paper.depth_fit import depth_factors, fit
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
+from presswear.paper.tables import case_ratio, long_table, number_table, ratio_table
 from presswear.paper.verdicts import judge
+from presswear.paper.words import printed_text
 from presswear.show.page import FirstScreen, render_page
 from presswear.tools.numbers import readable
 
@@ -32,7 +35,7 @@ def text_of(evidence: Evidence) -> str:
 def test_every_printed_number_and_claim_is_on_the_page() -> None:
     text = text_of(every_evidence())
     for item in PRINTED:
-        assert re.sub(r"\s+", " ", report.printed_text(item)) in text
+        assert re.sub(r"\s+", " ", printed_text(item)) in text
         assert item.misprint in text
     assert all(claim.quote in text for claim in CLAIMS)
 
@@ -62,30 +65,30 @@ def test_tables_show_ours_beside_the_paper() -> None:
     """The depth at A is 20 um after each wear, so 40 um after two and a ratio of two."""
     rows = {
         row[0]: row
-        for _, group in report.number_table(every_evidence()).groups
+        for _, group in number_table(every_evidence()).groups
         for row in group
     }
     assert len(rows) == len(PRINTED) + 6  # six are compared at two stages
     depth = rows["3.5π: deepest wear, joint A, after the second wear (µm), Fig. 8a"]
     assert float(depth[2].split()[0]) == pytest.approx(40.0, rel=0.03)
     assert float(depth[5].split()[0]) == pytest.approx(1178.0 / 40.0, rel=0.03)
-    ((_, ratios),) = report.ratio_table(every_evidence()).groups
+    ((_, ratios),) = ratio_table(every_evidence()).groups
     assert float(ratios[0][2].split()[0]) == pytest.approx(2.0, rel=0.03)
 
 
 def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> None:
     evidence = every_evidence()
-    factors = report.depth_factors(evidence, BASE)
+    factors = depth_factors(evidence, BASE)
     assert (len(factors), len(DOUBTFUL)) == (10, 2)
     even = {place: 2.0 if place in DOUBTFUL else 3.0 for place in factors}
-    assert report.fit(even) == pytest.approx((3.0, 1.0, 1.0))
-    assert math.isnan(report.fit(dict.fromkeys(DOUBTFUL, 1.0))[0])
+    assert fit(even) == pytest.approx((3.0, 1.0, 1.0))
+    assert math.isnan(fit(dict.fromkeys(DOUBTFUL, 1.0))[0])
     places = sorted(even, key=lambda one: one in DOUBTFUL)
     uneven = dict(zip(places, [0.75, 12.0] + [3.0] * 8, strict=True))
-    assert report.fit(uneven) == pytest.approx((3.0, 2.0, 4.0))
+    assert fit(uneven) == pytest.approx((3.0, 2.0, 4.0))
     place = next(number.place for number in PRINTED if number.quantity == "force")
-    assert not report.case_ratio(evidence, place, "force", ("angles", BASE), 1)[1]
-    ((_, rows),) = report.long_table(evidence).groups
+    assert not case_ratio(evidence, place, "force", ("angles", BASE), 1)[1]
+    ((_, rows),) = long_table(evidence).groups
     assert len(rows) == 15
     assert [row[-1] for row in rows].count("no") <= 2
 
@@ -93,8 +96,8 @@ def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> Non
 def test_a_computed_sentence_holds_for_every_depth_of_its_table() -> None:
     """No printed depth is farther from ours than the largest factor that the sentence names."""
     evidence = every_evidence()
-    factors = report.depth_factors(evidence, BASE)
-    best, typical, largest = report.fit(factors)
+    factors = depth_factors(evidence, BASE)
+    best, typical, largest = fit(factors)
     off = [
         max(one / best, best / one)
         for place, one in factors.items()

@@ -18,7 +18,7 @@ from presswear.scene.setting_keys import setting_of
 from presswear.scene.setting_list import settings_of
 from presswear.scene.settings import changed
 from presswear.tools.errors import AssemblyError
-from presswear.tools.quantities import SYMBOLS
+from presswear.tools.symbols import SYMBOLS
 
 CRANK = pw.Scene(mechanism=pw.SliderCrank(), joints="B")
 PRESS = replace(pw.scenes.wear_times(), name="base", title="a scene")

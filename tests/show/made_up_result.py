@@ -15,6 +15,13 @@ from presswear.results.life import (
     LimitResult,
     RefinementResult,
 )
+from presswear.results.stage_statistics import (
+    BottomStatistics,
+    JointStatistics,
+    OutputStatistics,
+    StageStatistics,
+    WearPeak,
+)
 from presswear.scene.conventions import CONVENTIONS
 
 BINS = 72
@@ -57,7 +64,7 @@ def _stage(
     each = pw.Estimate.symmetric(80.0, 12.0, 2)
     turn = 6.0 * np.pi * time / time[-1]
     one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
-    peak = stages.WearPeak(pw.Estimate(float(one.max())), pw.Estimate(np.radians(92.5)))
+    peak = WearPeak(pw.Estimate(float(one.max())), pw.Estimate(np.radians(92.5)))
     for joint in scene.clearance_joints:
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack(
             [np.cos(turn), np.sin(turn)]
@@ -94,9 +101,9 @@ def _stage(
         **{"wear_depth_max_by_replicate": (5e-6,)},
     }
     peaks = dict.fromkeys((*SIDES, "both"), peak)
-    joint_statistics = stages.JointStatistics(**numbers, wear_peaks=peaks)
+    joint_statistics = JointStatistics(**numbers, wear_peaks=peaks)
     each = pw.Estimate.symmetric(0.107, 0.001, 2)
-    output = stages.OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
+    output = OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
     error = pw.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2)
     numbers = {
         **{
@@ -111,11 +118,11 @@ def _stage(
         "delay": pw.Estimate(-3e-3, samples=2),
         "delay_angle": pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
     }
-    bdc = stages.BottomStatistics(**numbers)
+    bdc = BottomStatistics(**numbers)
     names = scene.clearance_joints
     joints = dict.fromkeys(names, joint_statistics)
     solver = "6 bodies, 2 drives"
-    statistics = stages.StageStatistics(2, output=output, bdc=bdc, joints=joints)
+    statistics = StageStatistics(2, output=output, bdc=bdc, joints=joints)
     ended: Any = (index, status, message, None, 2e6, (), float(time[-1]), 1.0)
     last: Any = ({"model": solver, "steps": 4000}, statistics, arrays, names)
     return stages.StageResult(*ended, *last)

@@ -1,0 +1,311 @@
+"""Tables of the report on the paper."""
+
+from collections.abc import Mapping, Sequence
+from typing import get_args
+
+import numpy as np
+
+from presswear.paper import settings, verdicts
+from presswear.paper.depth_fit import depth_factors, fit
+from presswear.paper.evidence import QUANTITIES, Evidence
+from presswear.paper.printed import (
+    DEPTH_RATIOS,
+    DOUBTFUL,
+    PRINTED,
+    RANGES,
+    TEXTS,
+    Place,
+    printed_at,
+)
+from presswear.paper.settings import (
+    BASE,
+    GEOMETRIES,
+    JOINTS,
+    JUDGED,
+    LONG,
+    SETTINGS,
+    WEAR,
+)
+from presswear.paper.verdicts import Judged, compared
+from presswear.paper.words import (
+    comparison_text,
+    detail,
+    joint_text,
+    place_text,
+    printed_text,
+    range_text,
+    stage_text,
+    value_text,
+)
+from presswear.show.page import NOTHING, Line, Table, plain_table, text_of
+from presswear.tools.numbers import readable, whole
+
+SENSITIVE_RATIOS = len(settings.SENSITIVITIES) * len(TEXTS["tables"]["sensitive"])
+
+
+def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
+    """Return every claim with its verdicts, and the details of its comparisons."""
+    lines = []
+    meanings = {}
+    for judged in claims:
+        label = f"§ {judged.claim.where}: “{judged.claim.quote}”"
+        lines.append((label, *(judged.text(case) for case in JUDGED), judged.geometry))
+        details = (detail(evidence, part) for part in judged.claim.parts)
+        meanings[label] = " | ".join(filter(None, (judged.claim.note, *details)))
+    head = ("the paper's words", *GEOMETRIES, "refined conventions", "geometry")
+    return Table(head, (("", tuple(lines)),), numeric=False, meanings=meanings)
+
+
+def count_table(claims: Sequence[Judged]) -> Table:
+    """Return how many claims have which verdict, by case."""
+    lines = (
+        (
+            word,
+            *(str(sum(one.verdict(case) == word for one in claims)) for case in JUDGED),
+        )
+        for word in get_args(verdicts.Verdict)
+    )
+    return plain_table(("claims", *GEOMETRIES, "refined conventions"), lines)
+
+
+def number_table(evidence: Evidence) -> Table:
+    """Return every printed number beside ours."""
+    groups = dict[str, list[Line]]()
+    meanings = dict[str, str]()
+    for number in PRINTED:
+        setting = SETTINGS[number.place.setting]
+        row = QUANTITIES[number.quantity]
+        heading = f"Section {number.section}: {setting.label}"
+        for place in number.places:
+            ours = evidence.measured(BASE, place, number.quantity)
+            label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
+            over = None
+            ranges = list[str]()
+            remarks = [number.misprint]
+            if (
+                ours is not None
+                and ours.estimate.mean > 0.0
+                and number.quantity != "angle"
+            ):
+                over = number.value / ours.estimate.mean
+            for ends in (
+                (ours.single_cycles, ours.first_cycles) if ours else (None, None)
+            ):
+                ranges.append(range_text(ends, row.unit, row.digits))
+            value = value_text(evidence, BASE, place, number.quantity)
+            position = verdicts.position(number, ours)
+            line = (
+                label,
+                printed_text(number),
+                value,
+                *ranges,
+                readable(over),
+                position,
+            )
+            groups.setdefault(heading, []).append(line)
+            if len(number.places) > 1:
+                remarks.append(
+                    "the paper does not say before or after which wear; both are shown"
+                )
+            if ours is not None and ours.differ:
+                remarks.append(
+                    "our replicates differ, so that the interval is over replicates"
+                )
+            if any(remarks):
+                meanings[label] = "; ".join(filter(None, remarks))
+    ours_heads = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
+    head = ("printed number", "paper", *ours_heads, "paper / ours", "printed number is")
+    return Table(
+        head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings
+    )
+
+
+def ratio_table(evidence: Evidence) -> Table:
+    """Return ratios of printed depths beside ours, which do not depend on K_d / b."""
+    lines = []
+    for part in DEPTH_RATIOS:
+        ours = compared(evidence, BASE, part)
+        printed = part.printed
+        assert printed is not None, "only printed depths are compared"
+        texts = (
+            readable(printed),
+            text_of(ours),
+            readable(printed / ours.mean if ours else None),
+        )
+        wide = compared(evidence, BASE, part, len(DEPTH_RATIOS))
+        lines.append((comparison_text(part), *texts, verdicts.agreement(printed, wide)))
+    head = (
+        "ratio of deepest wears",
+        "paper",
+        "ours (95 % interval)",
+        "paper / ours",
+        "the paper",
+    )
+    return plain_table(head, lines, numeric=False)
+
+
+def range_table(evidence: Evidence) -> Table:
+    """Return how much of our wear lies in the printed ranges."""
+    lines = []
+    for figure, joint, arcs in RANGES:
+        degrees = np.degrees(arcs)
+        for setting in (settings.FRICTION, settings.HIGH_FRICTION):
+            place = Place(setting, 1, joint)
+            ours = evidence.wear_map(BASE, place)
+            text = NOTHING
+            if ours is not None:
+                inside_arcs = [
+                    (low <= ours.angle) & (ours.angle <= high) for low, high in arcs
+                ]
+                part = float(
+                    ours.mean[np.any(inside_arcs, axis=0)].sum() / ours.mean.sum()
+                )
+                text = f"{readable(100.0 * part)} %"
+            printed = ", ".join(f"{low:.4g}° to {high:.4g}°" for low, high in degrees)
+            circle = f"{np.diff(degrees).sum() / 3.6:.3g} %"
+            lines.append((joint_text(place), figure, printed, circle, text))
+    head = (
+        "main wear area",
+        "Fig.",
+        "paper",
+        "part of the circle",
+        "part of our wear inside",
+    )
+    return plain_table(head, lines, numeric=False)
+
+
+def geometry_table(evidence: Evidence) -> Table:
+    """Return how each geometry meets the printed peaks of the smooth motion."""
+    lines = []
+    for quantity, wear_updates in TEXTS["tables"]["smooth"]:
+        place = Place(WEAR, wear_updates)
+        texts = (value_text(evidence, name, place, quantity) for name in GEOMETRIES)
+        value = printed_text(printed_at(place, quantity))
+        lines.append((place_text(place, quantity), value, *texts))
+    return plain_table(("", "paper", *GEOMETRIES), lines)
+
+
+def fit_table(evidence: Evidence) -> Table:
+    """Return printed depths divided by ours; a perfect fit would be one number for all."""
+    factors = [depth_factors(evidence, name) for name in JUDGED]
+    lines = []
+    for place in dict.fromkeys(place for one in factors for place in one):
+        doubt = " (doubtful print, left out)" if place in DOUBTFUL else ""
+        lines.append(
+            (joint_text(place) + doubt, *(readable(one.get(place)) for one in factors))
+        )
+    best, typical, largest = zip(*map(fit, factors), strict=True)
+    summary = (
+        ("best factor on K_d / b", *map(readable, best)),
+        (
+            "factor by which single depths miss it, rms of logarithms",
+            *map(readable, typical),
+        ),
+        ("largest of these factors", *map(readable, largest)),
+    )
+    head = ("paper / ours, deepest after the first wear", *JUDGED)
+    return Table(head, (("", tuple(lines)), ("One number for all", summary)))
+
+
+def case_ratio(
+    evidence: Evidence,
+    place: Place,
+    quantity: str,
+    cases: tuple[str, str],
+    count: int,
+) -> tuple[str, bool]:
+    """Return a quantity under a case over that under another, and whether it is not 1.
+
+    It is not 1 if its interval, one of ``count`` that hold together with 95 %, does not
+    hold 1.
+    """
+    pair = [evidence.measured(name, place, quantity) for name in cases]
+    measured = [one for one in pair if one is not None and one.estimate.mean > 0.0]
+    if len(measured) < 2:
+        return text_of(None), False
+    over, under = ([one.estimate] for one in measured)
+    wide = verdicts.ratio(over, under, verdicts.factors_of(measured, count))
+    differs = (
+        wide.low is not None
+        and wide.high is not None
+        and not wide.low <= 1.0 <= wide.high
+    )
+    return text_of(verdicts.ratio(over, under)), differs
+
+
+def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
+    """Return the effect of each changed assumption; failures are messages by case."""
+    shown = [
+        (name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]
+    ]
+    lines = []
+    for name, case in settings.SENSITIVITIES.items():
+        ratios = [
+            case_ratio(evidence, place, quantity, (name, BASE), SENSITIVE_RATIOS)
+            for quantity, place in shown
+        ]
+        cells = (f"{text}{' *' * differs}" for text, differs in ratios)
+        failure = f": {failures[name]}" if name in failures else ""
+        lines.append((f"{case.label}{failure}", *cells))
+    heads = (
+        f"{quantity} {one.joint} {stage_text(one, quantity)}" for quantity, one in shown
+    )
+    return plain_table(("changed alone", *heads), lines)
+
+
+def long_table(evidence: Evidence) -> Table:
+    """Return the standard runs beside those of 200 cycles of each replicate."""
+    lines = []
+    places = [
+        (Place(setting, wear_updates, joint), quantity)
+        for setting in settings.CASES[LONG].settings
+        for quantity, wear_updates in TEXTS["tables"]["long"]
+        for joint in (("",) if quantity in ("velocity", "acceleration") else JOINTS)
+    ]
+    for place, quantity in places:
+        short, long = (
+            evidence.measured(case, place, quantity) for case in (BASE, LONG)
+        )
+        text, differs = case_ratio(evidence, place, quantity, (BASE, LONG), len(places))
+        if short is None or long is None or text == NOTHING:
+            continue
+        cycles = (
+            f"{short.estimate.samples} of {short.replicates}",
+            str(long.estimate.samples),
+        )
+        texts = (value_text(evidence, case, place, quantity) for case in (BASE, LONG))
+        ours = [text for pair in zip(texts, cycles, strict=True) for text in pair]
+        lines.append(
+            (place_text(place, quantity), *ours, text, "no" if differs else "yes")
+        )
+    heads = (
+        "run",
+        "cycles, replicates",
+        "200 of each",
+        "cycles",
+        "ratio",
+        "may be the same",
+    )
+    return plain_table(("", *heads), lines, numeric=False)
+
+
+def run_table(evidence: Evidence) -> Table:
+    """Return cycles, status, energy residual and wall time of each run."""
+    lines = []
+    for name, result in evidence.results.items():
+        statistics = [stage.statistics for stage in result.stages]
+        moving = [one for one in statistics if one.energy_exchanged]
+        residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
+        cycles = ", ".join(whole(one.cycles) for one in statistics)
+        status = f"{result.status}: {result.message}".removesuffix(": ")
+        residual = text_of(max(residuals, default=None), digits=1)
+        wall = text_of(result.wall_s)
+        lines.append((settings.run_label(name), cycles, status, residual, wall))
+    heads = (
+        "run",
+        "cycles of each stage",
+        "status",
+        "energy residual",
+        "wall time (s)",
+    )
+    return plain_table(heads, lines, numeric=False)

@@ -1,0 +1,86 @@
+"""Analysis of a response of a sweep: sensitivity, surrogate, distribution."""
+
+from dataclasses import dataclass
+
+from presswear.sweeps.plan import NOT_RUN, Plan, Table
+from presswear.sweeps.responses import Limit
+from presswear.sweeps.sensitivity import (
+    Points,
+    Sensitivity,
+    Spread,
+    Surrogate,
+    chaotic_share,
+    fit,
+    points_of,
+    sensitivity,
+    spread_of_rows,
+)
+from presswear.tools.errors import InputError
+from presswear.tools.numbers import readable, whole
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Everything that the points of a sweep tell about one response; None where they do not."""
+
+    points: Points
+    sensitivity: Sensitivity | None
+    surrogate: Surrogate | None
+    spread: Spread | None
+    limit: Limit | None
+    notes: tuple[str, ...]
+    failed: str = ""  # see ``failed_text``
+
+
+def failed_text(table: Table) -> str:
+    """Return how many runs failed, whose values every statistic lacks; empty for none."""
+    failed = sum(error not in ("", NOT_RUN) for error in table.errors)
+    return (
+        f"{whole(failed)} of {whole(len(table.errors))} runs failed" if failed else ""
+    )
+
+
+def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
+    """Analyse a response of the rows of a plan, or of those with equal varied values."""
+    points = points_of(table, key)
+    kind = plan.sample.partition(":")[0]
+    notes = []
+    result = surrogate = spread = None
+    try:
+        result = sensitivity(points, kind)
+    except InputError as error:
+        notes.append(f"{error}.")
+    try:
+        surrogate = fit(points)
+    except InputError as error:
+        if plan.sample:
+            notes.append(f"{error}.")
+    scatter = [plan.distributions.get(column.key) for column in points.parameters]
+    complete = [item for item in scatter if item is not None]
+    if len(complete) == len(scatter):
+        reason = "" if surrogate is None else surrogate.outside(complete)
+        if reason:
+            notes.append(f"The surrogate gives no distribution: {reason}.")
+        elif surrogate is not None:
+            spread = surrogate.spread(complete, limit)
+        if spread is None and kind in ("sobol", "latin"):
+            spread = spread_of_rows(table, key, limit)
+    if points.censored.any():
+        count = whole(int(points.censored.sum()))
+        notes.append(
+            f"The values of {count} points are lower bounds; indices use the bounds."
+        )
+    if (chaos := chaotic_share(points)) is not None:
+        notes.append(
+            f"Scatter of chaotic motion is {percent_text(chaos)} of the variance of single runs "
+            f"of {key}; the rest comes from the parameters."
+        )
+    return Analysis(
+        points, result, surrogate, spread, limit, tuple(notes), failed_text(table)
+    )
+
+
+def percent_text(share: tuple[float, float, float]) -> str:
+    """Return a share and its interval in per cent."""
+    value, low, high = (readable(100.0 * part) for part in share)
+    return f"{value} % ({low} to {high} %)"

@@ -1,0 +1,140 @@
+"""Choices: fields that take one of a few words, a named instance or a kind of part."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from presswear.tools.errors import InputError, nearest, shown
+from presswear.tools.user_function import UserFunction
+
+NONE = "none"  # word for an optional part that is absent
+ON = "on"  # word for an optional part of the only kind there is
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Field that takes one of a few words, a named instance, a kind of part, or a free text."""
+
+    # allowed words, or a function of the owner that returns them
+    words: tuple[str, ...] | Any
+    text: str = ""
+    parameters: tuple[str, ...] = ()  # allowed in a user function in place of a word
+    # Words can be combined, except for the last one, which stands for none of them.
+    # Words of one letter may be written side by side, others with commas between.
+    several: bool = False
+    # by name; the field holds one, or a changed one
+    instances: Mapping[str, Any] | None = None
+    # fields that no named instance states: they stay when another name is chosen
+    stays: tuple[str, ...] = ()
+    # classes by kind; the field holds an instance, or None
+    kinds: Mapping[str, Any] | None = None
+    # first values of a part that is either ``on`` or absent: those without a default
+    needed: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    example: str = ""  # of a free text that its owner reads
+
+    unit: ClassVar[str] = ""
+
+    @property
+    def is_part(self) -> bool:
+        """True where the field holds a data class."""
+        return self.instances is not None or self.kinds is not None
+
+    def combine(self, words: Iterable[str]) -> str:
+        """Return several words as one value, in the order in which they are allowed."""
+        chosen = set(words)
+        used = [word for word in self.words[:-1] if word in chosen]
+        joined = "".join(used)
+        is_plain = len(joined) == len(used) and joined not in self.words
+        return (joined if is_plain else ",".join(used)) or self.words[-1]
+
+    def split(self, value: str) -> tuple[str, ...]:
+        """Return the words of a combined value."""
+        if value == self.words[-1]:
+            return ()
+        if value not in self.words and set(value) <= set(self.words):
+            return tuple(value)
+        return tuple(part.strip() for part in value.split(","))
+
+    def allowed(self) -> tuple[str, ...]:
+        """Return the allowed values in words."""
+        if self.example:
+            return (f"such as {self.example}",)
+        can_combine = self.several and len(self.words) > 2
+        several = (
+            [f"several together, as {self.combine(self.words)}"] if can_combine else []
+        )
+        return (
+            *self.words,
+            *several,
+            *(["FILE.py:FUNCTION"] if self.parameters else []),
+        )
+
+    def shown(self, value: Any) -> Any:
+        """Return the word by which a field value is set: a name, a kind, or the value itself."""
+        if self.instances is not None:
+            return next(
+                (
+                    name
+                    for name, one in self.instances.items()
+                    if self._with_fields_that_stay(one, value) == value
+                ),
+                "custom",
+            )
+        if self.kinds is not None:
+            return NONE if value is None else getattr(value, "kind", ON)
+        return value
+
+    def chosen(self, name: str, value: Any, before: Any) -> Any:
+        """Return the field value as ``convert`` does, with the fields that stay as before."""
+        result = self.convert(name, value)
+        is_word = isinstance(value, str)
+        return self._with_fields_that_stay(result, before) if is_word else result
+
+    def _with_fields_that_stay(self, value: Any, before: Any) -> Any:
+        if not self.stays:
+            return value
+        return replace(value, **{key: getattr(before, key) for key in self.stays})
+
+    def convert(self, name: str, value: Any) -> Any:
+        """Return the field value for a word, an instance or stored data; raise InputError."""
+        if self.kinds is not None and value is not None:
+            if isinstance(value, tuple(self.kinds.values())):
+                return value
+            data = _by_name(value) if isinstance(value, Mapping) else {"kind": value}
+            if isinstance(value, str) and value == ON:
+                data |= self.needed
+            kind = data.pop("kind", ON if self.needed else None)
+            self.check(name, kind)
+            return None if kind == NONE else self.kinds[kind](**data)
+        if self.instances is not None:
+            class_ = type(next(iter(self.instances.values())))
+            if isinstance(value, class_):
+                return value
+            if isinstance(value, Mapping):
+                return class_(**_by_name(value))
+            self.check(name, value)
+            return self.instances[value]
+        is_function = callable(value) or isinstance(value, UserFunction | dict)
+        if self.parameters and (is_function or ".py:" in str(value)):
+            return UserFunction.read(name, value, self.parameters)
+        if self.kinds is None:
+            self.check(name, value)
+        return value
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless the value is one of the words, or a text where one is free."""
+        if isinstance(value, str):
+            parts = self.split(value) if self.several else ()
+            is_combined = len(set(parts)) == len(parts) and set(parts) <= set(
+                self.words[:-1]
+            )
+            if self.example or value in self.words or (parts and is_combined):
+                return
+        if self.example:
+            raise InputError(f"{name} = {shown(value)}: a text is expected")
+        allowed = ", ".join(self.allowed()) + nearest(f"{value}", self.words)
+        raise InputError(f"{name} = {shown(value)}: allowed is one of {allowed}")
+
+
+def _by_name(data: Mapping[Any, Any]) -> dict[str, Any]:
+    return {f"{key}": value for key, value in data.items()}
