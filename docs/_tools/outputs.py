@@ -4,7 +4,8 @@
     sphinx-build -D nb_execution_mode=off docs site
 
 The first line executes the pages, stores the cells with their outputs in
-``docs/_outputs``, and writes the table of README.md; the second one shows the cells.
+``docs/_outputs``, and writes the tables of README.md and results.md; the second one
+shows the cells.
 """
 
 import base64
@@ -12,6 +13,7 @@ import io
 from pathlib import Path
 from typing import Any
 
+import columns
 import nbformat
 import readme
 from myst_nb.core.read import read_myst_markdown_notebook
@@ -96,3 +98,4 @@ if __name__ == "__main__":
     for name in pages():
         store(name)
     readme.fill()
+    columns.fill()
