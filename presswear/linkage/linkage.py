@@ -36,7 +36,7 @@ from presswear.linkage.part_checks import (
     check_names,
 )
 from presswear.linkage.parts import Parts, Placing, cycle, gravity, run_up
-from presswear.linkage.spring import Spring
+from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
@@ -65,7 +65,7 @@ class Linkage(Checked):
     run_up: int = run_up()
     name: str = "linkage"
     gravity: float = gravity()
-    springs: tuple[Spring, ...] = ()
+    springs: tuple[AnySpring, ...] = ()
     loads: tuple[AnyLoad, ...] = ()
     clearances: tuple[ClearanceJoint, ...] = ()
     # that stretch; see ``released``
@@ -425,7 +425,7 @@ def _parts_of(linkage: Linkage) -> Parts:
         if isinstance(part, Revolute):
             ends = named(part.first), named(part.second)
             return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
-        if not isinstance(part, Spring | Force | Drive | Follow):
+        if not isinstance(part, AnySpring | Force | Drive | Follow):
             return part
         return type(part)(
             **{item.name: named(getattr(part, item.name)) for item in fields(part)}

@@ -21,7 +21,7 @@ from presswear.linkage.elements import (
     angle,
 )
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
-from presswear.linkage.spring import Spring
+from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.fields import count, quantity
 from presswear.tools.serialize import Checked
@@ -52,7 +52,7 @@ class Parts(Checked):
     bodies: Sequence[Body] = ()
     joints: Sequence[Pin | Revolute | Guide] = ()
     drives: Sequence[Drive] = ()
-    springs: Sequence[Spring] = ()
+    springs: Sequence[AnySpring] = ()
     loads: Sequence[Load | Force | Moment] = ()
 
 
@@ -131,7 +131,7 @@ class Placing:
         at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
         return replace(drive, follow=replace(follow, point=at, direction=at.direction))
 
-    def spring(self, spring: Spring) -> Spring:
+    def spring(self, spring: AnySpring) -> AnySpring:
         """Return a spring between points of two bodies."""
         where = f"spring {spring.name}"
         first = self.point(spring.first, where)

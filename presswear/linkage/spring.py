@@ -1,4 +1,4 @@
-"""Spring and damper between two points."""
+"""Springs with dampers between two points of two bodies: the table ``springs`` of a mechanism."""
 
 from dataclasses import dataclass
 from typing import Annotated, cast
@@ -27,3 +27,8 @@ class Spring(Checked):
     def ends(self) -> tuple[Attachment, Attachment]:
         """Both ends, in an assembled linkage."""
         return cast(tuple[Attachment, Attachment], (self.first, self.second))
+
+
+# Each kind has a name, the points ``first`` and ``second``, and ``ends``. A table of a
+# file is of the kind whose fields it has.
+AnySpring = Spring

@@ -12,11 +12,8 @@ from presswear.linkage.elements import (
     Attachment,
     ClearanceJoint,
     GuideCorner,
-    Joint,
-    ends_of,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.spring import Spring
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.foundation import (
@@ -237,27 +234,6 @@ def effective_mass(linkage: Linkage, points: Iterable[Attachment]) -> float:
             if body.name not in driven:
                 mobility += (point.x**2 + point.y**2) / body.effective_inertia
     return 1.0 / mobility if mobility > 0.0 else math.inf
-
-
-def spring_period(linkage: Linkage) -> float:
-    """Return the shortest period of a body on a spring, elastic joint or servo, s.
-
-    It is 2 pi sqrt(m / k), or 2 pi sqrt(I / k) with the inertia of a servo's body.
-    """
-    bodies = {body.name: body for body in linkage.bodies}
-    shortest = math.inf
-    for drive in linkage.drives:
-        if drive.motor and drive.motor.stiffness and not linkage.prescribes(drive):
-            inertia = bodies[drive.body].effective_inertia
-            ratio = inertia / drive.motor.stiffness
-            shortest = min(shortest, 2.0 * math.pi * math.sqrt(ratio))
-    springs: list[Spring | Joint] = [*linkage.springs, *linkage.elastic_joints]
-    for spring in springs:
-        if spring.stiffness:
-            ends = spring.ends if isinstance(spring, Spring) else ends_of(spring)
-            mass = effective_mass(linkage, ends)
-            shortest = min(shortest, 2.0 * math.pi * math.sqrt(mass / spring.stiffness))
-    return shortest
 
 
 def mass_of(linkage: Linkage) -> Array:

@@ -48,8 +48,9 @@ from presswear.physics.equations.function import model_of, written
 from presswear.physics.equations.layout import initial_states
 from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.interactions.kinds import interactions_of
+from presswear.physics.interactions.spring import spring_period
 from presswear.physics.ledger import Ledger, stored_energy
-from presswear.physics.packed import Packed, spring_period
+from presswear.physics.packed import Packed
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
 from presswear.recording.recorder import Recorder

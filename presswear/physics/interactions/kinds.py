@@ -9,11 +9,11 @@ from presswear.physics.interactions.load import LoadWithLaw
 from presswear.physics.interactions.motor import MotorTorque
 from presswear.physics.interactions.oil import OiledContact
 from presswear.physics.interactions.page import Interaction
-from presswear.physics.interactions.spring import SpringAndDamper
+from presswear.physics.interactions.spring import SPRING_KINDS
 from presswear.physics.packed import Packed
 
 KINDS: tuple[type[Interaction], ...] = (
-    SpringAndDamper,
+    *SPRING_KINDS,
     ElasticPin,
     ElasticGuide,
     LoadWithLaw,

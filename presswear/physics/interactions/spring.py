@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from presswear.linkage.elements import ends_of
 from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.spring import Spring
 from presswear.physics.equations.text import ONE, Vector
 from presswear.physics.interactions.page import Kernels, Page
-from presswear.physics.packed import Packed
+from presswear.physics.packed import Packed, effective_mass
 from presswear.tools.arrays import Array
 from presswear.tools.compile import inlined
 from presswear.tools.errors import InputError
@@ -59,7 +60,7 @@ class SpringAndDamper:
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
         """Return all springs of a linkage."""
-        return [cls(spring) for spring in linkage.springs]
+        return [cls(spring) for spring in _springs_along(linkage)]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -71,7 +72,7 @@ class SpringAndDamper:
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return the elastic energy of all springs, J."""
         energy = 0.0
-        for spring in linkage.springs:
+        for spring in _springs_along(linkage):
             stretch = _distance(linkage, spring, position) - spring.length
             energy += 0.5 * spring.stiffness * stretch * stretch
         return energy
@@ -100,6 +101,15 @@ class SpringAndDamper:
         second.add_force(second.arm(text, second_end, prefix), force.times(f"-{ONE}"))
 
 
+# Kinds of ``linkage.spring.AnySpring``
+SPRING_KINDS = (SpringAndDamper,)
+
+
+def _springs_along(linkage: Linkage) -> list[Spring]:
+    """Return the springs that act along the line between their ends."""
+    return [spring for spring in linkage.springs if isinstance(spring, Spring)]
+
+
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
     """Return the distance of the ends of a spring, m."""
     first, second = (place_of(linkage, end, position.tolist()) for end in spring.ends)
@@ -108,7 +118,7 @@ def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
 
 def check_springs(linkage: Linkage, position: Array) -> None:
     """Raise InputError for a spring whose ends meet in a position, unless its length is 0."""
-    for spring in linkage.springs:
+    for spring in _springs_along(linkage):
         distance = _distance(linkage, spring, position)
         if distance <= ENDS_MEET * spring.length and spring.length > 0.0:
             raise InputError(
@@ -116,3 +126,24 @@ def check_springs(linkage: Linkage, position: Array) -> None:
                 f"{written(spring.length, 'm')} has no direction; allowed is length = 0, a linear "
                 "spring without force there, or ends that lie apart"
             )
+
+
+def spring_period(linkage: Linkage) -> float:
+    """Return the shortest period of a body on a spring, elastic joint or servo, s.
+
+    It is 2 pi sqrt(m / k), or 2 pi sqrt(I / k) with the inertia of a servo's body.
+    """
+    bodies = {body.name: body for body in linkage.bodies}
+    shortest = math.inf
+    for drive in linkage.drives:
+        if drive.motor and drive.motor.stiffness and not linkage.prescribes(drive):
+            inertia = bodies[drive.body].effective_inertia
+            ratio = inertia / drive.motor.stiffness
+            shortest = min(shortest, 2.0 * math.pi * math.sqrt(ratio))
+    springs = [(spring.ends, spring.stiffness) for spring in _springs_along(linkage)]
+    springs += [(ends_of(one), one.stiffness or 0.0) for one in linkage.elastic_joints]
+    for ends, stiffness in springs:
+        if stiffness > 0.0:
+            mass = effective_mass(linkage, ends)
+            shortest = min(shortest, 2.0 * math.pi * math.sqrt(mass / stiffness))
+    return shortest
