@@ -13,9 +13,7 @@ returns the whole force; its elastic part is its value at rest.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
-
-import numpy as np
+from typing import Any, Literal, NamedTuple
 
 from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity
@@ -70,32 +68,8 @@ NORMAL_PARAMETERS = (
 )
 """Parameters of a user normal law: m, m/s, m/s; N/m^n, -, -, m."""
 
-FRICTIONS: Mapping[str, str] = {
-    "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
-    "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
-    "lugre": "bristles that hold and slip, with a state (Canudas de Wit and others)",
-}
-"""Friction laws by name."""
-LUGRE = "lugre"
 FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
 """Parameters of a user friction law: m/s, N, -, m/s, m/s."""
-
-
-def greatest_bristle_damping(
-    coefficient: float, static: float, stribeck: float
-) -> float:
-    """Return the greatest sigma_1, s/m, with which LuGre's friction never drives the sliding.
-
-    Bristles that are bent fully, sigma_0 z = c_s, and then slide at a speed v resist
-    with c_s + sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force.
-    Bristles bent less resist at any speed if these do, because the force is linear in z
-    and at z = 0 it resists.
-    """
-    x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
-    part = np.exp(-x * x)
-    level = coefficient + (static - coefficient) * part  # g
-    steepest = float((part * x * (static / level - 1.0)).max()) * stribeck
-    return static / steepest if steepest > 0.0 else math.inf
 
 
 def hertz_stiffness(
@@ -198,9 +172,9 @@ class NormalLaw:
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Friction law of one joint: one of FRICTIONS, or a user function of FRICTION_PARAMETERS.
+    """Friction law of one joint: a named law, or a user function of FRICTION_PARAMETERS.
 
-    The last four values are those of LuGre's law.
+    The names are those of ``physics.interactions.friction.FRICTIONS``.
     """
 
     coefficient: float = 0.0  # c_f; 0: none, whatever the law
@@ -208,10 +182,7 @@ class FrictionLaw:
     upper: float = 1e-3  # v_1, m/s: full friction above
     name: str = "ramp"
     user_law: UserFunction | None = None  # force along the sliding, N
-    static: float = 0.0  # c_s at rest, at least c_f
-    stribeck: float = 1e-3  # Stribeck speed v_s, m/s
-    bristle_stiffness: float = 1e5  # sigma_0, 1/m, per unit of normal force
-    bristle_damping: float = 10.0  # sigma_1, s/m, per unit of normal force
+    settings: Any = None  # of a law with settings, such as LuGreSettings
 
 
 def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> None:

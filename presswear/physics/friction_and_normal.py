@@ -11,7 +11,6 @@ import numpy as np
 
 from presswear.linkage.laws import (
     FRICTION_PARAMETERS,
-    LUGRE,
     NORMAL_PARAMETERS,
     FrictionLaw,
     NormalLaw,
@@ -44,10 +43,6 @@ FRICTION = np.dtype(
     [
         *floats("coefficient", "lower", "upper"),
         ("force", np.int64),  # its address
-        *floats("static", "stribeck"),
-        *floats(
-            "bristle_stiffness", "bristle_damping"
-        ),  # 0 where the law has no bristles
     ]
 )
 
@@ -265,7 +260,7 @@ def ramp_friction(
     return -math.copysign(coefficient * ramp * normal, sliding)
 
 
-# Friction forces of FRICTION_PARAMETERS by name, but for the one with bristles
+# Friction forces of FRICTION_PARAMETERS by name
 FRICTION_FORCES: dict[str, Any] = {
     "ramp": ramp_friction,
     "threlfall": threlfall_friction,
@@ -278,6 +273,13 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     if law.force == INLINE:
         return ramp_friction(sliding, normal, law.coefficient, law.lower, law.upper)
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
+
+
+@compiled
+def fill_friction(law: Records, sliding: Array, normal: Array, force: Array) -> None:
+    """Fill friction forces, N, at sliding speeds, m/s, under normal forces, N; shape (n,)."""
+    for i in range(sliding.shape[0]):
+        force[i] = friction_force(sliding[i], normal[i], law)
 
 
 ESTIMATED_AT = (
@@ -323,11 +325,6 @@ def friction_record(law: FrictionLaw) -> Records:
     record["lower"] = law.lower
     record["upper"] = law.upper
     force: Any = FRICTION_FORCES.get(law.name)
-    if law.name == LUGRE and law.coefficient > 0.0:
-        record["static"] = max(law.static, law.coefficient)
-        record["stribeck"] = law.stribeck
-        record["bristle_damping"] = law.bristle_damping
-        record["bristle_stiffness"] = law.bristle_stiffness
     if law.user_law is not None:
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
     is_inline = force in (None, ramp_friction)

@@ -1,6 +1,5 @@
 """Inverse dynamics: joint forces and drive torques of the ideal motion."""
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -12,13 +11,11 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition, OverTime
 from presswear.linkage.loads import Force
 from presswear.physics.equations.body_forces import BodyForces
-from presswear.physics.friction_and_normal import friction_force, friction_record
 from presswear.physics.ideal import IdealMotion, Motion
-from presswear.physics.interactions.lugre import stribeck_coefficient
+from presswear.physics.interactions.friction import steady_friction
 from presswear.physics.load_transitions import place_loads, settle_loads
 from presswear.physics.packed import pack
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
@@ -91,22 +88,6 @@ def forces_in_motion(
     return _Friction(linkage, motion, rubbing, forces_of).with_friction(reactions)
 
 
-@compiled
-def fill_steady_friction(
-    law: Records, sliding: Array, normal: Array, force: Array
-) -> None:
-    """Fill friction forces of steady sliding at speeds, m/s, under normal forces, N; shape (n,).
-
-    The deflection of LuGre's law is that of z' = 0.
-    """
-    for i in range(sliding.shape[0]):
-        if law.bristle_stiffness > 0.0:
-            size = normal[i] * stribeck_coefficient(sliding[i], law)
-            force[i] = -math.copysign(size, sliding[i]) if sliding[i] != 0.0 else 0.0
-        else:
-            force[i] = friction_force(sliding[i], normal[i], law)
-
-
 def relative_spins(
     linkage: Linkage, motion: Motion, joints: Sequence[Bushing]
 ) -> tuple[NDArray[np.int64], Array]:
@@ -160,11 +141,10 @@ class _Friction:
         """Return the moments on the pins under joint forces, (n, joints), N and N m."""
         moments = np.zeros_like(size)
         for k, joint in enumerate(self._joints):
-            record = friction_record(joint.friction)
             radius = joint.bearing_radius
-            friction = np.zeros(size.shape[0])
             normal = np.ascontiguousarray(size[:, k])
-            fill_steady_friction(record, radius * self._spin[k], normal, friction)
+            sliding = radius * self._spin[k]
+            friction = steady_friction(joint.friction, sliding, normal)
             moments[:, k] = radius * friction
         return moments
 

@@ -5,6 +5,13 @@ from dataclasses import InitVar, dataclass, fields
 from typing import Any, get_args
 
 from presswear.linkage import elements, laws
+from presswear.physics.friction_and_normal import FRICTION_FORCES
+from presswear.physics.interactions.friction import (
+    FRICTIONS,
+    WITH_SETTINGS,
+    FrictionSettings,
+    settings_of,
+)
 from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
@@ -15,11 +22,6 @@ from presswear.tools.user_function import UserFunction
 
 # width of the friction ramp, m/s; steps inside the ramp shorten with its width
 LEAST_RAMP = 1e-5
-# Bristles make the steps of explicit methods short: a pin that slides by d takes about
-# 0.3 d / z steps, with the deflection z, m, at which bristles slip, and a flight of t
-# about 0.3 t / tau, with the time tau, s, in which bristles relax.
-LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
-LEAST_RELAXATION = 1e-6  # s
 # Pa s; a film of a lower viscosity is too stiff for explicit steps. Petrol has five
 # times as much.
 LEAST_VISCOSITY = 1e-4
@@ -37,13 +39,6 @@ _READ_RIGID = {
     "damping_ratio",
     "parallel_rods",
 }
-# Settings of friction_law = lugre
-_OF_LUGRE = (
-    "static_friction",
-    "stribeck_speed",
-    "bristle_stiffness",
-    "bristle_damping",
-)
 # Settings that each joint has for itself
 SINGLE = "stiffness", "damping_ratio"
 
@@ -67,17 +62,8 @@ def halved(key: str, value: float | str) -> float | str:
 
 
 @dataclass(frozen=True)
-class Bearing(Checked):
-    """Joint with clearance: dimensions, contact laws and materials.
-
-    Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
-    stands for twice the clearance, and ``diameter`` for twice the radius of the bearing,
-    in their place. A clearance can be a fit such as "110 H8/f7": it is then the middle
-    of the fit. A clearance of 0 is a rigid joint with friction: a moment r F_t(r omega,
-    F) of the joint force F; see ``rigid``. A law can be a function of some of
-    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
-    force, N.
-    """
+class DryContact(Checked):
+    """Sizes, materials and laws of a dry contact of a pin with its bearing."""
 
     clearance: float = quantity(
         *(0.3e-3, "m", 0.0, 1.0, "chosen"),
@@ -114,7 +100,7 @@ class Bearing(Checked):
         0.0, "N s/m", 0.0, 1e8, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )
     friction_law: Law = choice(
-        "ramp", tuple(laws.FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
+        "ramp", tuple(FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
     )
     friction: float = quantity(
         0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f"
@@ -125,28 +111,21 @@ class Bearing(Checked):
     upper_speed: float = quantity(
         1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above"
     )
-    static_friction: float | None = quantity(
-        None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; default: c_f"
-    )
-    stribeck_speed: float = quantity(
-        1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
-    )
-    bristle_stiffness: float = quantity(
-        1e5,
-        "1/m",
-        1e2,
-        1e7,
-        "chosen",
-        "sigma_0 of friction_law = lugre, per unit of force",
-    )
-    bristle_damping: float = quantity(
-        10.0,
-        "s/m",
-        1e-2,
-        1e4,
-        "chosen",
-        "sigma_1 of friction_law = lugre, per unit of force",
-    )
+
+
+@dataclass(frozen=True)
+class Bearing(FrictionSettings, DryContact):
+    """Joint with clearance: dimensions, contact laws and materials.
+
+    Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
+    stands for twice the clearance, and ``diameter`` for twice the radius of the bearing,
+    in their place. A clearance can be a fit such as "110 H8/f7": it is then the middle
+    of the fit. A clearance of 0 is a rigid joint with friction: a moment r F_t(r omega,
+    F) of the joint force F; see ``rigid``. A law can be a function of some of
+    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
+    force, N.
+    """
+
     viscosity: float | None = quantity(
         *(None, "Pa s", 1e-5, 1e3, "chosen"),
         "viscosity of a lubricant at running temperature; default: dry",
@@ -209,11 +188,6 @@ class Bearing(Checked):
         self._check_clearance()
         law = self.normal_law
         friction_law = self.friction_law
-        if self.clearance == 0.0 and friction_law == laws.LUGRE:
-            names = ", ".join(name for name in laws.FRICTIONS if name != laws.LUGRE)
-            raise InputError(
-                f"friction_law = {laws.LUGRE}: with clearance = 0 allowed is {names}"
-            )
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"
             least = laws.DAMPINGS[law].least
@@ -226,16 +200,7 @@ class Bearing(Checked):
                 raise InputError(
                     f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m"
                 )
-        if self.static_friction is not None:
-            fault = f"static_friction = {self.static_friction:g}"
-            if self.static_friction < self.friction:
-                raise InputError(
-                    f"{fault}: allowed is {self.friction:g}, the friction, up to 2"
-                )
-            if friction_law != laws.LUGRE:
-                raise InputError(f"{fault}: it needs friction_law = {laws.LUGRE}")
-        if friction_law == laws.LUGRE and self.friction > 0.0:
-            self._check_bristles()
+        self._check_friction_settings()
         if not isinstance(friction_law, str) and self.friction == 0.0:
             raise InputError(
                 f"friction = 0: with friction_law = {friction_law} allowed is above 0"
@@ -267,6 +232,24 @@ class Bearing(Checked):
         if self.has_film:
             self._check_film()
 
+    def _check_friction_settings(self) -> None:
+        """Raise InputError for settings that the friction law refuses or does not read."""
+        for law in WITH_SETTINGS.values():
+            if self.friction_law == law.name:
+                if self.clearance == 0.0:
+                    raise InputError(
+                        f"friction_law = {law.name}: with clearance = 0 allowed is "
+                        f"{', '.join(FRICTION_FORCES)}"
+                    )
+                law.check(self, self.friction)
+                continue
+            for item in fields(law.settings):
+                value = getattr(self, item.name)
+                if item.default is None and value is not None:
+                    raise InputError(
+                        f"{item.name} = {value:g}: it needs friction_law = {law.name}"
+                    )
+
     @property
     def has_film(self) -> bool:
         """True if an oil film acts in the run."""
@@ -296,13 +279,16 @@ class Bearing(Checked):
                 f"film = run: width = {written(self.width, 'm')} is {ratio:.3g} of the diameter of "
                 f"the bearing; allowed is {laws.NARROWEST:g} to {laws.WIDEST:g}, or film = report"
             )
-        for key, allowed in (
-            ("normal_law", ", ".join(laws.DAMPINGS)),
-            ("friction_law", "ramp, threlfall or a user law"),
-        ):
-            law = getattr(self, key)
-            if law == laws.LUGRE or (key == "normal_law" and not isinstance(law, str)):
-                raise InputError(f"{key} = {law}: with film = run allowed is {allowed}")
+        if not isinstance(self.normal_law, str):
+            raise InputError(
+                f"normal_law = {self.normal_law}: with film = run allowed is "
+                f"{', '.join(laws.DAMPINGS)}"
+            )
+        if self.friction_law in [*WITH_SETTINGS]:
+            raise InputError(
+                f"friction_law = {self.friction_law}: with film = run allowed is "
+                f"{', '.join(FRICTION_FORCES)} or a user law"
+            )
         if self.materials.pressure_exponent != 1.0:
             raise InputError(
                 f"pressure_exponent = {self.materials.pressure_exponent:g}: with film = run "
@@ -323,37 +309,6 @@ class Bearing(Checked):
                     f"report; or use {key} = {allowed}"
                 )
 
-    def _check_bristles(self) -> None:
-        """Raise InputError if bristles are too stiff for time steps, or create energy."""
-        stiffness = self.bristle_stiffness
-        damping = self.bristle_damping
-        highest = self.friction / LEAST_SLIP
-        if stiffness > 1.001 * highest:
-            raise InputError(
-                f"bristle_stiffness = {stiffness:g} 1/m: with friction = {self.friction:g} allowed "
-                f"is up to {highest:.4g} 1/m, with which bristles slip at a deflection of "
-                f"{1e9 * LEAST_SLIP:g} nm; 1e5 1/m is usual"
-            )
-        lowest = stiffness * LEAST_RELAXATION
-        if damping < 0.999 * lowest:
-            raise InputError(
-                f"bristle_damping = {damping:g} s/m: with bristle_stiffness = {stiffness:g} 1/m "
-                f"allowed is from {lowest:.4g} s/m, with which bristles relax within "
-                f"{1e6 * LEAST_RELAXATION:g} us"
-            )
-        if self.static_friction is None:
-            return
-        coefficients = self.friction, self.static_friction
-        highest = laws.greatest_bristle_damping(*coefficients, self.stribeck_speed)
-        if damping > highest:
-            speed = written(self.stribeck_speed, "m/s")
-            raise InputError(
-                f"bristle_damping = {damping:g} s/m: with friction = "
-                f"{self.friction:g}, static_friction = {self.static_friction:g} and "
-                f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
-                "more drives the sliding and creates energy"
-            )
-
     @property
     def unread(self) -> tuple[str, ...]:
         """Names of the settings that have no effect with this clearance and these laws."""
@@ -370,8 +325,9 @@ class Bearing(Checked):
             names.append("asperity_pressure")
         if self.viscosity is None:
             names.append("film")
-        if self.friction_law != laws.LUGRE:
-            names += _OF_LUGRE
+        for law in WITH_SETTINGS.values():
+            if self.friction_law != law.name:
+                names += [item.name for item in fields(law.settings)]
         if self.normal_law != laws.KELVIN_VOIGT and not self.has_film:
             names.append("viscous_damping")
         if not self._reads_roughness:
@@ -432,7 +388,5 @@ class Bearing(Checked):
             self.friction_law if isinstance(self.friction_law, UserFunction) else None
         )
         name = "ramp" if function else str(self.friction_law)
-        static = self.friction if self.static_friction is None else self.static_friction
         ramp = self.friction, self.lower_speed, self.upper_speed
-        bristles = self.stribeck_speed, self.bristle_stiffness, self.bristle_damping
-        return laws.FrictionLaw(*ramp, name, function, static, *bristles)
+        return laws.FrictionLaw(*ramp, name, function, settings_of(name, self))

@@ -20,6 +20,7 @@ from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.curve_following import motion_of
+from presswear.physics.interactions.friction import FRICTIONS
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
@@ -125,7 +126,7 @@ def law_cases() -> Iterator[Case]:
         settings: dict[str, Any] = {"normal_law": name, "restitution": nominal}
         if name != laws.KELVIN_VOIGT:
             rows.append((f"{name}, ce = {nominal:g}", "strong damping", settings))
-    for name in laws.FRICTIONS:
+    for name in FRICTIONS:
         settings = {"friction_law": name, "friction": 0.8}
         rows.append((f"{name}, c_f = 0.8", "friction reverses the pin", settings))
     for name, reason, settings in rows:

@@ -20,18 +20,20 @@ from presswear.linkage.elements import MAX_SLIDE, MIN_SLIDE
 from presswear.linkage.laws import (
     DAMPINGS,
     KELVIN_VOIGT,
-    LUGRE,
     Materials,
-    greatest_bristle_damping,
 )
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import GEOMETRIES, Press
+from presswear.physics.interactions.lugre import (
+    LEAST_RELAXATION,
+    LEAST_SLIP,
+    LuGre,
+    greatest_bristle_damping,
+)
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (
     LEAST_CLEARANCE,
     LEAST_RAMP,
-    LEAST_RELAXATION,
-    LEAST_SLIP,
     Bearing,
 )
 from presswear.scene.catalog import slider_crank, wear_times
@@ -118,7 +120,7 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     if values["elasticity"] in ("liu", "foundation"):
         values["exponent"] = 1.5
     held = max(values["static_friction"], values["friction"])
-    values["static_friction"] = held if values["friction_law"] == LUGRE else None
+    values["static_friction"] = held if values["friction_law"] == LuGre.name else None
     most = greatest_bristle_damping(values["friction"], held, values["stribeck_speed"])
     stiffest = min(values["friction"] / LEAST_SLIP, most / LEAST_RELAXATION)
     stiffness = min(values["bristle_stiffness"], stiffest)

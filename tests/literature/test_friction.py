@@ -16,11 +16,17 @@ import presswear as pw
 from presswear.engines.base import Plan, Run
 from presswear.engines.exudyn_joints.interaction_states import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.laws import FrictionLaw, greatest_bristle_damping
+from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.load_laws import OverTime
 from presswear.linkage.loads import Force
-from presswear.physics.friction_and_normal import friction_record
-from presswear.physics.interactions.lugre import bristle_force, bristle_rate
+from presswear.physics.interactions.lugre import (
+    Bristles,
+    LuGreSettings,
+    bristle_force,
+    bristle_rate,
+    bristles_of,
+    greatest_bristle_damping,
+)
 from presswear.validation import reference_problems as references
 
 PRESS = 10.0
@@ -28,7 +34,8 @@ DYNAMIC = 0.1
 STATIC = 0.15
 STRIBECK = 1e-3
 STIFF = 1e4
-LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
+SETTINGS = LuGreSettings(STATIC, STRIBECK, STIFF, 30.0)
+LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", settings=SETTINGS)
 RAMP = FrictionLaw(DYNAMIC, 0.0, 1e-3)
 FINE = InHouse(integration_tolerance=1e-10)
 
@@ -97,7 +104,7 @@ def bristle_step(bristle: float, first: float, last: float, h: float) -> float:
         rates = [bristle_rate(speed, bristle, True, law) for speed in (first, last)]
         return 0.5 * sum(rates)
 
-    law = friction_record(LUGRE)
+    law = bristles_of(LUGRE)
     scale = STATIC / STIFF
     rate = mean_rate(bristle)
     slope = (mean_rate(bristle + scale) - rate) / scale
@@ -141,12 +148,7 @@ def greatest_push(
     coefficient: float, static: float, stribeck: float, damping: float
 ) -> float:
     """Return the greatest force along the sliding, N, of bristles bent by 0 to c_s / sigma_0."""
-    ramp = coefficient, 0.0, 1e-3
-    law = friction_record(
-        FrictionLaw(
-            *ramp, "lugre", None, static, stribeck, STIFF, bristle_damping=damping
-        )
-    )
+    law = Bristles(coefficient, static, stribeck, STIFF, damping)
     return max(
         bristle_force(1.0, speed, bristle, bristle_rate(speed, bristle, True, law), law)
         for speed in stribeck * np.linspace(0.01, 4.0, 200)

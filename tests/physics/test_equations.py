@@ -36,6 +36,7 @@ from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ideal import Motion
+from presswear.physics.interactions.lugre import LuGreSettings
 from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion
@@ -214,7 +215,7 @@ LOADS = (
 UNEVEN = FOUR_BAR.changed(
     drives=[pw.Drive("crank", 30.0, 0.2, harmonics=[(0.1, 0.2), (0.0, -0.05)])]
 )
-BRISTLES = FrictionLaw(0.1, name="lugre", static=0.15)
+BRISTLES = FrictionLaw(0.1, name="lugre", settings=LuGreSettings(static_friction=0.15))
 CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
     "press": (PRESS, "A C", {}),
     "press, one loop of prescribed bodies": (PRESS, "C", {}),

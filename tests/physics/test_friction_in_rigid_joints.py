@@ -7,9 +7,10 @@ import pytest
 
 import presswear as pw
 from presswear.linkage.elements import ClearanceJoint
-from presswear.linkage.laws import LUGRE, FrictionLaw, NormalLaw
+from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.linkage import Linkage
 from presswear.physics.curve_following import motion_of
+from presswear.physics.interactions.lugre import LuGreSettings
 from presswear.physics.inverse_dynamics import (
     check_drives,
     constraint_forces,
@@ -94,7 +95,8 @@ def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
 
 def test_bristles_are_those_of_steady_sliding() -> None:
     linkage = bar(0.05)
-    law = FrictionLaw(0.1, name=LUGRE, static=0.15, stribeck=1e-3)
+    settings = LuGreSettings(static_friction=0.15, stribeck_speed=1e-3)
+    law = FrictionLaw(0.1, name="lugre", settings=settings)
     found = constraint_forces(
         linkage, motion_of(linkage), np.zeros(1), bushings(linkage, "O", law)
     )
