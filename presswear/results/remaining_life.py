@@ -53,6 +53,8 @@ _LEAST_ERROR = 1e-4  # of ln(strokes), below which an error is not resolved
 _SMALLEST = 1e-300  # strokes, against division by zero
 # Greatest part of the strokes ahead in those so far, by which the scatter may grow
 _MOST_AHEAD = 100.0
+# Quantities that the wear of one joint changes
+_OF_ONE_JOINT = (*QUANTITIES.values(), "tilt")
 _DOUBT = 0.01  # probability of residuals below which readings and shape disagree
 
 
@@ -174,7 +176,7 @@ def remaining_life(
     joints: list[JointWear] = []
     lives = {}
     firsts = {}
-    for name in scene.loose_pins:
+    for name in scene.wearing_joints:
         group = [reading for reading in readings if reading.joint == name]
         mine = [limit for limit in limits if limit.joint in (name, "")]
         wear = prior_of(scene.bearing(name).materials.wear_scatter)
@@ -193,7 +195,7 @@ def remaining_life(
 
 def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
     """Raise InputError unless the life of a scene has the courses that readings need."""
-    check_readings(readings, scene.loose_pins)
+    check_readings(readings, scene.wearing_joints)
     limits = scene.life_limits
     if scene.life is None:
         raise InputError(f"readings: {scene.name} has no service life")
@@ -205,7 +207,14 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
         raise InputError("readings: bushings that are serviced are not allowed")
     followed = any(limit.name in CLEARANCES for limit in limits)
     for reading in readings:
-        if reading.quantity in CLEARANCES and not followed:
+        if reading.quantity not in CLEARANCES:
+            continue
+        if reading.joint not in scene.loose_pins:
+            raise InputError(
+                f"readings of {reading.joint}: {reading.quantity} is of a pin; of the walls of a "
+                "guide depth and wear_volume are allowed"
+            )
+        if not followed:
             advice = f"add a limit on it, such as --until '{reading.joint}.clearance > 3 x new'"
             raise InputError(
                 f"readings: the life does not follow {reading.key}; {advice}"
@@ -214,11 +223,11 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
 
 def _predicted(scene: Scene, life: LifeResult) -> tuple[list[Limit], tuple[str, ...]]:
     """Return the limits that readings predict, and remarks on the others."""
-    is_single = len(scene.loose_pins) == 1
+    is_single = len(scene.wearing_joints) == 1
     limits = []
     remarks = []
     for limit in scene.life_limits:
-        if is_single or limit.name in QUANTITIES.values():
+        if is_single or limit.name in _OF_ONE_JOINT:
             limits.append(limit)
             continue
         words = words_of(limit.key)
@@ -356,7 +365,7 @@ def _life_of_joint(
 
 def _new_of(life: LifeResult, limit: Limit) -> float:
     """Return the value of the new machine; that of the first block if none is known."""
-    if limit.name in (*QUANTITIES.values(), "bdc_drift"):
+    if limit.name in (*_OF_ONE_JOINT, "bdc_drift"):
         return limit.new
     return float(life.curves[limit.key][0, 0])
 

@@ -2,6 +2,7 @@
 # mypy: disable-error-code="union-attr,operator,arg-type"
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -134,6 +135,50 @@ def test_a_joint_without_readings_keeps_the_scatter_of_its_materials() -> None:
     assert left.remaining.high == pytest.approx(LIFE - 1e6, rel=5e-3)
     assert left.remaining.low == pytest.approx(ends[0] - 1e6, rel=0.02)
     assert [joint.joint for joint in left.joints] == ["A"]
+
+
+def test_the_walls_of_a_guide_wear_beside_a_pin() -> None:
+    """Depth of B was read; the walls keep the scatter of their materials, or are read too."""
+    scene = scene_with(
+        "depth > 50 um", joints="B, guide", guide_length=0.06, guide_width=0.04
+    )
+    assert [limit.key for limit in scene.life_limits] == ["B.depth", "guide.depth"]
+    result = result_with(scene, depth=depth_after(STROKES))
+    curves = {**result.life.curves, "guide.depth": result.life.curves["B.depth"]}
+    result = replace(result, life=replace(result.life, curves=curves))
+    value = float(depth_after(1e6))
+    pin, wall = (Reading(one, 1e6, "depth", value, 1e-9) for one in ("B", "guide"))
+    left = remaining_life(result, [pin])
+    deviation = math.sqrt(math.log1p(0.5**2))
+    assert left.each["B"].mean == pytest.approx(LIFE, rel=2e-3)
+    ends = LIFE * np.exp(1.96 * deviation * np.array([-1.0, 1.0]))
+    assert [left.each["guide"].low, left.each["guide"].high] == pytest.approx(
+        ends, rel=5e-3
+    )
+    both = remaining_life(result, [pin, wall])
+    assert both.each["guide"].low == pytest.approx(LIFE, rel=2e-3)
+    gap = Reading("guide", 1e6, "radial_clearance", 1e-4, 1e-6)
+    with pytest.raises(pw.InputError, match="radial_clearance is of a pin; of the wal"):
+        remaining_life(result, [gap])
+
+
+def test_a_tilt_between_worn_walls_is_predicted() -> None:
+    """It grows from that of the new guide as the depth, at a tenth of it."""
+    scene = pw.scenes.press_off_centre(
+        wear_updates=1, life=pw.Life(until="guide.tilt > 300 um/m")
+    )
+    (limit,) = scene.life_limits
+    tilt = limit.new + 3.0 * depth_after(STROKES)
+    names = {"depth": depth_after(STROKES), "tilt": tilt}
+    curves = {f"guide.{key}": np.column_stack([one] * 3) for key, one in names.items()}
+    curves["strokes"] = STROKES
+    life = LifeResult("limit", "", 7e6, 0.0, 0.0, 0.9, (), (), curves=curves)
+    result = Result(scene, (), "completed", "", {}, 0.0, None, life)
+    reading = Reading("guide", 1e6, "depth", float(depth_after(1e6)), 1e-9)
+    depth = np.array((limit.value - limit.new) / 3.0)
+    until = float(LAW.archard_depth(depth)) / RATE
+    left = remaining_life(result, [reading])
+    assert left.each["guide"].mean == pytest.approx(until, rel=2e-3)
 
 
 def test_readings_far_from_the_prior_are_used_alone() -> None:
