@@ -26,7 +26,7 @@ USUAL = {
     "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
     "speed": (0.0, 2000.0, "rad/s"),
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
-    "viscosity": (1e-3, 10.0, "Pa s"),  # water at 20 °C; ISO VG 1000 at 10 °C
+    "viscosity": (1e-3, 0.9, "Pa s"),  # water at 20 °C; ISO VG 1000 at 40 °C
     # beyond them the film of oil is not that of the formulas
     "oiled clearance": (1e-5, OILED_CLEARANCE, ""),
     "oiled width": (NARROWEST, WIDEST, ""),

@@ -12,7 +12,6 @@ from presswear.physics.oil_film import film_force, film_of
 from presswear.results.film_orbit import FilmOrbit
 from presswear.results.oil_film import JointFilm, dry_contact, oil_films
 from presswear.scene.bearing import Bearing
-from presswear.scene.plausible import doubts
 from presswear.tools.numbers import readable
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -147,12 +146,3 @@ def test_a_wide_bearing_and_oil_without_a_film_are_named() -> None:
     (sentence,) = dry_contact(thin)
     assert "contact of asperities for 4.0" in sentence
     assert "so that impacts and wear of dry contact are upper bounds." in sentence
-    (doubt,) = [
-        line
-        for line in doubts(pw.scenes.slider_crank(viscosity=100.0))
-        if "viscosity" in line
-    ]
-    assert (
-        doubt
-        == "the viscosity of joint B is 100 Pa s (usual: up to 10.0 Pa s); check the units"
-    )

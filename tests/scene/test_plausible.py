@@ -77,6 +77,8 @@ def test_clearances_and_process_forces() -> None:
         ({"width": "60 mm"}, "the width divided by the diameter of the oiled bearing"),
         ({"width": "2 mm"}, "(usual: at least 0.125)"),
         ({"viscosity": "1e-4 Pa s"}, "the viscosity of joint B is"),
+        # water, whose 1 mPa s was written as Pa s
+        ({"viscosity": "1 Pa s"}, "is 1.00 Pa s (usual: up to 0.900 Pa s)"),
         ({}, ""),
     ],
 )
