@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import presswear as pw
@@ -97,9 +98,32 @@ def test_asperities_far_below_the_film_do_not_wear() -> None:
     assert "while the oil film is that between rigid ones" in str(result)
 
 
+def test_the_working_zone_stands_beside_the_film_of_a_cycle(oiled: pw.Result) -> None:
+    """From the touch of the work to 20 ms after its fracture, with a seventh on both sides."""
+    strokes = oiled.strokes(0)
+    assert strokes is not None
+    touch, fracture = (
+        360.0 * (each[0, 0] % 1.0) for each in (strokes.contact, strokes.fracture)
+    )
+    length = fracture + 360.0 * 0.02 - touch
+    ends = touch - 0.15 * length, touch + 1.15 * length
+    panels = np.array(oiled.plot("oil")).reshape(2, 3)
+    for (full, zone, _), film in zip(
+        panels, run_films(oiled.scene, oiled.stages[0]).values(), strict=True
+    ):
+        assert full.get_xlim() == (0.0, 360.0)
+        assert zone.get_xlim() == pytest.approx(ends, abs=0.01)
+        x, y = zone.lines[0].get_data()
+        inside = (np.asarray(x) > ends[0]) & (np.asarray(x) < ends[1])
+        thickness = np.interp(np.asarray(x)[inside], film.angle, film.thickness)
+        assert np.asarray(y)[inside] == pytest.approx(1e6 * thickness)
+        # The film is least in the work.
+        assert np.asarray(y)[inside].min() == pytest.approx(1e6 * film.thickness.min())
+
+
 def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:
     first, second = film_sentences(oiled.scene, oiled.stages[0])
     assert first.startswith("Joint A: the oil film acts in the run. With 0.02 Pa s")
     assert "full film for 100 % of the time" in second
-    assert len(oiled.plot("oil")) == 4
+    assert len(oiled.plot("oil")) == 6
     assert "Joint C: the oil film acts in the run" in render_report(oiled)

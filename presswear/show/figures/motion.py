@@ -40,6 +40,8 @@ _REACH = 1.3  # greatest height shown, relative to that at which the work is tou
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
+# of panels of the film over the cycle and in the working zone, and of the orbit
+_FILM_WIDTHS = (3.0, 2.0, 2.0)
 _FILM = Pen("oil film", style.LINES[0][0])
 _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
 _ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
@@ -361,7 +363,8 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
 def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the oil film of each joint with a viscosity over the phase of the cycle, and its orbit.
 
-    The orbit is that of the centre of the pin in the circle of the clearance.
+    The orbit is that of the centre of the pin in the circle of the clearance. With work
+    the working zone stands between both.
     """
     scene = result.scene
     in_run = run_films(scene, stages[-1]) if stages else {}
@@ -369,25 +372,54 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     if not films:
         return []
     height = min(0.6 + 2.2 * len(films), _TALLEST)
-    sheet, grid = style.panels(len(films), 2, height)
-    for (axes, circle), (name, film) in zip(grid, films.items(), strict=True):
-        _FILM.draw(axes, film.angle, film.thickness * style.MICRONS)
-        for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
-            axes.axhline(factor * film.roughness * style.MICRONS, **pen.line_style)
-        axes.set_yscale("log")
+    zone = _working_zone(result, stages)
+    widths = _FILM_WIDTHS if zone else _FILM_WIDTHS[::2]
+    sheet, grid = style.panels(len(films), len(widths), height, width_ratios=widths)
+    phase = scene.mechanism.linkage().phase
+    for row, (name, film) in zip(grid, films.items(), strict=True):
+        _draw_film(row[0], film, 1)
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
         title = f"joint {name}: full film for\n{share}"
-        axes.set_title(title, loc="left", fontweight="bold")
-        axes.set_ylabel("film (µm)")
-        axes.set_xlim(0.0, 360.0)
-        axes.xaxis.set_major_locator(MultipleLocator(90.0))
-        _draw_orbit(circle, film)
-    grid[-1, 0].set_xlabel(
-        f"{scene.mechanism.linkage().phase} since the start (degrees)"
-    )
-    grid[-1, 1].set_xlabel("x over the clearance")
+        row[0].set_title(title, loc="left", fontweight="bold")
+        row[0].set_ylabel("film (µm)")
+        row[0].set_xlim(0.0, 360.0)
+        row[0].xaxis.set_major_locator(MultipleLocator(90.0))
+        if zone:
+            _draw_film(row[1], film, 2)  # the zone may reach into the next cycle
+            row[0].axvspan(*zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
+            row[1].set_xlim(*zone)
+            row[1].set_title("working zone\n(grey at the left)", loc="left")
+            row[1].set_xlabel(f"{phase} (degrees)")
+        _draw_orbit(row[-1], film)
+    grid[-1, 0].set_xlabel(f"{phase} since the start (degrees)")
+    grid[-1, -1].set_xlabel("x over the clearance")
     pens = [_FILM, _FULL, _ROUGHNESS]
-    return style.finished("oil", sheet, pens, full=FULL_FILM, in_run=", ".join(in_run))
+    content = {"full": FULL_FILM, "in_run": ", ".join(in_run), "zone": zone}
+    return style.finished("oil", sheet, pens, **content)
+
+
+def _working_zone(result: Result, stages: Stages) -> tuple[float, float] | None:
+    """Return the working zone of the last stage as degrees of the cycle; None without work."""
+    moving = [
+        ShownStage(stage, _FILM)
+        for stage in stages[-1:]
+        if not stage.failed and stage.time.size > 1
+    ]
+    window = sampled(result, moving)[1] if moving else None
+    if window is None or window.zone is None:
+        return None
+    start, end = (window.degrees(time) for time in window.zone)
+    turn = 360.0 * math.floor(start / 360.0)
+    return start - turn, end - turn
+
+
+def _draw_film(axes: Axes, film: JointFilm, cycles: int) -> None:
+    """Draw the least thickness of a film over some cycles, which are equal."""
+    angle = np.add.outer(360.0 * np.arange(cycles), film.angle).ravel()
+    _FILM.draw(axes, angle, np.tile(film.thickness * style.MICRONS, cycles))
+    for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
+        axes.axhline(factor * film.roughness * style.MICRONS, **pen.line_style)
+    axes.set_yscale("log")
 
 
 def _draw_orbit(axes: Axes, film: JointFilm) -> None:

@@ -74,7 +74,7 @@ class Window:
             source.axvspan(*self.zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
             target.yaxis.set_major_formatter(source.yaxis.get_major_formatter())
         zones[0].set_title("working zone (grey at the left)", loc="left")
-        start, end = (self._degrees(time) for time in self.zone)
+        start, end = (self.degrees(time) for time in self.zone)
         marks = MaxNLocator(5, steps=[1.0, 2.0, 5.0, 10.0]).tick_values(start, end)
         times = np.asarray(marks) * self.period / 360.0 + 0.5 * self.run_up
         zones[-1].xaxis.set_major_locator(FixedLocator(times.tolist()))
@@ -82,14 +82,14 @@ class Window:
         zones[-1].set_xlim(*self.zone)
         zones[-1].set_xlabel(f"{self.phase} (degrees)")
 
-    def _degrees(self, time: float) -> float:
+    def degrees(self, time: float) -> float:
         """Return the phase of the cycle since the start at a time, s."""
         return 360.0 * (time - 0.5 * self.run_up) / self.period
 
     def _write_phase(self, axes: Axes) -> None:
         """Write the phase of the cycle in place of the time below a panel."""
         axes.xaxis.set_major_formatter(
-            lambda time, place: f"{round(self._degrees(time), 6):g}"
+            lambda time, place: f"{round(self.degrees(time), 6):g}"
         )
         axes.set_xlabel(f"{self.phase} since the start (degrees)")
 
