@@ -23,8 +23,8 @@ from presswear.tools.arrays import Array
 LEAST_ALLOWED_TILT, ALLOWED_TILT = 20e-6, 50e-6
 STATES = ("free", "one corner", "one face", "two opposite corners", "other")
 _FREE, _CORNER, _FACE, _OPPOSITE, _OTHER = range(len(STATES))
-_MIN_ROWS = 4  # of the series in a contact whose force they show
-_PARTS = np.linspace(0.0, 1.0, 9)[1:-1]  # of the duration of a contact with fewer rows
+_MIN_ROWS = 8  # of the series in a contact whose force they show
+_PARTS = np.linspace(0.0, 1.0, 17)[1:-1]  # of the duration of a contact with fewer rows
 
 
 @dataclass(frozen=True)

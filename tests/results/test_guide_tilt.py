@@ -119,7 +119,7 @@ def test_the_friction_loss_is_that_of_the_energy_balance(result: pw.Result) -> N
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     loss = sum(_load_of(stage.time, one, 0.1).loss(0.0, 2.0) for one in joints)
     total = stage.diagnostics["friction_loss_J"]
-    assert loss == pytest.approx(total, rel=0.02)
+    assert loss == pytest.approx(total, rel=0.01)
 
 
 def test_shares_and_corner_force_by_the_rows(
