@@ -51,9 +51,15 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
 def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
     samples = {}
+    corners: dict[str, list[int]] = {guide.name: [] for guide in scene.worn_guides}
     for k, joint in enumerate(scene.linkage().clearances):
-        forces = rows[:, :, cycle_column("force_max", k)]
-        samples[f"{joint.name}.force_max"] = forces.mean(axis=1)
+        column = cycle_column("force_max", k)
+        samples[f"{joint.name}.force_max"] = rows[:, :, column].mean(axis=1)
+        if isinstance(joint, GuideCorner) and joint.guide.name in corners:
+            corners[joint.guide.name].append(column)
+    for guide, columns in corners.items():
+        greatest = rows[:, :, columns].max(axis=2)
+        samples[f"{guide}.force_max"] = greatest.mean(axis=1)
     ideal = bottom_of(scene.ideal)
     if ideal is not None:
         off = rows[:, :, cycle_column("bottom_height")] - ideal.height

@@ -111,7 +111,7 @@ _CLEARANCE = "travel of the output point between an upward and a downward pull"
 _DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
 _PLAY = "largest play of the worn joint, as a dial gauge or a feeler measures it"
 _TILT = "largest tilt of the slide between the worn walls"
-_FORCE = "peak normal force of a stroke, mean over strokes"
+_FORCE = "peak normal force of a stroke, at a pin or at a corner of a slide, mean over strokes"
 _PIN = ("pin",)
 _ANY = ("pin", "guide")
 FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
@@ -123,7 +123,7 @@ FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by n
     ),
     "radial_clearance": Followed("m", _PIN, "radial clearance", f"half of the {_PLAY}"),
     "diametral_clearance": Followed("m", _PIN, "diametral clearance", _PLAY),
-    "force_max": Followed("N", _PIN, "peak force", _FORCE),
+    "force_max": Followed("N", _ANY, "peak force", _FORCE),
     "tilt": Followed("m/m", ("guide",), "tilt", _TILT),
     "total_clearance": Followed("m", (), "total clearance", _CLEARANCE),
     "bdc_error": Followed(
