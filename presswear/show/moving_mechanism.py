@@ -161,9 +161,9 @@ def _numbers(
     film: Film, period: float, run_up: float, joints: list[int]
 ) -> NDArray[np.int64]:
     """Return the phase, degrees, and the normal forces, N, of each frame, (n, 1 + joints)."""
-    degrees = 360.0 * (film.time - 0.5 * run_up) / period
-    forces = film.joints[:, joints, NORMAL]
-    return np.column_stack([degrees, forces]).round().astype(np.int64)
+    degrees = np.round(360.0 * (film.time - 0.5 * run_up) / period) % 360.0
+    forces = film.joints[:, joints, NORMAL].round()
+    return np.column_stack([degrees, forces]).astype(np.int64)
 
 
 def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> Markup:

@@ -328,6 +328,10 @@ def test_the_working_zone_stands_beside_the_full_turn(
             assert part.get_color() == line.get_color()
     titles = [axes.get_title(loc="left") for axes in panels[:, 1]]
     assert titles[0] == "working zone (grey at the left)"
+    labels = [axes.get_xticklabels() for axes in panels[-1]]
+    degrees = [float(label.get_text()) for row in labels for label in row]
+    assert all(0.0 <= angle < 360.0 for angle in degrees)
+    assert panels[-1, 0].get_xlabel() == "crank angle (degrees)"
 
 
 def test_the_deviation_from_the_ideal_motion_comes_first(blanking: pw.Result) -> None:

@@ -80,18 +80,22 @@ class Window:
         zones[-1].xaxis.set_major_locator(FixedLocator(times.tolist()))
         self._write_phase(zones[-1])
         zones[-1].set_xlim(*self.zone)
-        zones[-1].set_xlabel(f"{self.phase} (degrees)")
 
     def degrees(self, time: float) -> float:
         """Return the phase of the cycle since the start at a time, s."""
         return 360.0 * (time - 0.5 * self.run_up) / self.period
 
     def _write_phase(self, axes: Axes) -> None:
-        """Write the phase of the cycle in place of the time below a panel."""
+        """Write the phase of the cycle in place of the time below a panel.
+
+        That of a stroke is written without whole turns.
+        """
+        turn = 360.0 if self.zone else math.inf
         axes.xaxis.set_major_formatter(
-            lambda time, place: f"{round(self.degrees(time), 6):g}"
+            lambda time, place: f"{round(self.degrees(time), 6) % turn:g}"
         )
-        axes.set_xlabel(f"{self.phase} since the start (degrees)")
+        since = "" if self.zone else " since the start"
+        axes.set_xlabel(f"{self.phase}{since} (degrees)")
 
 
 def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
