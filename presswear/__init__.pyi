@@ -21,6 +21,7 @@ from presswear.linkage.elements import WearLaw as WearLaw
 from presswear.linkage.laws import FrictionLaw as FrictionLaw
 from presswear.linkage.laws import Materials as Materials
 from presswear.linkage.laws import NormalLaw as NormalLaw
+from presswear.linkage.link_drive import LinkDrive as LinkDrive
 from presswear.linkage.linkage import Linkage as Linkage
 from presswear.linkage.linkage import assemble as assemble
 from presswear.linkage.load_laws import Harmonics as Harmonics

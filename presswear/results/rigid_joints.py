@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.elements import Bushing
 from presswear.physics.inverse_dynamics import (
@@ -12,6 +13,7 @@ from presswear.physics.inverse_dynamics import (
     friction_corners,
     load_corners,
 )
+from presswear.physics.packed_loads import sizes_over
 from presswear.results.drive_duty import (
     DriveCurve,
     DriveDuty,
@@ -83,21 +85,49 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     """
     linkage = scene.loaded
     ideal = scene.ideal
-    period = scene.mechanism.period
-    equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
-    # A load can be shorter than a piece. Corners next to an equal instant add nothing.
-    corners = load_corners(
-        linkage, ideal, np.append(equal, scene.run_up + 2.0 * period)
-    )
-    gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
-    time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
-    is_last = time >= equal[_PIECES]
+    time, is_last = _two_cycles(scene)
     components = constraint_forces(linkage, ideal, time)[is_last]
     pins = enumerate(linkage.revolutes)  # each has two columns, x and y
     return time[is_last], {
         pin.name: components[:, 2 * k] + 1j * components[:, 2 * k + 1]
         for k, pin in pins
     }
+
+
+def static_torque(scene: Scene) -> float | None:
+    """Return the greatest torque of the work alone on the only driven crank, N m.
+
+    It is the force of the work times the way of the output for a small angle of the
+    crank, with rigid joints and without friction, weight and inertia. None without a
+    process, or with several driven cranks, which share it.
+    """
+    drives = scene.base_linkage.drives
+    if scene.process is None or len(drives) != 1:
+        return None
+    time, is_last = _two_cycles(scene)
+    motion = scene.ideal.at(time)
+    output = motion.output(scene.base_linkage)
+    rows = np.column_stack([time, output])
+    forces = sizes_over(scene.process_laws.values(), scene.loaded, rows).sum(axis=1)
+    speed = motion.velocity[:, 3 * scene.loaded.index(drives[0].body) + 2]
+    return float(np.abs(forces * output[:, 1] / speed)[is_last].max())
+
+
+def _two_cycles(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
+    """Return times in two cycles after the run-up, s, and whether they are in the second.
+
+    They include the corners of loads. The laws of loads follow the motion through the
+    first cycle.
+    """
+    period = scene.mechanism.period
+    equal = scene.run_up + np.linspace(0.0, 2.0 * period, 2 * _PIECES, endpoint=False)
+    # A load can be shorter than a piece. Corners next to an equal instant add nothing.
+    corners = load_corners(
+        scene.loaded, scene.ideal, np.append(equal, scene.run_up + 2.0 * period)
+    )
+    gaps = np.abs(corners[:, np.newaxis] - equal).min(axis=1)
+    time = np.union1d(equal, corners[gaps > 1e-3 * period / _PIECES])
+    return time, time >= equal[_PIECES]
 
 
 @lru_cache(maxsize=16)

@@ -48,8 +48,10 @@ Law = str | UserFunction | Callable[..., float]
 DIAMETRAL = "diametral_clearance"
 DIAMETER = "diameter"
 DOUBLED = {DIAMETRAL: "clearance", DIAMETER: "bearing_radius"}
-_DIAMETRAL = Quantity("m", 0.0, 2.0, text="clearance in diameter")
-_DIAMETER = Quantity("m", 2e-4, 2.0, text="diameter of the bearing")
+DOUBLED_MEANINGS = {
+    DIAMETRAL: Quantity("m", 0.0, 2.0, text="clearance in diameter"),
+    DIAMETER: Quantity("m", 2e-4, 2.0, text="diameter of the bearing"),
+}
 LEAST_CLEARANCE = 1e-9  # m, of a joint with clearance
 
 
@@ -57,8 +59,7 @@ def halved(key: str, value: float | str) -> float | str:
     """Return half of a value of ``DOUBLED``, m or a text with its unit, as m; a fit as it is."""
     if key == DIAMETRAL and fit_of(value):
         return value
-    meaning = {DIAMETRAL: _DIAMETRAL, DIAMETER: _DIAMETER}[key]
-    return 0.5 * float(meaning.convert(key, value))
+    return 0.5 * float(DOUBLED_MEANINGS[key].convert(key, value))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ import numpy as np
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.press import Press
 from presswear.linkage.surface import SIDES
-from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism
+from presswear.scene.bearing import DOUBLED_MEANINGS
+from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism, Parametric
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import MOTOR, SERVO, TABLES, name_of_key
 from presswear.scene.setting_list import DEFAULT, IN_FILE, Setting, settings_of
@@ -34,10 +35,14 @@ _WITHOUT_KIND = MOTOR, SERVO  # tables whose kind may be left out
 _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
-EXAMPLES = (*MECHANISMS, POINTS)  # kinds of example files
+PRESSES = ("eccentric-press", "knuckle-press", "link-drive")
+"""Examples of heavy presses, with bearings, a process and limits of their own."""
+EXAMPLES = tuple(dict.fromkeys((*MECHANISMS, *PRESSES, POINTS)))  # of files
 _COMMENT = 34  # width of an example file before its comments
 _OPEN = re.compile(r"^(\w+) =$", re.MULTILINE)  # a line that gets the default
 _OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)  # of a line that is switched off
+_HEADING = re.compile(r"^#?\[+(\w+)", re.MULTILINE)  # of a table, also one switched off
+_KIND = re.compile(r'^kind = "(.+?)"', re.MULTILINE)  # of a mechanism, the first kind
 
 
 def example_file(kind: str) -> str:
@@ -49,27 +54,14 @@ def example_file(kind: str) -> str:
         raise InputError(f"name the kind of mechanism: {', '.join(EXAMPLES)}")
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
-    folder = files("presswear.scene")
-    text, first = (
-        folder.joinpath(f"{n}.toml").read_text("utf-8") for n in ("example", kind)
-    )
-    joints = getattr(MECHANISMS.get(kind), "default_joints", "B")
-    named = {
-        "KIND": kind,
-        "MECHANISM": first,
-        "JOINTS": ", ".join(joints),
-        "JOINT": joints[0],
-    }
-    text = re.sub(r"\b(KIND|MECHANISM|JOINTS?)\b", lambda match: named[match[1]], text)
-    defaults = settings_of(Scene(MECHANISMS.get(kind, Press)()))
-    by_key = {setting.key: setting for setting in defaults}
-    text = _OPEN.sub(lambda match: f"{match[0]} {_toml_value(by_key[match[1]])}", text)
+    text = _with_defaults(_joined(kind))
     scene = _scene_of(tomllib.loads(_OFF.sub("", text)), Path(kind))
     meanings = {setting.key: setting.meaning for setting in settings_of(scene)}
+    meanings |= DOUBLED_MEANINGS
     lines = []
     table = ""
     for line in text.splitlines():
-        if heading := re.match(r"#?\[+(\w+)", line):
+        if heading := _HEADING.match(line):
             table = heading[1]
         key = line.lstrip("#").partition(" = ")[0]
         if table in _PARTS:
@@ -81,6 +73,42 @@ def example_file(kind: str) -> str:
             explained = explained.partition(";")[0] + (f" ({words})" if words else "")
         lines.append(f"{line:{_COMMENT}}  # {explained}" if explained else line)
     return "\n".join([*lines, ""])
+
+
+def _joined(kind: str) -> str:
+    """Return the text of an example: its mechanism, and the common tables that it lacks."""
+    mechanism, common = (
+        files("presswear.scene").joinpath(f"{name}.toml").read_text("utf-8").strip()
+        for name in (kind, "example")
+    )
+    tables = _HEADING.findall(mechanism)
+    blocks = [
+        block
+        for block in common.split("\n\n")
+        if not set(_HEADING.findall(block)).intersection(tables)
+    ]
+    joints = getattr(_class_in(mechanism), "default_joints", "B")
+    words = {
+        "KIND": kind,
+        "MECHANISM": mechanism,
+        "JOINTS": ", ".join(joints),
+        "JOINT": joints[0],
+    }
+    pattern = re.compile(rf"\b({'|'.join(words)})\b")
+    return pattern.sub(lambda match: words[match[1]], "\n\n".join(blocks))
+
+
+def _with_defaults(text: str) -> str:
+    """Return the text of an example with the defaults in its lines without a value."""
+    mechanism = _class_in(text) or Press
+    by_key = {setting.key: setting for setting in settings_of(Scene(mechanism()))}
+    return _OPEN.sub(lambda match: f"{match[0]} {_toml_value(by_key[match[1]])}", text)
+
+
+def _class_in(text: str) -> type[Parametric] | None:
+    """Return the class of the mechanism in a text; None if it consists of bodies."""
+    kind = _KIND.search(text)
+    return kind and MECHANISMS.get(kind[1])
 
 
 def _toml_value(setting: Setting) -> str:

@@ -2,13 +2,14 @@
 
 from typing import Any, cast, get_args
 
+from presswear.linkage.link_drive import LinkDrive
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.mechanisms import FourBar, SixBar, SliderCrank, TwoPoint
 from presswear.linkage.press import Press
 from presswear.tools.choices import Choice
 from presswear.tools.serialize import make
 
-Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint
+Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint | LinkDrive
 OneMechanism = Parametric | Linkage
 MECHANISMS: dict[str, type[Parametric]] = {
     one.kind: one for one in get_args(Parametric)

@@ -54,7 +54,7 @@ class Scene(LoadedLinkage, Checked):
 
     Attributes
     ----------
-    mechanism : Press, SliderCrank, FourBar, SixBar, TwoPoint or Linkage
+    mechanism : Press, SliderCrank, FourBar, SixBar, TwoPoint, LinkDrive or Linkage
     bearings : Bearing, or mapping of str to Bearing
         Bearing of every joint with clearance that is not in ``joint_bearings``. A
         mapping gives its joints clearance, each with its bearing.

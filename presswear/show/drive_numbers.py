@@ -5,7 +5,11 @@ from collections.abc import Mapping
 from presswear.recording.statistics import Estimate
 from presswear.results.drive_duty import DriveDuty
 from presswear.results.drives import drives_of
-from presswear.results.rigid_joints import ideal_drives, rubbing_drives
+from presswear.results.rigid_joints import (
+    ideal_drives,
+    rubbing_drives,
+    static_torque,
+)
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.show.key_number import key_of_greatest, measured
@@ -15,6 +19,7 @@ from presswear.tools import numbers
 # Linkages to which a run is compared
 RUBBING = "rigid joints with friction"
 IDEAL = "rigid joints without friction"
+STATIC = "the work alone, static"
 
 
 def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
@@ -56,6 +61,8 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         compared = tuple(
             (words, _peak_text(one, name, unit)) for words, one in rigid.items()
         )
+        if name == "torque" and (static := static_torque(scene)) is not None:
+            compared += ((STATIC, numbers.quantity_text(static, unit)),)
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
             text += "clearance and friction."

@@ -13,13 +13,14 @@ import presswear as pw
 from presswear.physics.curve_following import motion_of
 from presswear.physics.dead_centre import bottom_of
 from presswear.scene.conventions import CONVENTIONS
-from presswear.scene.files import EXAMPLES, example_file, scene_from
+from presswear.scene.files import EXAMPLES, PRESSES, example_file, scene_from
 from presswear.scene.mechanism_kinds import MECHANISMS
 from presswear.scene.settings import changed
 from presswear.tools.serialize import plain
 from presswear.tools.user_function import UserFunction
 
 OFF = re.compile(r"^#(?=[a-z\[])", re.MULTILINE)  # of a line that is switched off
+COMMON = [kind for kind in EXAMPLES if kind not in PRESSES]  # with default bearings
 
 
 def written(folder: Path, text: str) -> Path:
@@ -28,7 +29,7 @@ def written(folder: Path, text: str) -> Path:
     return file
 
 
-@pytest.mark.parametrize("kind", EXAMPLES)
+@pytest.mark.parametrize("kind", COMMON)
 def test_an_example_is_a_scene_with_the_default_mechanism(
     kind: str, tmp_path: Path
 ) -> None:
@@ -48,15 +49,29 @@ def test_an_example_is_a_scene_with_the_default_mechanism(
         default = MECHANISMS[kind]()
         assert plain(scene.mechanism) == approximate(plain(default))
         assert scene.clearance_joints == default.default_joints
-    # Each value has a comment, and no number has more than six digits.
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_each_value_of_an_example_has_a_comment(kind: str) -> None:
+    text = example_file(kind)
     values = [
         line for line in text.split("[bearings]")[-1].splitlines() if " = " in line
     ]
     assert all("  # " in line for line in values)
-    assert not re.search(r"[1-9][0-9.]{7}", text)
+    assert not re.search(r"[1-9][0-9.]{7}", text)  # no more than six digits
 
 
-@pytest.mark.parametrize("kind", EXAMPLES)
+@pytest.mark.parametrize("kind", PRESSES)
+def test_a_press_has_bearings_a_process_and_limits(kind: str, tmp_path: Path) -> None:
+    scene = scene_from(written(tmp_path, example_file(kind)))
+    assert scene.bearings != pw.Bearing()
+    assert scene.bearings.pressure_limit
+    assert isinstance(scene.process, pw.Blanking)
+    assert scene.conventions == CONVENTIONS["refined"]
+    assert pw.Scene.from_dict(scene.as_dict()) == scene
+
+
+@pytest.mark.parametrize("kind", COMMON)
 def test_an_example_has_the_defaults_of_python(kind: str, tmp_path: Path) -> None:
     scene = scene_from(written(tmp_path, example_file(kind)))
     mechanism = scene.mechanism if kind == "points" else MECHANISMS[kind]()

@@ -1,0 +1,223 @@
+"""Presses of ``presswear new`` against closed forms: circles that meet, and d'Alembert.
+
+Nothing here is computed by the program: places are intersections of circles, speeds and
+accelerations their central differences over the crank angle, torques follow from the
+energy and joint forces from the equilibrium of the last link and the slide.
+"""
+
+import cmath
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from test_presses import extreme, heights
+
+import presswear as pw
+from presswear.results.rigid_joints import ideal_drives, ideal_forces, static_torque
+from presswear.scene.files import PRESSES, example_file, scene_from
+from presswear.show.key_numbers import key_numbers
+from presswear.tools.arrays import Array
+from presswear.tools.errors import NARROW
+
+G = 9.81
+STEP = 2.0 * math.pi / 2**17  # rad, of central differences
+TURN = STEP * np.arange(2**17)
+
+
+class Bar(NamedTuple):
+    """Body of an even bar, or a plate: both ends and the inertia about its mass centre."""
+
+    mass: float
+    inertia: float
+    tail: Any
+    head: Any
+    centre: Any
+
+
+def bar(mass: float, tail: Any, head: Any) -> Bar:
+    inertia = mass * np.abs(head - tail)[0] ** 2 / 12.0
+    return Bar(mass, inertia, tail, head, 0.5 * (tail + head))
+
+
+def meeting(p: Any, q: Any, from_p: float, from_q: float, side: float) -> Any:
+    """Return the places at two distances from p and q, on the left (1) or right (-1)."""
+    length = np.abs(q - p)
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    return p + (along + 1j * side * np.sqrt(from_p**2 - along**2)) * (q - p) / length
+
+
+def below(top: Any, length: float) -> Any:
+    """Return the places on the line x = 0 that are a length below others."""
+    return 1j * (top.imag - np.sqrt(length**2 - top.real**2))
+
+
+def eccentric_press(tip: Any) -> dict[str, Bar]:
+    a = 0.15 * tip
+    return {"crank": bar(900.0, 0.0 * a, a), "last": bar(1200.0, a, below(a, 0.9))}
+
+
+def knuckle_press(tip: Any) -> dict[str, Bar]:
+    o = complex(-0.73, -0.7375) + 0.0 * tip
+    a = o + 0.1875 * tip
+    c = meeting(0.0 * tip, a, 0.83, 0.92, side=1.0)
+    links = {"crank": bar(800.0, o, a), "rod": bar(900.0, a, c)}
+    upper = {"upper": bar(800.0, 0.0 * a, c)}
+    return {**links, **upper, "last": bar(800.0, c, below(c, 0.83))}
+
+
+def link_drive(tip: Any) -> dict[str, Bar]:
+    a = 0.26 * tip
+    p = complex(-1.175, -0.375) + 0.0 * tip
+    b = meeting(a, p, 0.8, 0.9, side=-1.0)
+    c = a + (b - a) * cmath.rect(1.175 / 0.8, math.radians(134.0))
+    sides = sum(np.abs(one - other)[0] ** 2 for one, other in ((a, b), (b, c), (c, a)))
+    return {
+        "crank": bar(2000.0, 0.0 * a, a),
+        "plate": Bar(4000.0, 4000.0 * sides / 36.0, a, b, (a + b + c) / 3.0),
+        "rocker": bar(1000.0, p, b),
+        "last": bar(2000.0, c, below(c, 1.175)),
+    }
+
+
+Places = Callable[[Any], Mapping[str, Bar]]
+# links, mass of the slide, strokes a minute, pins of the last link, force of the work
+CASES: dict[str, tuple[Places, float, float, str, float]] = {
+    "eccentric-press": (eccentric_press, 6000.0, 30.0, "AB", 6.3e6),
+    "knuckle-press": (knuckle_press, 5000.0, 30.0, "CD", 6.3e6),
+    "link-drive": (link_drive, 20000.0, 25.0, "CD", 25e6),
+}
+
+
+def scene_of(kind: str, folder: Path) -> pw.Scene:
+    file = folder / f"{kind}.toml"
+    file.write_text(example_file(kind))
+    return scene_from(file)
+
+
+def rate(values: Any, speed: float) -> Any:
+    """Return the rate over time of values over a turn of the crank."""
+    return speed * (np.roll(values, -1) - np.roll(values, 1)) / (2.0 * STEP)
+
+
+def work_on_the_way_down(scene: pw.Scene, height: Array, force: float) -> Array:
+    """Return the force of blanking: up over the rise, constant, and down over the snap."""
+    work: Any = scene.process
+    broken = work.rise + work.plateau * work.thickness
+    depths = (0.0, work.rise, broken, broken + work.snap)
+    result = np.interp(work.height - height, depths, (0.0, force, force, 0.0))
+    return np.where(rate(height, 1.0) < 0.0, result, 0.0)
+
+
+@pytest.mark.parametrize("kind", PRESSES)
+def test_stroke_and_torques_of_a_new_press(kind: str, tmp_path: Path) -> None:
+    places, mass, strokes, pins, size = CASES[kind]
+    scene = scene_of(kind, tmp_path)
+    speed = strokes * math.pi / 30.0
+    bars = places(np.exp(1j * TURN))
+    last = bars["last"]
+    slide = last.head.imag
+    bottom, top = slide.min(), slide.max()
+    assert scene.bottom == pytest.approx(bottom, abs=2e-8)
+    assert scene.stroke == pytest.approx(top - bottom, abs=4e-8)
+    assert 60.0 / scene.mechanism.period == pytest.approx(strokes, rel=1e-12)
+
+    force = work_on_the_way_down(scene, slide - bottom, size)
+    sinking = rate(slide, speed)
+    static = static_torque_of(kind, scene)
+    assert static_torque(scene) == pytest.approx(static, rel=2e-4)
+
+    energy = 0.5 * mass * sinking**2 + mass * G * slide
+    for one in bars.values():
+        velocity = rate(one.centre, speed)
+        turning = rate(one.head - one.tail, speed) / (one.head - one.tail)
+        energy += (
+            0.5 * one.mass * np.abs(velocity) ** 2 + one.mass * G * one.centre.imag
+        )
+        energy += 0.5 * one.inertia * turning.imag**2
+    power = rate(energy, speed) - force * sinking
+    (drive,) = ideal_drives(scene).values()
+    largest = power[np.abs(power).argmax()] / speed
+    assert drive.torque.peak == pytest.approx(largest, rel=1e-3)
+
+    # Equilibrium of the slide, and moments about the upper pin of the last link.
+    push = force - mass * (
+        G + rate(sinking, speed)
+    )  # of the slide on the link, upwards
+    acceleration = rate(rate(last.centre, speed), speed) + 1j * G
+    arm = last.head - last.tail
+    turning = rate((rate(arm, speed) / arm).imag, speed)
+    to_centre = last.centre - last.tail
+    moment = (to_centre.conjugate() * last.mass * acceleration).imag
+    moment += last.inertia * turning
+    lower = (arm.real * push - moment) / arm.imag + 1j * push
+    upper = last.mass * acceleration - lower
+    _, forces = ideal_forces(scene)
+    for pin, expected in zip(pins, (upper, lower), strict=True):
+        peak = float(np.abs(forces[pin]).max())
+        assert peak == pytest.approx(np.abs(expected).max(), rel=1e-3)
+
+
+def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path: Path) -> None:
+    """13 mm above the bottom at 22.2824 degrees, where 6,300 kN need 413,688.18 N m."""
+    scene = scene_of("eccentric-press", tmp_path)
+    height = heights(scene.mechanism.linkage(), math.radians(360.0 - 22.2824))
+    assert 1e3 * (height[0] - scene.bottom) == pytest.approx(13.0, abs=1e-4)
+    assert static_torque(scene) == pytest.approx(413_688.18, abs=0.01)
+
+
+def test_the_two_bottoms_of_the_knuckle_press(tmp_path: Path) -> None:
+    """24.24 degrees apart, and 13.63 um below the place between them."""
+    linkage = scene_of("knuckle-press", tmp_path).mechanism.linkage()
+    turn = np.linspace(0.0, 2.0 * math.pi, 3601)
+    height = heights(linkage, turn)
+    low = np.flatnonzero((height[1:-1] < height[:-2]) & (height[1:-1] < height[2:])) + 1
+    (first, bottom), (second, other) = (extreme(linkage, float(turn[k])) for k in low)
+    assert bottom == pytest.approx(-1.66, abs=1e-9)  # both links in line
+    assert other == pytest.approx(-1.66, abs=1e-9)
+    assert math.degrees(second - first) == pytest.approx(24.24, abs=5e-3)
+    between = heights(linkage, np.linspace(first, second, 201)).max()
+    assert 1e6 * (between - bottom) == pytest.approx(13.63, abs=5e-3)
+
+
+def test_bottom_and_stroke_of_the_link_drive(tmp_path: Path) -> None:
+    """-2609.99985 mm at 270.0392 degrees; 1004.93291 mm."""
+    scene = scene_of("link-drive", tmp_path)
+    angle, bottom = extreme(scene.mechanism.linkage(), math.radians(270.0))
+    assert 1e3 * bottom == pytest.approx(-2609.99985, abs=1e-5)
+    assert math.degrees(angle) == pytest.approx(270.0392, abs=1e-4)
+    assert 1e3 * scene.bottom == pytest.approx(-2609.99985, abs=1e-5)
+    assert 1e3 * scene.stroke == pytest.approx(1004.93291, abs=2e-5)
+
+
+def static_torque_of(kind: str, scene: pw.Scene) -> float:
+    """Return the greatest force of the work times the sinking of the slide, N m."""
+    places, *_, size = CASES[kind]
+    slide = places(np.exp(1j * TURN))["last"].head.imag
+    force = work_on_the_way_down(scene, slide - slide.min(), size)
+    return float(np.abs(force * rate(slide, 1.0)).max())
+
+
+@pytest.mark.parametrize("kind", PRESSES)
+def test_page_one_of_a_new_press(kind: str, tmp_path: Path) -> None:
+    *_, strokes, _, size = CASES[kind]
+    scene = scene_of(kind, tmp_path)
+    shorter = {"wear_updates": 0, "cycles": 3, "replicates": 1}
+    result = pw.run(pw.changed(scene, shorter))
+    numbers = {number.name: number for number in key_numbers(result)}
+    assert float(numbers["Strokes a minute"].value) == strokes
+    stroke = {"eccentric-press": "300 mm", "knuckle-press": "182 mm"}
+    assert numbers["Stroke"].value == stroke.get(kind, "1.00 m")
+    work: Any = scene.process
+    energy = size * (0.5 * work.rise + work.plateau * work.thickness + 0.5 * work.snap)
+    tonnage: Any = result.tonnage(0)
+    assert tonnage.peak_force.mean == pytest.approx(size, rel=1e-6)
+    assert tonnage.work.mean == pytest.approx(energy, rel=2e-3)
+    assert numbers["Working force"].value.startswith(f"{size / 1e6:.0f}")
+    compared = dict(numbers["Peak drive torque"].compared)
+    torque = compared["the work alone, static"].replace(NARROW, "")
+    assert torque.endswith(" kN m")
+    expected = static_torque_of(kind, scene)
+    assert 1e3 * float(torque.split()[0]) == pytest.approx(expected, rel=5e-3)
