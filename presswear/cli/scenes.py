@@ -15,14 +15,15 @@ from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import SUFFIX, example_file
 from presswear.scene.plausible import doubts
 from presswear.scene.scene import ENGINES, Scene
-from presswear.scene.setting_list import applicable_settings_of
+from presswear.scene.setting_groups import settings_in_groups
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError, not_installed, unknown
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import check_ending
 from presswear.tools.quantities import Quantity, parse_quantity
 
 CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
 SHELLS = ("bash", "zsh")
+_REST = "laws of contact, friction, oil and wear, conventions, engines, recording"
 
 
 def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
@@ -35,11 +36,15 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         )
         return 0
     scene = load_scene(arguments.scene)
-    lines = (
-        f"{setting.key:20} {setting.described()}"
-        for setting in applicable_settings_of(scene)
-    )
-    print_lines(console, *lines)
+    groups = settings_in_groups(scene, arguments.all)
+    width = max(len(one.key) for settings in groups.values() for one in settings)
+    for title, settings in groups.items():
+        lines = (f"{one.key:{width}} {one.described()}" for one in settings)
+        print_lines(console, f"{title}:", *lines, "")
+    if not arguments.all:
+        every = settings_in_groups(scene, every=True)
+        rest = sum(map(len, every.values())) - sum(map(len, groups.values()))
+        print_lines(console, f"{rest} more with --all: {_REST}")
     return 0
 
 
@@ -102,10 +107,8 @@ def completion(arguments: argparse.Namespace, console: Console) -> int:
     """Print a script of shtab for completion in a shell."""
     if arguments.shell not in SHELLS:
         raise unknown("shell", arguments.shell, SHELLS)
-    try:
-        import shtab
-    except ImportError:
-        raise not_installed("presswear completion", "shtab", "completion") from None
+    import shtab  # for this command only
+
     # A shell completes word by word: commands of two words are left out.
     names = [name for name in COMMANDS if " " not in name]
     parser, parsers = parser_with(names, names)

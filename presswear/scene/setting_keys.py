@@ -105,5 +105,5 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
         names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
     hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])
     absent = not_modelled(key)
-    others = "." if absent else "; presswear list SCENE shows all keys"
+    others = "." if absent else "; presswear list SCENE --all shows all keys"
     return InputError(f"unknown key {shown(key)}{hint or others} {absent}".rstrip())

@@ -24,6 +24,7 @@ from presswear.cli.parser import parser_for
 from presswear.cli.terminal import logging_to_stderr
 from presswear.results.folder import ResultFolder
 from presswear.scene.files import example_file, scene_from
+from presswear.scene.setting_list import applicable_settings_of
 from presswear.show import report
 
 Command = Callable[..., str]
@@ -35,13 +36,13 @@ list nonsense: nonsense & ideal
 run: scene
 run nonsense: nonsense & wear-times
 run x.toml: x.toml: there is no such file
-run wear-times --set colour=red: unknown key 'colour'; presswear list SCENE shows all keys
+run wear-times --set colour=red: unknown key 'colour'; presswear list SCENE --all shows all keys
 run press.txt: press.txt: expected a scene of presswear list, a file NAME.toml, or a result
 report /dev/null: /dev/null: it is not a folder
 run .: .: expected a scene of presswear list
 run six-bar: six-bar is a mechanism; write a file of it with: presswear new six-bar
 run study.py: study.py is a Python script; run it with: python study.py
-new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, two-point, points
+new: name the kind of mechanism: press, slider-crank, four-bar, six-bar, & link-drive, & points
 run wear-times --set clearance=0.8: clearance & has no unit; known are m, cm, mm
 run wear-times --set length_3=0.1m: assembled & crank angle & joint
 run wear-times --set speed=200rmp: unknown unit 'rmp'; known are rad/s, deg/s, rpm, spm
@@ -183,6 +184,33 @@ def test_verbose_logs_the_stages(
         assert ("verbose" in arguments) == (words != "list ideal")
 
 
+def test_all_settings_are_listed_in_groups(command: Command) -> None:
+    groups: dict[str, list[str]] = {}
+    for line in command("list press-blanking --all").splitlines():
+        if line.endswith(":"):
+            keys = groups.setdefault(line[:-1], [])
+        elif line:
+            keys.append(line.split()[0])
+    scene = pw.scenes.press_blanking()
+    expected = sorted(setting.key for setting in applicable_settings_of(scene))
+    assert sorted(key for keys in groups.values() for key in keys) == expected
+    assert "length_3" in groups["Mechanism"]
+    assert {"exponent", "friction"} <= set(groups["Bearings"])
+    assert {"process.height", "life"} <= set(groups["Process and life"])
+    assert {"joints", "engine", "seed"} <= set(groups["Run"])
+    assert {"conventions", "slip"} <= set(groups["Conventions"])
+    shorter = command("list press-blanking").splitlines()
+    count = len(expected) - sum("  " in line for line in shorter)
+    assert shorter[-1].startswith(f"{count} more with --all: ")
+
+
+def test_the_last_commands_check_the_program() -> None:
+    *_, crosscheck, verify, benchmark = COMMANDS
+    assert [crosscheck, verify, benchmark] == ["crosscheck", "verify", "benchmark"]
+    checks = [name for name, one in COMMANDS.items() if "check the" in one["help"]]
+    assert checks == ["crosscheck", "verify", "benchmark"]
+
+
 @pytest.mark.parametrize("name", ["", *COMMANDS])
 def test_every_help_has_an_example(
     name: str, capsys: pytest.CaptureFixture[str]
@@ -261,9 +289,11 @@ def test_a_new_file_is_listed_drawn_and_run(
     written = Path("mine.toml").read_bytes()
     assert "mine.toml exists; name a new file" in command(f"new {kind} mine.toml", 2)
     assert Path("mine.toml").read_bytes() == written
-    keys = [line.split()[0] for line in command("list mine.toml").splitlines()]
+    lines = command("list mine.toml").splitlines()
+    keys = [line.split()[0] for line in lines if "  " in line]
     assert len(keys) == len(set(keys))
     assert {key, "clearance", "wear_updates"} <= set(keys)
+    assert not {"exponent", "rows_per_cycle", "integrator"} & set(keys)
     command("show mine.toml --at 10ms")
     assert Path("mine.png").read_bytes().startswith(b"\x89PNG")
     equations = command("show mine.toml --equations")

@@ -60,8 +60,8 @@ press | clearence=1mm | unknown key 'clearence'; did you mean clearance\?$
 press | rod_length=1m | unknown key 'rod_length'
 press | Kd=1/Pa | unknown key 'Kd'; did you mean K_d\?$
 press | c_f=0.1 friction=0.2 | c_f and friction are the same setting; set one of them
-crank | geometry=standard | unknown key 'geometry'; presswear list SCENE shows all keys
-crank | hx=1m | unknown key 'hx'; presswear list SCENE shows all keys
+crank | geometry=standard | unknown key 'geometry'; presswear list SCENE --all shows all keys
+crank | hx=1m | unknown key 'hx'; presswear list SCENE --all shows all keys
 press | geometry=round | geometry = 'round': allowed is one of standard
 press | joints= | joints = '': allowed is one of O2, O7, A, .*, none, several together, as O2,O7,A,
 press | joints=F | joints = 'F': allowed is one of O2, O7, A, B, C

@@ -1,0 +1,57 @@
+"""Settings in groups, and those that a user changes first."""
+
+from presswear.scene.bearing import SINGLE
+from presswear.scene.scene import Scene
+from presswear.scene.setting_list import (
+    Setting,
+    applicable_settings_of,
+    settings_in,
+)
+
+_WORK = "Process and life"
+_RUN = "Run"
+# Keys outside the mechanism, the process and the life that a user changes first
+_FIRST = {
+    *("joints", "clearance", "bearing_radius", "width", "materials", "youngs_modulus"),
+    *("wear_coefficient", "friction", "restitution", "viscosity"),
+    *("pressure_limit", "pv_limit"),
+    *("engine", "conventions", "wear_updates", "cycles", "cycles_per_update"),
+    *("max_cycles", "replicates", "tolerance"),
+}
+
+
+def settings_in_groups(scene: Scene, every: bool = False) -> dict[str, list[Setting]]:
+    """Return the settings of a scene by the title of their group.
+
+    They are those that a user changes first, or with ``every`` all of them.
+    """
+    parts = {
+        "Mechanism": scene.mechanism,
+        "Bearings": scene.bearings,
+        "Conventions": scene.conventions,
+        "Engines": scene.numerics,
+        "Recording": scene.recording,
+    }
+    title_of = {
+        setting.key: title
+        for title, part in parts.items()
+        for setting in settings_in(part)
+    }
+    groups: dict[str, list[Setting]] = {
+        title: [] for title in ("Mechanism", "Bearings", _WORK, _RUN, *parts)
+    }
+    for setting in applicable_settings_of(scene):
+        first, _, last = setting.key.rpartition(".")
+        title = title_of.get(setting.key, _RUN)
+        is_first = title == "Mechanism" or setting.key in _FIRST
+        if first in scene.bearing_joints:
+            title = "Bearings"
+            is_first = last in {*_FIRST, *SINGLE}
+        elif setting.key == "conventions":
+            title = "Conventions"
+        elif "process" in (first, last) or "life" in (first, last):
+            title = _WORK
+            is_first = True
+        if every or is_first:
+            groups[title].append(setting)
+    return {title: settings for title, settings in groups.items() if settings}
