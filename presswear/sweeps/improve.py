@@ -5,8 +5,9 @@ as it is.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -17,14 +18,18 @@ from matplotlib.patches import Patch
 from presswear.campaign.runs import run_scenes
 from presswear.linkage.laws import MATERIALS, Materials
 from presswear.recording.statistics import Estimate
+from presswear.results.frame_load import frame_loads
+from presswear.results.guide_tilt import guide_tilts
+from presswear.results.motor_load import leader_speed
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import style
 from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.stroke_numbers import NEGLIGIBLE
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
-from presswear.tools.numbers import large, quantity_text
+from presswear.tools.numbers import large, percent, quantity_text, readable
 
 # factors on the clearance, and on radius and width of a bearing
 CLEARANCE = 0.5
@@ -32,6 +37,9 @@ SIZE = 1.25
 LIFE = "life"
 FORCE = "peak force"
 BOTTOM = "error of bottom dead centre"
+TILT = "tilt of the slide"
+DROP = "drop of the speed by the work"
+REVERSE = "reverse force of the frame over its greatest force"
 PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
 BAR = 0.28  # height of a bar with its gap, inches
@@ -116,9 +124,12 @@ class Improvement:
 
 
 def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Return the settings that are tried, by change; `InputError` if no pin has clearance."""
-    if not scene.loose_pins:
-        raise InputError(f"{scene.name}: no pin has clearance, so none can be improved")
+    """Return the settings that are tried, by change; `InputError` if no joint has clearance."""
+    guides = [guide.name for guide in scene.loose_guides]
+    if not (scene.loose_pins or guides):
+        raise InputError(
+            f"{scene.name}: no joint has clearance, so none can be improved"
+        )
     changes: dict[str, dict[str, Any]] = {}
     for name in scene.loose_pins:
         bearing = scene.bearing(name)
@@ -131,6 +142,18 @@ def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
         }
         for word, pair in MATERIALS.items():
             if _larger_share(pair) < _larger_share(bearing.materials):
+                changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
+    for name in guides:
+        bearing = scene.bearing(name)
+        changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
+            f"{name}.clearance": CLEARANCE * bearing.clearance
+        }
+        changes[f"joint {name}, width times {SIZE:g}"] = {
+            f"{name}.width": SIZE * bearing.width
+        }
+        for word, pair in MATERIALS.items():
+            # All of the wear is at the wall.
+            if pair.wear_coefficient < bearing.materials.wear_coefficient:
                 changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
     return changes
 
@@ -149,7 +172,7 @@ def improve(
     """Run a mechanism as it is and with each change, and return the effects of the changes.
 
     One wear update is run, of as many strokes for each change, and no service life; see
-    `run_scenes` for the other parameters. `InputError` if no pin has clearance, or a
+    `run_scenes` for the other parameters. `InputError` if no joint has clearance, or a
     change does not fit the mechanism; `RunFailed` if the mechanism as it is cannot be
     run.
     """
@@ -185,43 +208,74 @@ def improve(
         # Factors without an interval are the last.
         sign = -1.0 if key == LIFE else 1.0
         items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
-    units = {key: unit for key, unit in ((FORCE, "N"), (BOTTOM, "m")) if key in before}
     after = f" after {large(strokes)} strokes"
-    present = {
-        key: quantity_text(before[key].mean, unit) + after
-        for key, unit in units.items()
-    }
+    texts = {key: _text_of(key, value.mean) for key, value in before.items()}
+    present = {key: text + after for key, text in texts.items() if text}
     return Improvement(effects, failures, present)
 
 
-def _quantities(result: Result) -> dict[str, Estimate]:
-    """Return peak force and error of bottom dead centre on the surfaces after the wear update.
+def _text_of(key: str, value: float) -> str:
+    """Return a quantity in words; nothing for the wear rate, which stands for the life."""
+    if key in (FORCE, BOTTOM):
+        return quantity_text(value, "N" if key == FORCE else "m")
+    if key == TILT:
+        return f"{readable(1e6 * value)} µm/m"
+    return "" if key == LIFE else percent(value)
 
-    And for the life, which is inversely proportional to it, the depth that a stroke
-    wears.
+
+def _quantities(result: Result) -> dict[str, Estimate]:
+    """Return numbers of the surfaces after the wear update, by quantity.
+
+    They are the peak force and the error of bottom dead centre, and what guides, motors
+    and frames have. For the life, which is inversely proportional to it, it is the depth
+    that a stroke wears.
     """
-    first = result.stages[0]
-    last = result.stages[-1].statistics
-    pins = result.scene.loose_pins
-    peaks = [first.statistics.joints[name].wear_peaks.items() for name in pins]
-    per_stroke = 1.0 / first.cycles_per_update
-    depths = [
-        peak.depth.scaled(per_stroke)
-        for joint in peaks
-        for side, peak in joint
-        if side != "both"
-    ]
-    forces = [last.joints[name].peak_force_per_cycle for name in pins]
+    scene, stage = result.scene, result.stages[-1]
+    joints, bottom = stage.statistics.joints, stage.statistics.bdc
+    tilts = guide_tilts(scene, stage).values()
+    speed = leader_speed(scene, stage)
+    forces = [joints[name].peak_force_per_cycle for name in scene.loose_pins]
+    forces += [tilt.corner_force for tilt in tilts if tilt.corner_force]
     greatest = {
-        LIFE: max(depths, key=attrgetter("mean"), default=None),
-        FORCE: max(forces, key=attrgetter("mean"), default=None),
-        BOTTOM: last.bdc.error if last.bdc else None,
+        LIFE: _greatest(_depths_per_stroke(result)),
+        FORCE: _greatest(forces),
+        BOTTOM: bottom.error
+        if bottom and abs(bottom.error.mean) > NEGLIGIBLE
+        else None,
+        TILT: _greatest([tilt.working for tilt in tilts if tilt.working]),
+        DROP: speed.drop if speed else None,
+        REVERSE: _greatest(
+            [
+                load.reverse_fraction
+                for load in frame_loads(scene, stage).values()
+                if load.reverse_fraction
+            ]
+        ),
     }
     return {
         key: value
         for key, value in greatest.items()
         if value is not None and value.mean
     }
+
+
+def _depths_per_stroke(result: Result) -> list[Estimate]:
+    """Return the depths that a stroke wears off each side of the pins, and off each wall, m."""
+    first = result.stages[0]
+    statistics = first.statistics
+    per_stroke = 1.0 / first.cycles_per_update
+    depths = [
+        peak.depth.scaled(per_stroke)
+        for name in result.scene.loose_pins
+        for side, peak in statistics.joints[name].wear_peaks.items()
+        if side != "both"
+    ]
+    walls = (sides.values() for sides in statistics.walls.values())
+    return depths + [wall.depth_per_cycle for wall in chain.from_iterable(walls)]
+
+
+def _greatest(estimates: Sequence[Estimate]) -> Estimate | None:
+    return max(estimates, key=attrgetter("mean"), default=None)
 
 
 def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:

@@ -10,8 +10,11 @@ import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.sweeps.improve import (
     BOTTOM,
+    DROP,
     FORCE,
     LIFE,
+    REVERSE,
+    TILT,
     Improvement,
     _effect,
     changes_of,
@@ -35,8 +38,62 @@ def test_each_joint_is_changed_in_each_way() -> None:
     changes = changes_of(pw.scenes.wear_times(materials="304L-304L"))
     words = {change.rpartition(" ")[2] for change in changes if "materials" in change}
     assert words == {"paper", "316L-304L"}
-    with pytest.raises(InputError, match="no pin has clearance"):
+    with pytest.raises(InputError, match="no joint has clearance"):
         changes_of(pw.scenes.ideal())
+
+
+def test_a_guide_is_improved(tmp_path: Path) -> None:
+    """Half of the clearance is half of the tilt, and wear of the walls goes as 1 / width."""
+    settings = {"cycles": 4, "replicates": 2, "cycles_per_update": 1e3}
+    found = improve(pw.scenes.press_off_centre(**settings), tmp_path, jobs=1)
+    assert list(found.effects) == [LIFE, FORCE, TILT]
+    factors = {
+        key: {item.change: item.factor.mean for item in items}
+        for key, items in found.effects.items()
+    }
+    half, wide = "joint guide, clearance times 0.5", "joint guide, width times 1.25"
+    assert factors[LIFE][wide] == pytest.approx(1.25, rel=0.1)
+    assert factors[FORCE][half] < 0.8
+    # Of 254 um/m, 250 are those of the clearance.
+    assert factors[TILT][half] == pytest.approx(0.5, abs=0.05)
+    assert "tilt of the slide, now 2" in found.heading(TILT)
+    assert found.heading(TILT).endswith("µm/m after 1\u202f000 strokes")
+
+
+def test_speed_and_frame_of_a_press_are_followed(tmp_path: Path) -> None:
+    press = pw.SliderCrank(
+        crank_length="40 mm",
+        rod_length="600 mm",
+        crank_mass="60 kg",
+        rod_mass="50 kg",
+        slider_mass="300 kg",
+        gravity=0.0,
+        speed="60 rpm",
+        frame_mass=600.0,
+        frame_stiffness=0.5e9,
+        motor=pw.Motor("3 N m", ratio=24, slip=0.08, inertia="0.041 kg m^2"),
+    )
+    sheet = pw.Blanking(
+        force="100 kN",
+        height="5 mm",
+        thickness="3 mm",
+        plateau=0.4,
+        rise="0.2 mm",
+        snap="0.15 mm",
+    )
+    bearing = pw.Bearing(clearance="0.05 mm", bearing_radius="40 mm", width="80 mm")
+    settings = {"cycles": 3, "replicates": 1, "cycles_per_update": 1e3}
+    scene = pw.Scene(
+        press, process=sheet, bearings={"B": bearing}, engine="dae", **settings
+    )
+    found = improve(scene, tmp_path, jobs=1)
+    assert {DROP, REVERSE} <= found.effects.keys()
+    assert found.present[DROP].startswith("1")
+    assert found.present[DROP].endswith("% after 1\u202f000 strokes")
+    # A pin changes neither by much.
+    for key in (DROP, REVERSE):
+        factors = [item.factor.mean for item in found.effects[key]]
+        assert factors == pytest.approx([1.0] * len(factors), abs=0.1)
 
 
 def test_factors_have_the_intervals_of_ratios() -> None:
