@@ -53,7 +53,7 @@ _DEVIATIONS = {
     "h": (0,) * len(_SIZES),
 }
 _FIT = re.compile(
-    r"\s*(?:(\d+(?:\.\d+)?)(?:\s*mm)?\s+)?([A-Z]{1,2})(\d{1,2})\s*/\s*([a-z]{1,2})(\d{1,2})\s*"
+    r"\s*(?:[Øø⌀]?\s*(\d+(?:\.\d+)?)(?:\s*mm)?\s*)?([A-Z]{1,2})(\d{1,2})\s*/\s*([a-z]{1,2})(\d{1,2})\s*"
 )
 _NEAR = 0.01  # greatest difference of the diameter of a bearing from that of its fit, relative
 

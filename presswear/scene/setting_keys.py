@@ -103,7 +103,8 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     ]
     if first in scene.bearing_joints:
         names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
+    if absent := not_modelled(key):
+        return InputError(f"unknown key {shown(key)}. {absent}")
     hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])
-    absent = not_modelled(key)
-    others = "." if absent else "; presswear list SCENE --all shows all keys"
-    return InputError(f"unknown key {shown(key)}{hint or others} {absent}".rstrip())
+    others = "; presswear list SCENE --all shows all keys"
+    return InputError(f"unknown key {shown(key)}{hint or others}")

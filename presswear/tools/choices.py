@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from presswear.tools.errors import InputError, nearest, shown
+from presswear.tools.not_modelled import not_modelled
 from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
@@ -133,6 +134,8 @@ class Choice:
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
         allowed = ", ".join(self.allowed()) + nearest(f"{value}", self.words)
+        if absent := not_modelled(f"{value}"):
+            allowed += f". {absent}"
         raise InputError(f"{name} = {shown(value)}: allowed is one of {allowed}")
 
 

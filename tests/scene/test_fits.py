@@ -74,10 +74,12 @@ def test_printed_deviations(text: str, least: float, largest: float) -> None:
 def test_a_clearance_is_the_middle_of_a_fit() -> None:
     fit: Any = "110 H8/f7"
     short: Any = "H8/f7"
+    drawn: Any = "Ø110H8/f7"
     bearing = pw.Bearing(diameter="110 mm", clearance=fit)
     assert bearing.bearing_radius == pytest.approx(0.055)
     assert bearing.clearance == pytest.approx(0.25e-6 * (36 + 125))
     assert pw.Bearing(diameter=0.11, clearance=short) == bearing
+    assert pw.Bearing(diameter=0.11, clearance=drawn) == bearing
     assert pw.Bearing(diameter=0.11, diametral_clearance=fit) == bearing
     scene = pw.changed(
         pw.scenes.wear_times(), {"A.diameter": "90 mm", "A.c": "90 H9/f7"}

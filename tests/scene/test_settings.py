@@ -56,6 +56,9 @@ SCENES_BY_NAME["off-centre"] = pw.scenes.press_off_centre()
 SCENES_BY_NAME["refined"] = pw.scenes.wear_times(conventions="refined")
 # Scene, settings, and pattern of the message.
 REFUSED = r"""
+press | friction_law=grease | friction_law = 'grease': allowed is .*FUNCTION. Not modelled: grease
+press | A.bending=1 | unknown key 'A.bending'. Not modelled: bending of links
+press | oil=1 | unknown key 'oil'. An oil film has a viscosity
 press | clearence=1mm | unknown key 'clearence'; did you mean clearance\?$
 press | rod_length=1m | unknown key 'rod_length'
 press | Kd=1/Pa | unknown key 'Kd'; did you mean K_d\?$

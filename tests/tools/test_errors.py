@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from presswear.tools.errors import one_line, unknown
-from presswear.tools.not_modelled import NOT_MODELLED, PAGE
+from presswear.tools.not_modelled import NOT_MODELLED, OTHER_NAMES, PAGE
 from presswear.tools.numbers import large
 
 ROOT = Path(__file__).parents[2]
@@ -27,6 +27,21 @@ def test_a_word_for_what_is_not_modelled_is_answered(name: str) -> None:
     assert message.endswith(f"; see {PAGE}")
 
 
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        ("lubricants", "viscosity"),
+        ("H8/f7", "110 H8/f7"),
+        ("flywheel", "motor.inertia"),
+    ],
+)
+def test_a_word_for_what_has_another_name_is_answered(name: str, answer: str) -> None:
+    message = f"{unknown('key', name, ['speed', 'motion'])}"
+    assert message.startswith(f"unknown key {name!r}. ")
+    assert "Not modelled" not in message
+    assert answer in message
+
+
 def test_a_name_of_the_user_that_is_such_a_word_is_found_first() -> None:
     message = f"{unknown('body', 'beams', ['beam', 'crank', 'rod'])}"
     assert "did you mean beam?" in message
@@ -38,3 +53,5 @@ def test_the_page_lists_all_that_is_not_modelled() -> None:
     for words, answer in NOT_MODELLED.items():
         row = " | ".join((", ".join(words), answer.replace("; ", " | ")))
         assert f"| {row} |" in page
+    for words, answer in OTHER_NAMES.items():
+        assert f"| {', '.join(words)} | {answer} |" in page
