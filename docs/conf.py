@@ -1,8 +1,8 @@
 """Configuration of Sphinx: ``sphinx-build --fail-on-warning docs site``; needs no network."""
 
 import os
+import subprocess
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
 from fnmatch import fnmatch
 from importlib.metadata import version as version_of
 from pathlib import Path
@@ -83,16 +83,15 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
-_FAILURES: list[Future[list[str]]] = []
+_COMMANDS: list[subprocess.Popen[str]] = []
 
 
 def _run_commands(app: Sphinx) -> None:
-    """Start the command lines of pages without cells."""
+    """Start the command lines of pages without cells, beside the build."""
     if app.config.nb_execution_mode == "off":
         return
-    threads = ThreadPoolExecutor(1)
-    _FAILURES.append(threads.submit(lines.failures, lines.all_lines()))
-    threads.shutdown(wait=False)
+    command = [sys.executable, str(TOOLS / "lines.py")]
+    _COMMANDS.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True))
 
 
 def _show_outputs(app: Sphinx) -> None:
@@ -109,9 +108,10 @@ def _show_outputs(app: Sphinx) -> None:
 
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
     """End the build if a command line failed."""
-    messages = [message for future in _FAILURES for message in future.result()]
-    if messages and error is None:
-        raise SphinxError("\n".join(messages))
+    for process in _COMMANDS:
+        messages = process.communicate()[1]
+        if process.returncode and error is None:
+            raise SphinxError(messages)
 
 
 def _draw(app: Sphinx) -> None:

@@ -3,10 +3,13 @@
 The build of the site calls this.  Command lines in cells run with their page.  The
 others run in the order of their page, in one folder per page that contains the results
 which they read.  A command that takes longer than ``LONGEST`` is stopped as by Ctrl-C.
+Each command is a process that is forked from one which has imported the program.
 """
 
+import multiprocessing
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -16,8 +19,11 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
+from presswear.__main__ import main
 from presswear.cli import COMMANDS
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -27,9 +33,11 @@ PAGES = sorted(
     for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
     if page.relative_to(ROOT).parts[1:2] != ("_build",)
 )
-LONGEST = 2.0  # s; a command that takes longer is stopped
-TIME_TO_END = 60.0  # s; after it was stopped
+LONGEST = 1.0  # s; a command that takes longer is stopped
+TIME_TO_END = 60.0  # s; after it was stopped, and time to begin
 PAGES_AT_ONCE = 2
+# Modules that nearly all commands import
+IMPORTED = ["presswear.cli.run", "presswear.campaign.runs", "presswear.show.report"]
 PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 # Commands that make small versions of the results that command lines read
 MADE = {
@@ -85,37 +93,44 @@ def all_lines() -> dict[str, list[str]]:
     return {**places, "help": [line for part in examples for line in lines_of(part)]}
 
 
+def _run(
+    line: str, folder: Path, output: str, environment: dict[str, str], started: Any
+) -> None:
+    """Run a command in this process, which is a new one, and end it with the exit code."""
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    with open(output, "wb") as file:
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)
+    words = shlex.split(line, comments=True)
+    started.set()
+    sys.exit(main(list(takewhile(lambda word: word != ">", words))))
+
+
 def _failure(line: str, folder: Path, longest: float | None) -> str:
     """Run a command and return its output if it fails, else an empty text."""
-    with tempfile.TemporaryFile("w+") as output:
-        process = subprocess.Popen(
-            ["bash", "-c", f"exec presswear {line}"],
-            cwd=folder,
-            env={**os.environ, "HOME": str(folder), "PATH": PATH},
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-        )
+    environment = {**os.environ, "HOME": str(folder), "PATH": PATH}
+    context = multiprocessing.get_context("forkserver")
+    with tempfile.NamedTemporaryFile("r") as output:
+        started = context.Event()
+        arguments = line, folder, output.name, environment, started
+        process = context.Process(target=_run, args=arguments)
+        process.start()
+        started.wait(TIME_TO_END)
+        process.join(longest)
         allowed = {0}
-        try:
-            code = process.wait(longest)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGINT)
-            allowed |= {
-                128 + signal.SIGINT,
-                -signal.SIGINT,
-            }  # the latter while Python exits
-            try:
-                code = process.wait(TIME_TO_END)
-            except subprocess.TimeoutExpired:
+        if process.is_alive():
+            os.kill(process.pid or 0, signal.SIGINT)
+            # The latter while Python exits
+            allowed |= {128 + signal.SIGINT, -signal.SIGINT}
+            process.join(TIME_TO_END)
+            if process.is_alive():
                 process.kill()
-                code = process.wait()
-        output.seek(0)
-        return (
-            ""
-            if code in allowed
-            else f"presswear {line}: exit code {code}\n{output.read()}"
-        )
+                process.join()
+        if process.exitcode in allowed:
+            return ""
+        return f"presswear {line}: exit code {process.exitcode}\n{output.read()}"
 
 
 def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
@@ -169,6 +184,7 @@ def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str
     text = " ".join(line for lines in places.values() for line in lines)
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     os.environ["XDG_CACHE_HOME"] = cache
+    multiprocessing.get_context("forkserver").set_forkserver_preload(IMPORTED)
     with tempfile.TemporaryDirectory() as name, display():
         made = Path(name)
         for table, rows in TABLES.items():
