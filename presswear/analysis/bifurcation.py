@@ -18,9 +18,16 @@ from numpy.typing import NDArray
 
 from presswear.analysis.lyapunov import largest_exponent
 from presswear.analysis.periods import TOLERANCE, Periodicity, periodicity
-from presswear.analysis.pins import capped, eccentricities, move_pins
+from presswear.analysis.pins import (
+    capped,
+    capped_slides,
+    eccentricities,
+    move_pins,
+    slides,
+)
 from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
+from presswear.linkage.elements import CORNERS
 from presswear.linkage.linkage import Linkage
 from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
@@ -94,7 +101,7 @@ class Cycles:
 def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> Start:
     """Return the end of a run, after whole cycles, as the initial state of another linkage.
 
-    Pins keep their positions relative to the clearance, except that contacts open.
+    Pins and slides keep their positions relative to the clearance, except that contacts open.
     Velocities are scaled with the speed of the first drive. Positions and velocities
     are then projected on the constraints and drives. Full turns of bodies are counted
     from ``ideal``, the initial state of the ideal linkage.
@@ -106,8 +113,16 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
         np.array([joint.clearance for joint in each.clearances])
         for each in (linkage, previous)
     )
-    target = eccentricities(linkage, position) * (clearance / before)[:, np.newaxis]
-    position = move_pins(linkage, position, capped(target, clearance))
+    ratio = (clearance / before)[:, np.newaxis]
+    pins = len(clearance) - len(linkage.corners)
+    target = eccentricities(linkage, position) * ratio[:pins]
+    places = slides(linkage, position) * ratio[pins :: len(CORNERS)]
+    position = move_pins(
+        linkage,
+        position,
+        capped(target, clearance[:pins]),
+        capped_slides(linkage, places),
+    )
     velocity = end.velocity * (linkage.drives[0].speed / previous.drives[0].speed)
     return with_velocity(linkage, position, velocity)
 

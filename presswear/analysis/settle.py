@@ -210,6 +210,11 @@ def check(scene: Scene) -> None:
         raise InputError("final motions need a joint with clearance: no motion is free")
     if scene.run_up > 0.0:
         raise InputError("final motions start at full speed: use --set run_up=0")
+    for guide in scene.loose_guides:
+        raise InputError(
+            f"final motions: allowed is no clearance of {guide.name}: starts are spread over the "
+            "clearances of pins"
+        )
     scene.check_trusted()
     scene.check()
 

@@ -7,9 +7,10 @@ import pytest
 
 import presswear as pw
 from presswear.analysis import bifurcation
-from presswear.analysis.pins import CONTACT_GAP
+from presswear.analysis.pins import CONTACT_GAP, move_pins, slides
 from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
+from presswear.engines.base import Plan, Start
+from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.scene.settings import changed
 from presswear.show.figures.dynamics import draw_diagram
@@ -133,3 +134,22 @@ def test_a_failed_run_leaves_a_gap(
     diagram = bifurcation.Diagram(SCENE, parameter, CYCLES, {"up": branch})
     assert diagram.periods("up") == [None]
     assert "1 runs failed" in diagram.summary()[0]
+
+
+def test_a_slide_keeps_its_place_and_tilt_relative_to_the_clearance() -> None:
+    """Two opposite corners that press on their walls open; the rod hangs from the slide."""
+    scenes = [pw.scenes.press_off_centre(clearance=f"{c} mm") for c in (0.05, 0.1)]
+    narrow, wide = (scene.linkage() for scene in scenes)
+    ideal = start_of(scenes[0])
+    pins = np.zeros((0, 2))
+    for place, tilt, part in ((20e-6, -100e-6, 1.0), (30e-6, 250e-6, 50.0 / 80.0)):
+        at = np.array([[place, tilt]])
+        end = Start(move_pins(narrow, ideal.position, pins, at), ideal.velocity)
+        assert slides(narrow, end.position) == pytest.approx(at, rel=1e-9)
+        start = bifurcation.continued(wide, narrow, end, ideal)
+        wanted = 2.0 * part * at
+        assert slides(wide, start.position) == pytest.approx(wanted, rel=2e-4)
+        assert slides(narrow, ideal.position) == pytest.approx(0.0, abs=1e-12)
+        run = InHouse().for_cycle(1.0).simulate(wide, start, Plan(1e-4, 1))
+        assert run.status == "completed"
+        assert all(run.recorder.stored_contacts(k).size == 0 for k in range(4))

@@ -293,6 +293,9 @@ def test_scenes_without_final_motions_are_refused(tmp_path: Path) -> None:
     rising = pw.Scene(SliderCrank(run_up=3))
     with pytest.raises(pw.InputError, match="run_up=0"):
         settle.compute(rising, Watch(), tmp_path / "b", start_of)
+    tilting = pw.scenes.press_off_centre()
+    with pytest.raises(pw.InputError, match="allowed is no clearance of guide: starts"):
+        settle.compute(tilting, Watch(), tmp_path / "c", start_of)
 
 
 @pytest.mark.slow
