@@ -231,14 +231,15 @@ class Revolute:
 
 @dataclass(frozen=True)
 class Guide(Checked):
-    """Straight guide on the frame: the mass centre of a body stays on a line; it cannot turn.
+    """Straight guide: the mass centre of a body stays on a line, and the body keeps its angle.
 
-    By default the line goes through the mass centre as drawn, or else through the
-    origin. With a length and a width the guide may have clearance: the body, a slide of
-    this size with its mass centre in the middle, then tilts between two walls; see
-    ``GuideCorner``. A guide with a stiffness is a spring along its line, without force where the
-    mass centre is at its point: the body stands there in the ideal motion of the
-    linkage; see ``Linkage.released``.
+    Line and angle are those in the frame of the machine, or in that of the body ``on``,
+    as a slot in a rocker. By default the line goes through the mass centre as drawn, or
+    else through the origin. With a length and a width a guide on the frame may have
+    clearance: the body, a slide of this size with its mass centre in the middle, then
+    tilts between two walls; see ``GuideCorner``. A guide with a stiffness is a spring
+    along its line, without force where the mass centre is at its point: the body stands
+    there in the ideal motion of the linkage; see ``Linkage.released``.
     """
 
     name: str
@@ -247,8 +248,8 @@ class Guide(Checked):
         "point of the line, to the right of the origin; default: as drawn", None
     )
     y: float = place("point of the line, above the origin; default: as drawn", None)
-    direction: float = angle("angle of the line")
-    angle: float = angle("fixed angle of the body")
+    direction: float = angle("angle of the line, from the x axis of frame or body")
+    angle: float = angle("fixed angle of the body, from that of frame or body")
     stiffness: float | None = quantity(
         None,
         unit="N/m",
@@ -269,6 +270,26 @@ class Guide(Checked):
         "length of the slide along a guide with clearance"
     )
     width: float | None = slide_size("width of the slide between its walls")
+    on: str = GROUND  # body that carries the line
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.on == self.body:
+            raise InputError(
+                f"guide {self.name}: on = {self.on}: must be another body, or {GROUND}"
+            )
+        for item in ("stiffness", "length", "width"):
+            if self.is_moving and getattr(self, item) is not None:
+                raise InputError(
+                    f"guide {self.name}: {item} = {getattr(self, item):g} with on = {self.on}: a "
+                    "guide on a moving body cannot have clearance or a stiffness yet; both are "
+                    "allowed on the frame"
+                )
+
+    @property
+    def is_moving(self) -> bool:
+        """True if a body carries the line, and not the frame."""
+        return self.on != GROUND
 
     @property
     def rows(self) -> int:
@@ -282,7 +303,7 @@ Joint = Revolute | Guide
 def ends_of(joint: Joint) -> tuple[Attachment, Attachment]:
     """Return the two points that a joint holds together; of a guide a point and the mass centre."""
     if isinstance(joint, Guide):
-        return Attachment(GROUND, joint.x, joint.y), Attachment(joint.body, 0.0, 0.0)
+        return Attachment(joint.on, joint.x, joint.y), Attachment(joint.body, 0.0, 0.0)
     return joint.first, joint.second
 
 

@@ -30,6 +30,7 @@ from presswear.linkage.load_laws import OverTime
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.part_checks import (
     check_drawing,
+    check_guides,
     check_inertias,
     check_joint_names,
     check_motors,
@@ -401,6 +402,7 @@ def _check(linkage: Linkage) -> None:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
     check_motors(linkage.drives)
+    check_guides(linkage.guides)
     check_inertias(linkage.bodies, linkage.guides, linkage.drives)
     check_drawing(linkage.bodies, linkage.joints, linkage.drives, dict(linkage.guess))
 

@@ -60,10 +60,12 @@ def check_inertias(
     bodies: Sequence[Body], guides: Sequence[Guide], drives: Sequence[Drive]
 ) -> None:
     """Raise InputError for a body without inertia that can turn."""
-    fixed = {guide.body for guide in guides}
+    fixed = {GROUND}
     fixed |= {
         drive.body for drive in drives if drive.is_at_rest and drive.motor is None
     }
+    for _ in guides:  # a guide on a body that cannot turn is one, too
+        fixed |= {guide.body for guide in guides if guide.on in fixed}
     for body in bodies:
         if body.inertia >= MIN_INERTIA or (body.inertia == 0.0 and body.name in fixed):
             continue
@@ -100,6 +102,46 @@ def check_motors(drives: Sequence[Drive]) -> None:
         )
 
 
+def check_guides(guides: Sequence[Guide]) -> None:
+    """Raise InputError where guides alone, some of them on bodies, close a loop."""
+    connected = {guide.body: {guide.body} for guide in guides}
+    connected |= {guide.on: {guide.on} for guide in guides}
+    for guide in sorted(guides, key=lambda one: one.is_moving):
+        group = connected[guide.body]
+        if guide.is_moving and guide.on in group:
+            raise InputError(
+                f"guide {guide.name}: guides alone connect {guide.body} and {guide.on} already; "
+                "a loop of bodies needs a pin joint"
+            )
+        group |= connected[guide.on]
+        for body in group:
+            connected[body] = group
+
+
+def start_angles(
+    guides: Sequence[Guide], drives: Sequence[Drive], guess: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the approximate angles of bodies at the start, rad.
+
+    They are those of drives, of guides, or of the guess of the user. A guide on a body
+    passes the angle on, from this body or to it.
+    """
+    fixed = {guide.body: guide.angle for guide in guides if not guide.is_moving}
+    fixed |= {drive.body: drive.angle for drive in drives}
+    angles = {**guess, **fixed}
+    moving = [guide for guide in guides if guide.is_moving]
+    while moving:
+        forward = [one for one in moving if one.on in angles and one.body not in fixed]
+        backward = [one for one in moving if one.body in angles]
+        guide = (*forward, *backward, *moving)[0]
+        moving.remove(guide)
+        if forward or not backward:
+            angles[guide.body] = angles.get(guide.on, 0.0) + guide.angle
+        else:
+            angles[guide.on] = angles[guide.body] - guide.angle
+    return angles
+
+
 def check_drawing(
     bodies: Sequence[Body],
     joints: Sequence[Joint],
@@ -110,9 +152,8 @@ def check_drawing(
 
     Bodies that are drawn in a frame of their own have another angle at the start.
     """
-    angles = dict(guess)
-    angles |= {one.body: one.angle for one in joints if isinstance(one, Guide)}
-    angles |= {drive.body: drive.angle for drive in drives}
+    guides = [joint for joint in joints if isinstance(joint, Guide)]
+    angles = start_angles(guides, drives, guess)
     places = {GROUND: (0.0, 0.0)}
     for body in bodies:
         if body.drawn_at is not None and not angles.get(body.name):
@@ -145,11 +186,13 @@ def _check_distance(
         distance = abs(y * math.cos(joint.direction) - x * math.sin(joint.direction))
     if distance <= allowed:
         return
-    places = []
-    for end_of_joint, place in zip(ends_of(joint), (start, end), strict=True):
-        is_line = isinstance(joint, Guide) and end_of_joint.body == GROUND
-        label = "the line" if is_line else end_of_joint.body
-        places.append(f"{label} ({1e3 * place[0]:.6g}, {1e3 * place[1]:.6g}) mm")
+    labels = [end_of_joint.body for end_of_joint in ends_of(joint)]
+    if isinstance(joint, Guide):
+        labels[0] = f"the line on {joint.on}" if joint.is_moving else "the line"
+    places = [
+        f"{label} ({1e3 * x:.6g}, {1e3 * y:.6g}) mm"
+        for label, (x, y) in zip(labels, (start, end), strict=True)
+    ]
     raise InputError(
         f"joint {joint.name}: its points lie {written(distance, 'm')} apart in the "
         f"drawing, {places[0]} and {places[1]}; allowed is {written(allowed, 'm')}. "

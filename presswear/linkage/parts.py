@@ -62,7 +62,9 @@ class Placing:
     def __init__(self, parts: Parts) -> None:
         self.bodies = {body.name: body for body in parts.bodies}
         guides = (joint for joint in parts.joints if isinstance(joint, Guide))
-        self.guide_directions = {guide.body: guide.direction for guide in guides}
+        self.guide_directions = {
+            guide.body: guide.direction for guide in guides if not guide.is_moving
+        }
 
     def check_body(self, body: str, where: str) -> None:
         """Raise InputError where no body has a name."""
@@ -114,8 +116,17 @@ class Placing:
         )
 
     def _guide(self, guide: Guide) -> Guide:
-        self.check_body(guide.body, f"guide {guide.name}")
-        x, y = self.bodies[guide.body].drawn_at or (0.0, 0.0)
+        where = f"guide {guide.name}"
+        self.check_body(guide.body, where)
+        x, y = 0.0, 0.0
+        drawn = self.bodies[guide.body].drawn_at
+        if guide.is_moving:
+            self.check_body(guide.on, f"on of {where}")
+            origin = self.bodies[guide.on].drawn_at
+        else:
+            origin = 0.0, 0.0
+        if drawn is not None and origin is not None:
+            x, y = drawn[0] - origin[0], drawn[1] - origin[1]
         if guide.x is not None:
             x = guide.x
         if guide.y is not None:

@@ -24,11 +24,25 @@ class Branch(NamedTuple):
     # position in the tree; -1 for the frame or a body with prescribed motion
     parent: int
 
+    @property
+    def turn(self) -> float:
+        """Fixed angle of a guided body in the axes of its parent, rad."""
+        assert isinstance(self.joint, Guide)
+        is_slide = self.end.body == self.joint.body
+        return self.joint.angle if is_slide else -self.joint.angle
+
+    @property
+    def slope(self) -> float:
+        """Angle of the line of a guided body in the axes of its parent, rad."""
+        assert isinstance(self.joint, Guide)
+        is_slide = self.end.body == self.joint.body
+        return self.joint.direction - (0.0 if is_slide else self.joint.angle)
+
 
 def bodies_of(joint: Joint) -> set[str]:
     """Return the bodies that a joint holds, without the frame."""
     if isinstance(joint, Guide):
-        return {joint.body}
+        return {joint.on, joint.body} - {GROUND}
     return {joint.first.body, joint.second.body} - {GROUND}
 
 
@@ -125,13 +139,21 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
 
     A text that says why there is no tree is returned if ideal joints close a loop that
     can move, and if a rigid joint has friction: the equations of an open tree do not
-    contain the joint forces, on which this friction depends.
+    contain the joint forces, on which this friction depends. Exudyn's tree has no driven
+    bodies, so that its guides are on the frame or on free bodies.
     """
     prescribed = prescribed_of(linkage)
     for drive in linkage.prescribed_drives:
         if drive.body not in prescribed:
             return f"{drive.name} turns a body that is free to move"
-    return free_branches(linkage)
+    branches = free_branches(linkage)
+    for branch in branches if isinstance(branches, tuple) else ():
+        if isinstance(branch.joint, Guide) and branch.before.body in prescribed:
+            return (
+                f"{branch.joint.name} is on {branch.before.body}, whose motion drives "
+                "prescribe"
+            )
+    return branches
 
 
 def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
@@ -144,7 +166,14 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
     joints: list[Joint] = [*linkage.revolutes, *linkage.guides]
     joints = [joint for joint in joints if not bodies_of(joint) <= prescribed]
     branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)
-    return f"joint {closing[0].name} closes a loop" if closing else tuple(branches)
+    if closing:
+        return f"joint {closing[0].name} closes a loop"
+    driven = {drive.body: drive.name for drive in linkage.prescribed_drives}
+    for branch in branches:
+        if isinstance(branch.joint, Guide) and branch.end.body in driven:
+            drive_name = driven[branch.end.body]
+            return f"{drive_name} turns a body on {branch.joint.name}"
+    return tuple(branches)
 
 
 def chain_of(

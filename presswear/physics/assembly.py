@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND, Attachment, ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.part_checks import start_angles
 from presswear.physics.constraint_rows import ROUND_OFF, Rows
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
@@ -32,9 +33,7 @@ def _guessed(linkage: Linkage) -> Array:
     """
     q = np.zeros((len(linkage.bodies) + 1, 3))  # the frame last
     indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
-    angles = dict(linkage.guess)
-    angles |= {guide.body: guide.angle for guide in linkage.guides}
-    angles |= {drive.body: drive.angle for drive in linkage.drives}
+    angles = start_angles(linkage.guides, linkage.drives, dict(linkage.guess))
     q[:-1, 2] = [angles.get(body.name, 0.0) for body in linkage.bodies]
 
     def place(end: Attachment) -> Array:
@@ -55,9 +54,11 @@ def _guessed(linkage: Linkage) -> Array:
                 q[indices[loose.body], :2] += place(placed) - place(loose)
                 reached.add(loose.body)
     for guide in linkage.guides:
-        along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
-        point = np.array([guide.x, guide.y])
-        body = indices[guide.body]
+        start, centre = ends_of(guide)
+        direction = guide.direction + q[indices[guide.on], 2]
+        along = np.array([math.cos(direction), math.sin(direction)])
+        point = place(start)
+        body = indices[centre.body]
         q[body, :2] = point + along * ((q[body, :2] - point) @ along)
     return q[:-1]
 
@@ -118,7 +119,7 @@ def assembled(linkage: Linkage) -> Array:
         held_bodies = [
             end.body for one in linkage.revolutes for end in (one.first, one.second)
         ]
-        held_bodies += [guide.body for guide in linkage.guides]
+        held_bodies += [end.body for one in linkage.guides for end in ends_of(one)]
         single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
         hint = "".join(
             f"; body {name} can move freely, "
@@ -133,21 +134,25 @@ def assembled(linkage: Linkage) -> Array:
     start = np.zeros(1)
     q = _guessed(linkage)[np.newaxis]
     guess = dict(linkage.guess)
+    angles = start_angles(linkage.guides, linkage.drives, guess)
     prescribed = {drive.body for drive in linkage.drives} | {
-        guide.body for guide in linkage.guides
+        guide.body for guide in linkage.guides if not guide.is_moving
     }
     try:
         q = _closed(rows, start, q).q[0]
     except AssemblyError as error:
-        bodies = {body.name for body in linkage.bodies} - prescribed - guess.keys()
+        guided = {guide.body for guide in linkage.guides}
+        bodies = {body.name for body in linkage.bodies} - guided - prescribed
+        bodies -= guess.keys()
         hint = f"; guess has no angle of {', '.join(sorted(bodies))}" if bodies else ""
         for guide in linkage.guides:
             where = f"({1e3 * guide.x:.6g}, {1e3 * guide.y:.6g}) mm"
+            where += f" of {guide.on}" if guide.is_moving else ""
             hint += f"; the line of {guide.name} goes through {where}"
         raise AssemblyError(f"{error}{hint}") from None
     for place, body in enumerate(linkage.bodies):
         if body.name not in prescribed:
-            turns = (q[place, 2] - guess.get(body.name, 0.0)) / (2.0 * math.pi)
+            turns = (q[place, 2] - angles.get(body.name, 0.0)) / (2.0 * math.pi)
             q[place, 2] -= 2.0 * math.pi * np.round(turns)
     for name, angle in guess.items():
         result = float(q[linkage.index(name), 2])

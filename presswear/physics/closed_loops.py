@@ -26,7 +26,7 @@ from presswear.physics.prescribed import (
 )
 from presswear.physics.rotation import arm
 from presswear.tools.arrays import Array
-from presswear.tools.compile import compiled
+from presswear.tools.compile import Records, compiled, inlined
 
 MOST_NEWTON = 30  # largest number of Newton steps; two are usual
 # Largest sum of the Newton steps from the expected position, rad or m. After a larger
@@ -55,7 +55,7 @@ def place_prescribed(
         if parts[i].drive >= 0:
             motion = motions[parts[i].drive]
             angle, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
-            work[COORDINATE, i] = motion.angle + angle
+            work[COORDINATE, i] = motion.angle + angle - parts[i].driven_angle
         else:
             work[COORDINATE, i] += h * (work[RATE, i] + 0.5 * h * work[ACCELERATION, i])
     place_parts(prescribed, q, v, a, axes)
@@ -143,6 +143,14 @@ def _solve(prescribed: Prescribed, row: int) -> float:
     return greatest
 
 
+@inlined
+def line_of(part: Records, axes: Array) -> tuple[float, float]:
+    """Return the direction of the guide of a part."""
+    if part.before < 0:
+        return part.cosine, part.sine
+    return arm(part.cosine, part.sine, axes, part.before)
+
+
 @compiled
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a Newton step towards closed loops; return its size, and store the Jacobian."""
@@ -168,9 +176,11 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
             while i >= 0:
                 part = parts[i]
                 if part.is_guided:
-                    across[i] += sign * part.cosine
-                    up[i] += sign * part.sine
-                    break
+                    ux, uy = line_of(part, axes)
+                    across[i] += sign * ux
+                    up[i] += sign * uy
+                    i = part.parent
+                    continue
                 hx, hy = arm(part.end_x, part.end_y, axes, part.body)
                 hx += q[part.body]
                 hy += q[part.body + 1]
@@ -198,8 +208,11 @@ def _follow(prescribed: Prescribed) -> None:
             for i in range(parts.shape[0]):
                 gap_x += across[i] * work[level, i]
                 gap_y += up[i] * work[level, i]
-                if level == ACCELERATION and not parts[i].is_guided:
+                if level == ACCELERATION:
                     square = work[RATE, i] * work[RATE, i]
+                    if parts[i].is_guided:  # the acceleration of Coriolis
+                        k = parts[i].turning
+                        square = 2.0 * work[RATE, i] * work[RATE, k] if k >= 0 else 0.0
                     gap_x -= square * up[i]
                     gap_y += square * across[i]
             right[2 * c], right[2 * c + 1] = gap_x, gap_y
@@ -223,7 +236,14 @@ def drive_torques(
         part = parts[i]
         b = part.body
         if part.is_guided:
-            work[FORCE, i] = force[b] * part.cosine + force[b + 1] * part.sine
+            ux, uy = line_of(part, axes)
+            work[FORCE, i] = force[b] * ux + force[b + 1] * uy
+            p = part.before
+            if p >= 0:
+                moment = (q[b] - q[p]) * force[b + 1] - (q[b + 1] - q[p + 1]) * force[b]
+                force[p] += force[b]
+                force[p + 1] += force[b + 1]
+                force[p + 2] += force[b + 2] + moment
             continue
         hx, hy = part.before_x, part.before_y
         p = part.before

@@ -5,14 +5,16 @@ rows for kernels.
 """
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive, series
-from presswear.linkage.elements import GROUND, Attachment, OutputPoint
+from presswear.linkage.elements import GROUND, Attachment, OutputPoint, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import Array
 
@@ -27,32 +29,36 @@ class Rows:
     """The constraint rows of a linkage, evaluated at many instants.
 
     A row is the distance of two points along a direction, or the angle of a body, minus
-    the value that is prescribed. Rows come in the order of ``physics.constraints``: two
-    for each pin joint, two for each guide, a third for a guide with a spring, and one
-    for each drive. If the point of a drive follows a curve, its row holds the point on
-    the curve in place of the angle. The curve begins at ``start``, coordinates of the
-    shape (bodies, 3). Other coordinates have the shape (n, bodies, 3). Times are those
-    after a run-up.
+    the value that is prescribed. The direction of a guide on a body turns with this
+    body, whose angle is subtracted from that of the slide. Rows come in the order of
+    ``physics.constraints``: two for each pin joint, two for each guide, a third for a
+    guide with a spring, and one for each drive. If the point of a drive follows a curve,
+    its row holds the point on the curve in place of the angle. The curve begins at
+    ``start``, coordinates of the shape (bodies, 3). Other coordinates have the shape
+    (n, bodies, 3). Times are those after a run-up.
     """
 
     def __init__(self, linkage: Linkage, start: Array | None = None) -> None:
         self.linkage = linkage
         self.bodies = len(linkage.bodies)
         frame = Attachment(GROUND, 0.0, 0.0)
-        # Name, both points, direction, share of the first body's angle, value that is
-        # to be held
+        # Name, both points, direction, share of the angle of the first body less that of
+        # the second, value that is to be held
         rows: list[
             tuple[str, Attachment, Attachment, tuple[float, float], float, float]
         ] = []
         for joint in linkage.revolutes:
             for axis in ((1.0, 0.0), (0.0, 1.0)):
                 rows.append((joint.name, joint.first, joint.second, axis, 0.0, 0.0))
+        turning = []  # rows whose direction turns with the second body
         for guide in linkage.guides:
-            centre = Attachment(guide.body, 0.0, 0.0)
-            point = Attachment(GROUND, guide.x, guide.y)
+            point, centre = ends_of(guide)
             across = -math.sin(guide.direction), math.cos(guide.direction)
+            if guide.is_moving:
+                turning.append(len(rows))
             rows.append((guide.name, centre, point, across, 0.0, 0.0))
-            rows.append((guide.name, centre, frame, (0.0, 0.0), 1.0, guide.angle))
+            carrier = Attachment(guide.on, 0.0, 0.0)
+            rows.append((guide.name, centre, carrier, (0.0, 0.0), 1.0, guide.angle))
             if guide.stiffness is not None:
                 along = math.cos(guide.direction), math.sin(guide.direction)
                 rows.append((guide.name, centre, point, along, 0.0, 0.0))
@@ -69,6 +75,7 @@ class Rows:
             rows.append((drive.name, point, frame, along, turn, 0.0))
         self.names = tuple(row[0] for row in rows)  # joint, guide or drive
         self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
+        self.turning = np.array(turning, np.int64)
         self.turn, self.target = np.array([row[4:] for row in rows]).reshape(-1, 2).T
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
         # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
@@ -116,6 +123,41 @@ class Rows:
         ends = [(cosine[:, body], sine[:, body], x, y) for body, x, y, _ in self.ends]
         return [(cos * x - sin * y, sin * x + cos * y) for cos, sin, x, y in ends]
 
+    def _normals(self, q: Array) -> Array:
+        """Return the directions of the rows, (rows, 2) or, if some turn, (n, rows, 2)."""
+        if not self.turning.size:
+            return self.normal
+        normals = np.tile(self.normal, (len(q), 1, 1))
+        angle = q[:, self.ends[1][0][self.turning], 2]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        x, y = self.normal[self.turning].T
+        normals[:, self.turning, 0] = cosine * x - sine * y
+        normals[:, self.turning, 1] = sine * x + cosine * y
+        return normals
+
+    def _across(self, gap: Array, normals: Array) -> Array:
+        """Return distances, (n, rows, 2), along the directions that turn, a right angle on."""
+        x, y = normals[:, self.turning].transpose(2, 0, 1)
+        return np.asarray(gap[:, self.turning, 1] * x - gap[:, self.turning, 0] * y)
+
+    def _turning_part(
+        self, moving: Sequence[Array], gaps: Sequence[Array], normals: Array
+    ) -> Array:
+        """Return what the turning of directions adds to the last derivative of rows, (n, rows).
+
+        ``gaps`` are the distances of the points, (n, rows, 2), and their derivatives.
+        """
+        carrier = self.ends[1][0][self.turning]
+        across = self._across(gaps[0], normals)
+        if len(moving) == 1:
+            return np.zeros_like(across)
+        omega = moving[1][:, carrier, 2]
+        if len(moving) == 2:
+            return omega * across
+        distance = (gaps[0] * normals)[:, self.turning].sum(axis=-1)
+        sideways = 2.0 * omega * self._across(gaps[1], normals)
+        return moving[2][:, carrier, 2] * across + sideways - omega**2 * distance
+
     def errors(self, time: Array, *levels: Array) -> list[Array]:
         """Return Phi and its derivatives in time, one for each level, each (n, rows).
 
@@ -131,9 +173,12 @@ class Rows:
         prescribed[0] += self.target
         moving = [self._moving(level) for level in levels]
         arms = self._arms(moving[0])
-        result = []
+        normals = self._normals(moving[0])
+        first, second = (body for body, _, _, _ in self.ends)
+        result: list[Array] = []
+        gaps: list[Array] = []
         for order, level in enumerate(moving):
-            gap: Array | float = 0.0
+            gap: Any = 0.0
             for (body, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
                 arm = np.stack([x, y], axis=-1)
                 left = np.stack([-y, x], axis=-1)
@@ -143,8 +188,12 @@ class Rows:
                 if order == 2:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
                 gap = gap + sign * point
-            angle = self.turn * level[:, self.ends[0][0], 2]
-            result.append((gap * self.normal).sum(axis=-1) + angle - prescribed[order])
+            angle = self.turn * (level[:, first, 2] - level[:, second, 2])
+            result.append((gap * normals).sum(axis=-1) + angle - prescribed[order])
+            gaps.append(gap)
+            if self.turning.size:
+                turning_part = self._turning_part(moving[: order + 1], gaps, normals)
+                result[-1][:, self.turning] += turning_part
         return result
 
     def _parts(self, q: Array) -> list[Array]:
@@ -153,13 +202,21 @@ class Rows:
         Each array has the shape (n, rows, 3).
         """
         derivatives = []
-        arms = self._arms(self._moving(q))
+        moving = self._moving(q)
+        arms = self._arms(moving)
+        normals = self._normals(moving)
         for (_, _, _, sign), (x, y) in zip(self.ends, arms, strict=True):
             by_body = np.empty((*x.shape, 3))
-            by_body[..., :2] = sign * self.normal
-            by_body[..., 2] = sign * (x * self.normal[:, 1] - y * self.normal[:, 0])
+            by_body[..., :2] = sign * normals
+            by_body[..., 2] = sign * (x * normals[..., 1] - y * normals[..., 0])
             derivatives.append(by_body)
         derivatives[0][..., 2] += self.turn
+        derivatives[1][..., 2] -= self.turn
+        if self.turning.size:
+            gap = np.zeros((len(q), len(self.names), 2))
+            for (body, _, _, sign), arm in zip(self.ends, arms, strict=True):
+                gap += sign * (moving[:, body, :2] + np.stack(arm, axis=-1))
+            derivatives[1][:, self.turning, 2] += self._across(gap, normals)
         return derivatives
 
     def _block(self, parts: list[Array], group: Group) -> Array:

@@ -25,7 +25,8 @@ CONSTRAINT = np.dtype(
         ("second", np.int64),
         *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
         *floats("normal_x", "normal_y"),  # the direction; 0 for an angle
-        ("turns", np.bool_),  # the angle of the first body
+        ("rotates", np.bool_),  # the direction turns with the second body
+        ("turns", np.bool_),  # the angle of the first body less that of the second
         ("target", np.float64),  # value of the row, m or rad, before that of a drive
         ("drive", np.int64),  # its place among the motions; -1 for none
     ]
@@ -68,6 +69,8 @@ def evaluate_constraints(
     for row in range(constraints.records.shape[0]):
         c = constraints.records[row]
         nx, ny = c.normal_x, c.normal_y
+        if c.rotates:
+            nx, ny = lever(c.second, c.normal_x, c.normal_y, q)
         gap_x = gap_y = rate_x = rate_y = centripetal_x = centripetal_y = 0.0
         for b, x, y, sign in ((c.first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
             px, py = lever(b, x, y, q)
@@ -86,9 +89,19 @@ def evaluate_constraints(
         phi[row] = gap_x * nx + gap_y * ny
         phi_t[row] = rate_x * nx + rate_y * ny
         gamma[row] = centripetal_x * nx + centripetal_y * ny
+        if c.rotates:
+            spin = v[c.second + 2]
+            along = gap_y * nx - gap_x * ny
+            phi_t[row] += spin * along
+            jacobian[row, c.second + 2] += along
+            gamma[row] += spin * (spin * phi[row] - 2.0 * (rate_y * nx - rate_x * ny))
         if c.turns:
             phi[row], phi_t[row] = q[c.first + 2] - c.target, v[c.first + 2]
             jacobian[row, c.first + 2] = 1.0
+            if c.second >= 0:
+                phi[row] -= q[c.second + 2]
+                phi_t[row] -= v[c.second + 2]
+                jacobian[row, c.second + 2] = -1.0
         if c.drive >= 0:
             motion = constraints.motions[c.drive]
             angle, speed, gamma[row] = drive_motion(motion, t)
@@ -237,6 +250,7 @@ def constraints_of(linkage: Linkage) -> Constraints:
         records[body] = np.where(places < 0, -1, 3 * places)
         records["x" + end], records["y" + end] = x, y
     records["normal_x"], records["normal_y"] = rows.normal.T
+    records["rotates"][rows.turning] = True
     records["turns"] = rows.turn
     records["target"] = rows.target
     records["drive"] = -1

@@ -1,6 +1,6 @@
 """Bodies whose motion drives and joints prescribe.
 
-They form a tree on the frame whose coordinates are absolute angles and positions along
+They form a tree on the frame whose coordinates are absolute angles and distances along
 guides. Drives prescribe some of these coordinates. The others follow from the pins that
 close the loops (``closed_loops``). No equation of motion is solved for them.
 """
@@ -27,10 +27,13 @@ PART = np.dtype(
         ("parent", np.int64),  # number of the parent; -1 for the frame
         ("before", np.int64),  # index in q of the x of the parent; -1 for the frame
         ("drive", np.int64),  # number of its drive in the linkage; -1 for none
+        ("driven_angle", np.float64),  # of the driven body less the coordinate, rad
+        # Number of the part with the hinge that turns a guide; -1 if none does
+        ("turning", np.int64),
         *floats("before_x", "before_y"),  # joint in the axes of the parent, m
         *floats("end_x", "end_y"),  # joint in the axes of the body, m
-        *floats("cosine", "sine"),  # of the direction of the guide
-        ("angle", np.float64),  # of a sliding body, rad
+        *floats("cosine", "sine"),  # of the direction of the guide, axes of the parent
+        ("angle", np.float64),  # of a sliding body in the axes of the parent, rad
         *floats("axis_x", "axis_y"),  # cosine and sine of this angle
         # A body with a hinge on the frame has the inertia about the hinge and mass 0.
         *floats("mass", "inertia"),
@@ -75,7 +78,7 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     numbers = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
         if drive.body in bodies:
-            parts[numbers[drive.body]]["drive"] = number
+            _add_drive(parts, numbers[drive.body], number)
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):
         closing["first"] = numbers[pin.first.body]
@@ -86,13 +89,24 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     return Prescribed(parts, closings, motions_of(linkage), work)
 
 
+def _add_drive(parts: Records, i: int, drive: int) -> None:
+    """Give a drive to a part, or to the part whose hinge turns it through guides."""
+    angle = 0.0
+    while parts[i]["is_guided"] and parts[i]["turning"] >= 0:
+        angle += parts[i]["angle"]
+        i = parts[i]["parent"]
+    parts[i]["drive"] = drive
+    parts[i]["driven_angle"] = angle
+
+
 def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
     parts = np.zeros(len(branches), PART)
-    for part, (joint, before, end, parent) in zip(parts, branches, strict=True):
+    for part, branch in zip(parts, branches, strict=True):
+        joint, before, end, parent = branch
         body = linkage.bodies[linkage.index(end.body)]
         part["body"] = 3 * linkage.index(end.body)
         part["parent"] = parent
-        part["drive"] = -1
+        part["drive"] = part["turning"] = -1
         part["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         part["before_x"], part["before_y"] = before.x, before.y
         part["end_x"], part["end_y"] = end.x, end.y
@@ -100,11 +114,15 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["inertia"] = body.effective_inertia
         if isinstance(joint, Guide):
             part["is_guided"] = True
-            part["cosine"] = math.cos(joint.direction)
-            part["sine"] = math.sin(joint.direction)
-            part["angle"] = joint.angle
-            part["axis_x"] = math.cos(joint.angle)
-            part["axis_y"] = math.sin(joint.angle)
+            part["cosine"] = math.cos(branch.slope)
+            part["sine"] = math.sin(branch.slope)
+            part["angle"] = branch.turn
+            part["axis_x"] = math.cos(branch.turn)
+            part["axis_y"] = math.sin(branch.turn)
+            if parent >= 0:
+                is_hinged = not parts[parent]["is_guided"]
+                turning = parent if is_hinged else parts[parent]["turning"]
+                part["turning"] = turning
         elif before.body == GROUND:
             part["inertia"] += body.mass * (end.x**2 + end.y**2)
             part["mass"] = 0.0
@@ -114,12 +132,36 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
 def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
     """Store the coordinates of all bodies at a time, s, from which the motion continues."""
     parts, _, _, work = prescribed
-    b = parts["body"]
-    along = (q[b] - parts["before_x"]) * parts["cosine"]
-    along += (q[b + 1] - parts["before_y"]) * parts["sine"]
+    coordinates = np.zeros(len(parts))
+    for i, part in enumerate(parts):
+        b = part["body"]
+        coordinates[i] = q[b + 2]
+        if part["is_guided"]:
+            coordinates[i] = _distance(part, q)
     work[:] = 0.0
     work[LAST, TIME] = t
-    work[COORDINATE, : b.size] = np.where(parts["is_guided"], along, q[b + 2])
+    work[COORDINATE, : len(parts)] = coordinates
+
+
+def _distance(part: Records, q: Array) -> float:
+    """Return the distance of a part along its guide in a position of all bodies, m."""
+
+    b = part["body"]
+    p = part["before"]
+    turn = q[p + 2] if p >= 0 else 0.0
+    x, y = _turned(part["before_x"], part["before_y"], turn)
+    end_x, end_y = _turned(part["end_x"], part["end_y"], q[b + 2])
+    if p >= 0:
+        x += q[p]
+        y += q[p + 1]
+    cosine, sine = _turned(part["cosine"], part["sine"], turn)
+    return (q[b] + end_x - x) * cosine + (q[b + 1] + end_y - y) * sine
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    """Return a vector turned by an angle."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * x - s * y, s * x + c * y
 
 
 @compiled
@@ -139,6 +181,9 @@ def place_parts(
         x = work[COORDINATE, i]
         rate = work[RATE, i]
         acceleration = work[ACCELERATION, i]
+        if part.is_guided and part.before >= 0:
+            _slide(part, work[:, i], q, v, a, axes)
+            continue
         if part.is_guided:
             q[b] = part.before_x + x * part.cosine
             q[b + 1] = part.before_y + x * part.sine
@@ -162,6 +207,35 @@ def place_parts(
         a[b] += acceleration * ry + square * rx
         a[b + 1] += square * ry - acceleration * rx
         a[b + 2] = acceleration
+
+
+@compiled
+def _slide(
+    part: Records, coordinate: Array, q: Array, v: Array, a: Array, axes: Array
+) -> None:
+    """Fill position, velocity, acceleration and axes of a body on a guide that moves."""
+    b = part.body
+    p = part.before
+    x = coordinate[COORDINATE]
+    rate = coordinate[RATE]
+    acceleration = coordinate[ACCELERATION]
+    omega = v[p + 2]
+    alpha = a[p + 2]
+    axes[b], axes[b + 1] = arm(part.axis_x, part.axis_y, axes, p)
+    ux, uy = arm(part.cosine, part.sine, axes, p)
+    start_x, start_y = arm(part.before_x, part.before_y, axes, p)
+    end_x, end_y = arm(part.end_x, part.end_y, axes, b)
+    rx = start_x + x * ux - end_x
+    ry = start_y + x * uy - end_y
+    coriolis = 2.0 * omega * rate
+    square = omega * omega
+    q[b], q[b + 1], q[b + 2] = q[p] + rx, q[p + 1] + ry, q[p + 2] + part.angle
+    v[b] = v[p] - omega * ry + rate * ux
+    v[b + 1] = v[p + 1] + omega * rx + rate * uy
+    v[b + 2] = omega
+    a[b] = a[p] - alpha * ry - square * rx + acceleration * ux - coriolis * uy
+    a[b + 1] = a[p + 1] + alpha * rx - square * ry + acceleration * uy + coriolis * ux
+    a[b + 2] = alpha
 
 
 @compiled

@@ -15,10 +15,9 @@ NOT_MODELLED = {
     ("cam", "follower", "tappet"): (
         "cams; a servo drive follows a motion over the crank angle"
     ),
-    ("slot", "yoke", "scotch"): "slots; joints are pins and straight guides",
     ("roller", "rolling", "needle"): "rolling bearings; bearings are plain bearings",
     ("ball", "spherical", "screw", "thread"): (
-        "ball bearings, ball joints and screws; joints are pins and straight guides"
+        "ball bearings, ball joints and screws; joints are pins, straight guides and slots"
     ),
     ("belt", "pulley", "chain", "clutch", "brake"): (
         "belts, chains, clutches and brakes; a motor has a slip and an inertia"
@@ -61,6 +60,9 @@ OTHER_NAMES = {
     ),
     ("spring", "rubber", "balancer"): (
         "a spring is in mechanism.springs of a mechanism of bodies; presswear new points"
+    ),
+    ("slot", "yoke", "scotch"): (
+        "a slot is a guide of a mechanism of bodies with on = its body"
     ),
     ("play", "gap"): "the radial play of a pin is its clearance",
     ("tonnage", "load"): "the force of the work is process.force",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
 from runs import residual, run_scene
+from slotted import driven_rod, shaper, skew_quick_return
 from sub_chains import ARM, PUMP, STEPHENSON
 
 from presswear.engines.base import Run
@@ -122,6 +123,18 @@ SCENES = {
     ),
     "loose pair": _scene(
         mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wear_updates=0
+    ),
+    "quick return, pivot of the rocker": _scene(
+        mechanism=skew_quick_return(), joints="O4", bearings=TIGHT, wear_updates=0
+    ),
+    "shaper, crank and ram": _scene(
+        mechanism=shaper(), joints="A,C", bearings=TIGHT, wear_updates=0
+    ),
+    "shaper, ram": _scene(
+        mechanism=shaper(), joints="C", bearings=TIGHT, wear_updates=0
+    ),
+    "driven rod in a swinging block": _scene(
+        mechanism=driven_rod(), joints="B", bearings=TIGHT, wear_updates=0
     ),
     "four-bar": _scene(
         mechanism=FOUR_BAR, joints="B", bearings=Bearing(clearance=0.3e-3)

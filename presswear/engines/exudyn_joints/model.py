@@ -6,7 +6,7 @@ from typing import Any
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
-from presswear.linkage.elements import GROUND, Attachment
+from presswear.linkage.elements import GROUND, Attachment, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import bodies_of, prescribed_of
 from presswear.physics.drive_motion import drive_motion, is_steady
@@ -103,15 +103,15 @@ def add_joints(
                 system, "Object", "JointRevolute2D", markerNumbers=markers
             )
     for guide in linkage.guides:
-        if guide.body in omitted:
+        if bodies_of(guide) <= omitted:
             continue
         normal = guide.direction - guide.angle + 0.5 * math.pi
-        on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
+        line, centre = map(marker_at, ends_of(guide))
         objects[guide.name] = add(
             system,
             "Object",
             "JointPrismatic2D",
-            markerNumbers=[on_frame, marker_at(Attachment(guide.body, 0.0, 0.0))],
+            markerNumbers=[line, centre],
             axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
             normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
             constrainRotation=True,

@@ -8,7 +8,7 @@ import numpy as np
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
-from presswear.linkage.elements import Body, Guide
+from presswear.linkage.elements import Body
 from presswear.physics.equations.chain import Chain, Link
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
@@ -46,7 +46,6 @@ def tree_links(chain: Chain) -> list[TreeLink]:
     links = list[TreeLink]()
     numbers = dict[str, int]()
     for link in chain.free:
-        joint = link.branch.joint
         end = link.branch.end
         revolute = TreeLink(
             exu.JointType.RevoluteZ, centre=(-end.x, -end.y), body=link.body
@@ -56,29 +55,51 @@ def tree_links(chain: Chain) -> list[TreeLink]:
             links.append(TreeLink(exu.JointType.PrismaticX))
             links.append(TreeLink(exu.JointType.PrismaticY, len(links) - 1))
             links.append(revolute._replace(parent=len(links) - 1))
-        elif isinstance(joint, Guide):
-            links.append(
-                TreeLink(exu.JointType.PrismaticX, turn=joint.direction, body=link.body)
-            )
+        elif link.is_guided:
+            links.append(_guided(link, numbers))
         elif link.parent is not None and link.parent.prefix in numbers:
             revolute = revolute._replace(parent=numbers[link.parent.prefix])
-            links.append(_hinged(link, link.parent, revolute))
+            turn, offset = _on_parent(link, link.parent)
+            links.append(revolute._replace(turn=turn, offset=offset))
         else:
             links.append(revolute)
         numbers[link.prefix] = len(links) - 1
     return links
 
 
-def _hinged(link: Link, parent: Link, revolute: TreeLink) -> TreeLink:
-    """Return a link that turns on its parent, with the position of its joint on the parent."""
+def _guided(link: Link, numbers: dict[str, int]) -> TreeLink:
+    """Return a link that slides along a guide on the frame or on a body."""
+    x, y = _rotation(_turn_of_axes(link))[:2, :2] @ (
+        -link.branch.end.x,
+        -link.branch.end.y,
+    )
+    slide = TreeLink(
+        exu.JointType.PrismaticX,
+        turn=link.branch.slope,
+        centre=(x, y),
+        body=link.body,
+    )
+    parent = link.parent
+    if parent is None or parent.prefix not in numbers:
+        return slide
+    turn, offset = _on_parent(link, parent)
+    turn += link.branch.slope
+    return slide._replace(parent=numbers[parent.prefix], turn=turn, offset=offset)
+
+
+def _turn_of_axes(link: Link) -> float:
+    """Return the angle of a body in the axes of its link, rad."""
+    return link.branch.turn - link.branch.slope if link.is_guided else 0.0
+
+
+def _on_parent(link: Link, parent: Link) -> tuple[float, tuple[float, float]]:
+    """Return the angle of the parent in the axes of its link, and the joint on it, m."""
     x = link.branch.before.x - parent.branch.end.x
     y = link.branch.before.y - parent.branch.end.y
-    turn = 0.0
-    guide = parent.branch.joint
-    if isinstance(guide, Guide):
-        turn = guide.angle - guide.direction
+    turn = _turn_of_axes(parent)
+    if turn:
         x, y = _rotation(turn)[:2, :2] @ (x, y)
-    return revolute._replace(turn=turn, offset=(x, y))
+    return turn, (x, y)
 
 
 def add_tree(

@@ -4,12 +4,17 @@ From the leaves inwards each body presents two things at the hinge to its parent
 of two by two that resists an acceleration of the hinge, and the force at rest. Outwards
 the accelerations follow (Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.3). The
 angle of each body counts from the frame here, because a hinge transmits a force and no
-moment.
+moment. A guide on a body transmits a moment, too: there a body presents mass, coupling
+and inertia, with a force and a moment.
 """
 
 from typing import NamedTuple
 
-from presswear.physics.equations.bodies import centripetal, hinge_acceleration
+from presswear.physics.equations.bodies import (
+    centripetal,
+    hinge_acceleration,
+    sliding_acceleration,
+)
 from presswear.physics.equations.chain import Chain, Link
 from presswear.physics.equations.text import (
     ONE,
@@ -53,6 +58,31 @@ class Mass(NamedTuple):
         )
 
 
+class Sliding(NamedTuple):
+    """Articulated body with all that hangs from it, as it acts at a guide on another body.
+
+    An acceleration a of the mass centre at rest against the guide, and an angular
+    acceleration alpha, need the force mass a + coupling alpha and the moment coupling . a
+    + inertia alpha, less ``force`` and ``moment``.
+    """
+
+    link: Link
+    mass: Mass
+    coupling: Vector
+    inertia: str
+    force: Vector
+    moment: str
+
+
+def _outer(share: Vector, momentum: Vector) -> Mass:
+    """Return minus the product of two parallel vectors, a symmetric matrix."""
+    return Mass(
+        negative(product(share.x, momentum.x)),
+        negative(product(share.x, momentum.y)),
+        negative(product(share.y, momentum.y)),
+    )
+
+
 class Articulated:
     """A free body with all that hangs from it, about its mass centre.
 
@@ -76,6 +106,8 @@ class Articulated:
         self.momentum = Vector()
         self.force = Vector()
         self.moment = ZERO
+        self.turning_momentum = ZERO  # at this rate, on a moving guide
+        self.acceleration_at_rest = Vector()  # on a moving guide, at rest against it
         self.generalized_force = ZERO  # on the coordinate
         self.mobility = ZERO  # one over the inertia along the coordinate
 
@@ -88,7 +120,7 @@ class Articulated:
         )
         self.mass = self.mass.plus(mass)
         self.is_leaf = False
-        if not self.link.is_guided:
+        if not self.link.is_guided or self.link.is_on_moving_guide:
             coupling = mass.times(arm.swept(ONE))
             coupling = self.text.let_vector(
                 f"{child.prefix}_coupling_on_{self.prefix}", coupling
@@ -96,8 +128,29 @@ class Articulated:
             self.coupling = self.coupling.plus(coupling)
             self.inertia = total(self.inertia, arm.cross(coupling))
 
-    def sum_up(self) -> None:
-        """Write forces and inertia of the body, after all children have added theirs."""
+    def add_sliding(self, child: "Sliding") -> None:
+        """Add what a body presents that slides along a guide on this body."""
+        link, slide = self.link, child.link
+        arm = slide.from_parent
+        link.add_force(arm, child.force)
+        link.moments.append(child.moment)
+        self.mass = self.mass.plus(child.mass)
+        self.is_leaf = False
+        if link.is_guided and not link.is_on_moving_guide:
+            return
+        swept = arm.swept(ONE)
+        coupling = child.mass.times(swept).plus(child.coupling)
+        name = f"{slide.prefix}_coupling_on_{self.prefix}"
+        coupling = self.text.let_vector(name, coupling)
+        self.coupling = self.coupling.plus(coupling)
+        turning = total(arm.cross(coupling), child.coupling.dot(swept), child.inertia)
+        self.inertia = total(self.inertia, turning)
+
+    def sum_up(self, size: int) -> None:
+        """Write forces and inertia of the body, after all children have added theirs.
+
+        ``size`` is the number of coordinates of the tree.
+        """
         text, prefix, link = self.text, self.prefix, self.link
         text.comment(f"{link.body.name}: forces and inertia")
         self.force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
@@ -111,6 +164,10 @@ class Articulated:
                 f"{prefix}_generalized_force", self.partial_velocity.dot(self.force)
             )
             self._set_mobility(link.body.mass, self.partial_velocity.dot(self.momentum))
+            if link.is_on_moving_guide:
+                turning = self.partial_velocity.dot(self.coupling)
+                self.turning_momentum = text.let(f"{prefix}_turning_momentum", turning)
+                self.acceleration_at_rest = sliding_acceleration(text, size, link)
         elif not link.is_loose:
             self._sum_about_hinge()
 
@@ -145,6 +202,9 @@ class Articulated:
     def present_to(self, parent: "Articulated") -> None:
         """Write mass and force at the hinge, and add them to the parent."""
         text, prefix, link = self.text, self.prefix, self.link
+        if link.is_on_moving_guide:
+            parent.add_sliding(self._presented_on_guide())
+            return
         circle = centripetal(link, link.arm(text, link.branch.end, link.joint))
         circle = text.let_vector(f"{prefix}_centripetal", circle)
         mass = self.mass
@@ -154,14 +214,39 @@ class Articulated:
                 f"{prefix}_share", self.momentum.times(self.mobility)
             )
             yielding = share.times(self.generalized_force)
-            correction = Mass(
-                negative(product(share.x, self.momentum.x)),
-                negative(product(share.x, self.momentum.y)),
-                negative(product(share.y, self.momentum.y)),
-            )
+            correction = _outer(share, self.momentum)
             mass = mass.plus(correction).named(text, f"{prefix}_hinge_mass")
         force = self.force.minus(yielding).minus(mass.times(circle))
         parent.add(link, mass, text.let_vector(f"{prefix}_hinge_force", force))
+
+    def _presented_on_guide(self) -> "Sliding":
+        """Write what the body presents at a moving guide: all but its motion along it."""
+        text, prefix = self.text, self.prefix
+        share = text.let_vector(f"{prefix}_share", self.momentum.times(self.mobility))
+        turning = text.let(
+            f"{prefix}_turning_share", product(self.mobility, self.turning_momentum)
+        )
+        mass = self.mass.plus(_outer(share, self.momentum)).named(
+            text, f"{prefix}_guide_mass"
+        )
+        coupling = text.let_vector(
+            f"{prefix}_guide_coupling",
+            self.coupling.minus(self.momentum.times(turning)),
+        )
+        inertia = difference(self.inertia, product(turning, self.turning_momentum))
+        yielding = share.times(self.generalized_force)
+        at_rest = self.acceleration_at_rest
+        force = self.force.minus(yielding).minus(mass.times(at_rest))
+        moment = difference(self.moment, product(turning, self.generalized_force))
+        moment = difference(moment, coupling.dot(at_rest))
+        return Sliding(
+            self.link,
+            mass,
+            coupling,
+            text.let(f"{prefix}_guide_inertia", inertia),
+            text.let_vector(f"{prefix}_guide_force", force),
+            text.let(f"{prefix}_guide_moment", moment),
+        )
 
     def release(self, size: int) -> None:
         """Write the acceleration of the body and those of its coordinates."""
@@ -171,6 +256,8 @@ class Articulated:
         if link.is_loose:
             self._release_loose()
             accelerations = [*link.acceleration, link.alpha]
+        elif link.is_on_moving_guide:
+            accelerations = [self._release_on_guide()]
         elif link.is_guided:
             acceleration = product(self.mobility, self.generalized_force)
             acceleration = text.let(f"{prefix}_acceleration", acceleration)
@@ -186,6 +273,24 @@ class Articulated:
         for k in range(link.size):
             text.write(f"out[{link.coordinate + k}] = y[{rate + k}]")
             text.write(f"out[{rate + k}] = {accelerations[k]}")
+
+    def _release_on_guide(self) -> str:
+        """Write the acceleration of a body on a moving guide; return that along the guide."""
+        text, prefix, link = self.text, self.prefix, self.link
+        parent = link.parent
+        assert parent is not None
+        carried = parent.acceleration.plus(link.from_parent.swept(parent.alpha))
+        carried = text.let_vector(
+            f"{prefix}_carried", carried.plus(self.acceleration_at_rest)
+        )
+        rest = difference(self.generalized_force, self.momentum.dot(carried))
+        rest = difference(rest, product(self.turning_momentum, parent.alpha))
+        along = text.let(f"{prefix}_acceleration", product(self.mobility, rest))
+        link.alpha = parent.alpha
+        link.acceleration = text.let_vector(
+            f"{prefix}_a", carried.plus(link.guide.times(along))
+        )
+        return along
 
     def _release_hinged(self) -> None:
         text, prefix, link = self.text, self.prefix, self.link
@@ -238,6 +343,17 @@ class Articulated:
         """Return the force on the parent at the hinge."""
         return self.force.minus(self._needed())
 
+    def guide_moment(self) -> str:
+        """Return the moment about the mass centre on the body that carries the guide."""
+        return difference(self.moment, self._turning())
+
+    def _turning(self) -> str:
+        """Return the moment that the acceleration needs, about the mass centre."""
+        link = self.link
+        return total(
+            self.coupling.dot(link.acceleration), product(self.inertia, link.alpha)
+        )
+
     def _needed(self) -> Vector:
         """Return the inertia force: mass times acceleration, with the children."""
         link = self.link
@@ -246,9 +362,7 @@ class Articulated:
     def torque(self) -> str:
         """Return the torque that the drive of the body gives."""
         link = self.link
-        turning = total(
-            self.coupling.dot(link.acceleration), product(self.inertia, link.alpha)
-        )
+        turning = self._turning()
         if link.is_loose:
             return difference(turning, self.moment)
         return difference(
@@ -261,7 +375,7 @@ def solve_tree(text: Text, chain: Chain) -> dict[str, Articulated]:
     """Write the accelerations of all free bodies; return them by the names of their variables."""
     bodies = {link.prefix: Articulated(text, link) for link in chain.free}
     for link in reversed(chain.free):
-        bodies[link.prefix].sum_up()
+        bodies[link.prefix].sum_up(chain.size)
         if link.parent is not None and not link.parent.is_prescribed:
             bodies[link.prefix].present_to(bodies[link.parent.prefix])
     for link in chain.free:

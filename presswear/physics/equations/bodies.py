@@ -7,7 +7,14 @@ from presswear.linkage.elements import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.drive_motion import is_steady
 from presswear.physics.equations.chain import Chain, Link
-from presswear.physics.equations.text import Text, Vector, product, square, total
+from presswear.physics.equations.text import (
+    Text,
+    Vector,
+    product,
+    rotated,
+    square,
+    total,
+)
 
 
 def place_bodies(text: Text, chain: Chain) -> None:
@@ -57,6 +64,9 @@ def _read_loops(text: Text, chain: Chain) -> None:
 def _turn(text: Text, chain: Chain, link: Link) -> None:
     """Write angle and angular velocity of a body, and the angular acceleration if prescribed."""
     prefix = link.prefix
+    if link.is_on_moving_guide:
+        _turn_with_parent(text, link)
+        return
     if isinstance(link.branch.joint, Guide):
         fixed = link.branch.joint.angle
         link.angle = text.parameter(f"{prefix}_angle", fixed)
@@ -80,6 +90,23 @@ def _turn(text: Text, chain: Chain, link: Link) -> None:
         link.omega = text.let(f"{prefix}_omega", omega)
     link.axis = Vector(f"{prefix}_cos", f"{prefix}_sin")
     text.write(f"{link.axis.x}, {link.axis.y} = cos_sin({link.angle})")
+
+
+def _turn_with_parent(text: Text, link: Link) -> None:
+    """Write the rotation of a body on a moving guide, which is that of the guide."""
+    prefix = link.prefix
+    parent = link.parent
+    assert parent is not None
+    turn = link.branch.turn
+    fixed = text.parameter(f"{prefix}_angle_on_{parent.prefix}", turn)
+    link.angle = text.let(f"{prefix}_angle", total(parent.angle, fixed))
+    link.omega = parent.omega
+    if link.is_prescribed:
+        link.alpha = parent.alpha
+    cosine = text.direction(f"{prefix}_cos_on_{parent.prefix}", math.cos(turn))
+    sine = text.direction(f"{prefix}_sin_on_{parent.prefix}", math.sin(turn))
+    axis = rotated(parent.axis, cosine, sine)
+    link.axis = text.let_vector(f"{prefix}_axis", axis)
 
 
 def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
@@ -107,6 +134,8 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
     if link.parent is None:
         position = Vector(f"y[{coordinate}]", f"y[{coordinate + 1}]")
         velocity = Vector(f"y[{rate}]", f"y[{rate + 1}]")
+    elif link.is_on_moving_guide:
+        position, velocity = _slide(text, chain, link)
     elif isinstance(joint, Guide):
         link.guide = Vector(
             text.direction(f"{prefix}_guide_x", math.cos(joint.direction)),
@@ -123,6 +152,38 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
         velocity = link.parent.velocity_at(hinge).minus(arm.swept(link.omega))
     link.position = text.let_vector(prefix, position)
     link.velocity = text.let_vector(f"{prefix}_v", velocity)
+
+
+def _slide(text: Text, chain: Chain, link: Link) -> tuple[Vector, Vector]:
+    """Write the motion of a body along a guide on its parent; return position and velocity."""
+    prefix = link.prefix
+    parent = link.parent
+    assert parent is not None
+    cosine = text.direction(f"{prefix}_guide_xi", math.cos(link.branch.slope))
+    sine = text.direction(f"{prefix}_guide_eta", math.sin(link.branch.slope))
+    line = rotated(parent.axis, cosine, sine)
+    link.guide = text.let_vector(f"{prefix}_guide", line)
+    distance = text.let(f"{prefix}_distance", f"y[{link.coordinate}]")
+    speed = text.let(f"{prefix}_speed", f"y[{chain.size + link.coordinate}]")
+    start = parent.arm(text, link.branch.before, link.joint)
+    end = link.arm(text, link.branch.end, link.joint)
+    reach = start.plus(link.guide.times(distance)).minus(end)
+    link.from_parent = text.let_vector(f"{prefix}_from_{parent.prefix}", reach)
+    position = parent.position.plus(link.from_parent)
+    return position, parent.velocity_at(link.from_parent).plus(link.guide.times(speed))
+
+
+def sliding_acceleration(text: Text, size: int, link: Link) -> Vector:
+    """Write the centripetal and Coriolis acceleration of a body on a moving guide.
+
+    ``size`` is the number of coordinates of the tree.
+    """
+    parent = link.parent
+    assert parent is not None
+    speed = f"y[{size + link.coordinate}]"
+    sideways = link.guide.swept(parent.omega).times(product("2.0", speed))
+    inwards = link.from_parent.times(square(parent.omega))
+    return text.let_vector(f"{link.prefix}_a_at_rest", sideways.minus(inwards))
 
 
 def hinge_acceleration(text: Text, link: Link) -> Vector:

@@ -45,6 +45,9 @@ class Link:
     moments: list[str] = field(default_factory=list)  # about the mass centre
     arms: dict[tuple[float, float], Vector] = field(default_factory=dict)
     guide: Vector = Vector()  # direction of its guide
+    from_parent: Vector = (
+        Vector()
+    )  # from the mass centre of the parent, on a moving guide
 
     @property
     def is_loose(self) -> bool:
@@ -55,6 +58,11 @@ class Link:
     def is_guided(self) -> bool:
         """True if it slides along a guide."""
         return isinstance(self.branch.joint, Guide)
+
+    @property
+    def is_on_moving_guide(self) -> bool:
+        """True if it slides along a guide on another body."""
+        return self.is_guided and self.parent is not None and self.parent.index >= 0
 
     @property
     def size(self) -> int:
@@ -121,12 +129,8 @@ class Chain:
             i = link.coordinate
             xy = slice(link.index, link.index + 2)
             angle = link.index + 2
-            if isinstance(link.branch.joint, Guide):
-                direction = link.branch.joint.direction
-                unit_vector = np.array([math.cos(direction), math.sin(direction)])
-                start = [link.branch.before.x, link.branch.before.y]
-                coordinates[i] = unit_vector @ (q[xy] - start)
-                rates[i] = unit_vector @ v[xy]
+            if link.is_guided:
+                coordinates[i], rates[i] = _sliding(link, q, v)
                 continue
             if link.is_loose:
                 coordinates[i : i + 2] = q[xy]
@@ -157,6 +161,33 @@ class Chain:
     def of(self, body: str) -> Link:
         """Return a body, or the frame, by its name."""
         return next((link for link in self.links if link.body.name == body), self.frame)
+
+
+def _sliding(link: Link, q: Array, v: Array) -> tuple[float, float]:
+    """Return distance, m, and speed, m/s, of a body along its guide."""
+    start, start_velocity = _point_motion(link.parent, link.branch.before, q, v)
+    end, end_velocity = _point_motion(link, link.branch.end, q, v)
+    direction = link.branch.slope
+    if link.is_on_moving_guide:
+        assert link.parent is not None
+        direction += q[link.parent.index + 2]
+    unit_vector = np.array([math.cos(direction), math.sin(direction)])
+    # The distance is along the line: its turning does not change it.
+    distance = unit_vector @ (end - start)
+    return float(distance), float(unit_vector @ (end_velocity - start_velocity))
+
+
+def _point_motion(
+    link: Link | None, point: Attachment, q: Array, v: Array
+) -> tuple[Array, Array]:
+    """Return position, m, and velocity, m/s, of a point of a body or of the frame."""
+    if link is None or link.index < 0:
+        return np.array([point.x, point.y]), np.zeros(2)
+    i = link.index
+    c, s = math.cos(q[i + 2]), math.sin(q[i + 2])
+    x, y = c * point.x - s * point.y, s * point.x + c * point.y
+    velocity = v[i : i + 2] + v[i + 2] * np.array([-y, x])
+    return q[i : i + 2] + np.array([x, y]), velocity
 
 
 def open_chain(linkage: Linkage, text: Text) -> Chain | str:

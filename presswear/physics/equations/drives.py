@@ -49,6 +49,10 @@ def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
             force = text.let_vector(
                 f"{link.prefix}_{link.joint}", bodies[link.prefix].reaction()
             )
+            if link.is_on_moving_guide:
+                parent.add_force(link.from_parent, force)
+                parent.moments.append(bodies[link.prefix].guide_moment())
+                continue
             parent.add_force(parent.arm(text, link.branch.before, link.joint), force)
 
 

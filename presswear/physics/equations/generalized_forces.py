@@ -39,7 +39,7 @@ def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
 def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> Vector:
     """Write the acceleration of the hinge from which the branch of a body hangs."""
     parent = link.parent
-    if parent is None or parent.index < 0 or link.is_guided:
+    if parent is None or parent.index < 0:
         return Vector()
     if not parent.is_prescribed:
         return carried[parent.prefix]
@@ -59,6 +59,9 @@ def _write_force(
     )
     if link.is_guided:
         text.write(f"out[{place}] = {link.guide.dot(force)}")
+        if parent is not None and parent.prefix in transmitted:
+            transmitted[parent.prefix].forces.append(force)
+            transmitted[parent.prefix].moments += link.from_parent.cross(force), moment
         return
     if link.is_loose:
         text.write(f"out[{place}] = {force.x}")

@@ -116,6 +116,12 @@ class Vector(NamedTuple):
         return difference(product(self.x, vector.y), product(self.y, vector.x))
 
 
+def rotated(vector: Vector, cosine: str, sine: str) -> Vector:
+    """Return a vector turned by an angle."""
+    x = difference(product(vector.x, cosine), product(vector.y, sine))
+    return Vector(x, total(product(vector.y, cosine), product(vector.x, sine)))
+
+
 class Text:
     """Lines of a function, with names for its variables."""
 

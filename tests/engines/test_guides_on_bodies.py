@@ -1,0 +1,78 @@
+"""Guides on moving bodies in all engines; the open tree is in ``test_linkages``."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from slotted import (
+    quick_return,
+    scotch_yoke,
+    shaper,
+    skew_quick_return,
+    slotted_crank,
+    swinging_block,
+)
+
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.topology import branches_of
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+SCENES = {
+    "Scotch yoke": (scotch_yoke(), "A"),
+    "quick return, crank pin": (skew_quick_return(), "A"),
+    "swinging block": (swinging_block(), "A"),
+    "slotted crank": (slotted_crank(), "A"),
+    "slotted crank, rocker": (slotted_crank(), "Q"),
+    "quick return, loose crank": (skew_quick_return(), "O2"),
+    "shaper, a loop is left": (shaper(), "A"),
+}
+DURATION = 0.01  # s, some touchdowns
+_scene = partial(Scene, bearings=BEARING, wear_updates=0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_engines_agree_and_keep_the_energy(name: str) -> None:
+    """Coordinates of the open tree, all coordinates, Exudyn's bodies and joints, its tree."""
+    mechanism, joints = SCENES[name]
+    scene = _scene(mechanism.changed(gravity=9.81), joints=joints)
+    fewest = InHouse(integration_tolerance=1e-11)
+    all_of_them = InHouse(integration_tolerance=1e-11, coordinates="all")
+    ours, reference, joined = (
+        run_scene(scene, engine, DURATION)
+        for engine in (fewest, all_of_them, ExudynJoints())
+    )
+    assert np.abs(ours.end.position - reference.end.position).max() < 1e-9
+    assert np.abs(joined.end.position - reference.end.position).max() < 1e-6
+    assert max(residual(ours), residual(reference)) < 1e-9
+    assert residual(joined) < 1e-5
+    if not isinstance(branches_of(scene.linkage()), str):
+        tree = run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION)
+        assert np.abs(tree.end.position - reference.end.position).max() < 1e-9
+        assert residual(tree) < 1e-9
+    torques = reference.recorder.records.torque
+    np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
+
+
+def test_a_quick_return_without_clearance() -> None:
+    """Both engines for any linkage keep to the ideal motion."""
+    scene = _scene(quick_return(), joints="none")
+    duration = 0.7 * scene.mechanism.period
+    expected = scene.ideal.at(np.array([duration])).position[0]
+    for engine in (InHouse(), ExudynJoints()):
+        end = run_scene(scene, engine, duration).end.position
+        assert np.abs(end - expected).max() < 1e-7
+
+
+def test_a_slot_on_a_driven_body_is_explained() -> None:
+    scene = _scene(slotted_crank(), joints="A", engine="exudyn-tree")
+    with pytest.raises(
+        InputError, match="slot is on crank, whose motion drives prescribe"
+    ):
+        run_scene(scene, ExudynTree(), DURATION)
+    assert isinstance(
+        _scene(slotted_crank(), joints="A", engine="exudyn").solver, ExudynJoints
+    )

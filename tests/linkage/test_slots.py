@@ -1,0 +1,115 @@
+"""Guides on moving bodies as data: files, drawings, angles at the start, and messages."""
+
+import math
+from typing import Any
+
+import pytest
+from slotted import quick_return, scotch_yoke, swinging_block
+
+import presswear as pw
+from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.linkage import assemble, linkage_from
+from presswear.linkage.part_checks import start_angles
+from presswear.linkage.topology import branches_of
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+from presswear.tools.serialize import make
+
+
+def test_a_slot_is_stored_and_read_back() -> None:
+    linkage = quick_return()
+    plain = linkage.as_plain()
+    assert plain["joints"][-1]["on"] == "rocker"
+    assert linkage_from(plain, "mechanism") == linkage
+
+
+def test_a_slot_leads_through_the_block_as_drawn() -> None:
+    """Its line is in the frame of the body that carries it."""
+    linkage = assemble(
+        bodies=[
+            Body("crank", 1.0, 0.1, {"O": (0.0, 0.3), "A": (0.1, 0.3)}, (0.05, 0.3)),
+            Body("block", 0.5, 1e-3, {"A": (0.1, 0.3)}, (0.1, 0.3)),
+            Body("rocker", 2.0, 0.1, {"P": (0.0, 0.0)}, (0.02, 0.2)),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.3), "crank.O"),
+            Pin("A", "crank.A", "block.A"),
+            Pin("P", (0.0, 0.0), "rocker.P"),
+            Guide("slot", "block", direction=math.atan2(0.3, 0.1), on="rocker"),
+        ],
+        drives=[pw.Drive("crank", 1.0)],
+    )
+    slot = linkage.guides[0]
+    assert (slot.x, slot.y) == pytest.approx((0.08, 0.1))
+    start = Scene(linkage, joints="none").ideal.position[0]
+    assert start[:, 2] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_angles_pass_through_slots_in_both_directions() -> None:
+    guides = [
+        Guide("a", "block", angle=0.2, on="rocker"),
+        Guide("b", "second", angle=0.3, on="block"),
+        Guide("c", "rod", angle=0.1, on="swivel"),
+    ]
+    drives = [pw.Drive("rod", angle=0.5)]
+    angles = start_angles(guides, drives, {"rocker": 1.0})
+    expected = {"rocker": 1.0, "block": 1.2, "second": 1.5, "rod": 0.5, "swivel": 0.4}
+    assert angles == pytest.approx(expected)
+
+
+def test_a_block_in_a_yoke_needs_no_inertia() -> None:
+    """A yoke on the frame does not turn, so that its block does not; a rocker does."""
+    bodies = {body.name: body for body in scotch_yoke().bodies}
+    assert bodies["block"].inertia == 0.0
+    linkage = quick_return()
+    blocks = [Body("block", 0.5) if b.name == "block" else b for b in linkage.bodies]
+    with pytest.raises(InputError, match="inertia of block = 0 kg m"):
+        linkage.changed(bodies=blocks)
+
+
+def test_trees_hang_from_either_end_of_a_slot() -> None:
+    swinging = Scene(swinging_block(), joints="P").linkage()
+    branches = branches_of(swinging)
+    assert not isinstance(branches, str)
+    assert [branch.end.body for branch in branches] == ["rod", "block"]
+    assert (branches[1].turn, branches[1].slope) == (0.0, 0.0)
+
+
+SLOT: dict[str, Any] = {"name": "slot", "body": "block", "on": "rocker"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"on": "block"}, "guide slot: on = block: must be another body, or frame"),
+        ({"stiffness": 1e6}, r"guide slot: stiffness = 1e\+06 with on = rocker: a gui"),
+        ({"length": 0.1}, "guide slot: length = 0.1 with on = rocker: a guide on a mo"),
+        ({"on": "rokcer"}, "body in on of guide slot 'rokcer'.*rocker"),
+    ],
+)
+def test_wrong_slots_are_refused_by_name(changes: dict[str, Any], message: str) -> None:
+    linkage = quick_return()
+    with pytest.raises(InputError, match=message):
+        linkage.changed(
+            joints=[*linkage.revolutes, make("joints[3]", Guide, SLOT | changes)]
+        )
+
+
+def test_clearance_in_a_slot_is_refused() -> None:
+    with pytest.raises(InputError, match="clearance of slot, a guide on rocker: a gui"):
+        Scene(quick_return(), joints="slot", bearings=Bearing(clearance=1e-4))
+
+
+def test_a_loop_of_guides_is_refused() -> None:
+    """A wedge between two slides has no pin in its loop."""
+    with pytest.raises(InputError, match="guide face: guides alone connect"):
+        assemble(
+            bodies=[Body("wedge", 1.0), Body("slide", 1.0)],
+            joints=[
+                Guide("level", "wedge"),
+                Guide("upright", "slide", direction=0.5 * math.pi),
+                Guide("face", "slide", direction=0.2, on="wedge"),
+            ],
+            cycle=1.0,
+        )

@@ -1,0 +1,224 @@
+"""Guides on moving bodies: closed forms of the ideal motion, its torque, and its forces."""
+
+import math
+
+import numpy as np
+import pytest
+from slotted import (
+    HEIGHT,
+    RADIUS,
+    SPEED,
+    YOKE_MASS,
+    quick_return,
+    scotch_yoke,
+    shaper,
+    skew_quick_return,
+    swinging_block,
+)
+
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.physics.assembly import close
+from presswear.physics.constraint_rows import Rows
+from presswear.physics.constraints import constraints_of
+from presswear.physics.ideal import Motion, ideal_motion
+from presswear.physics.inverse_dynamics import constraint_forces, needed_torques
+
+TIME = np.linspace(0.0, 2.0 * math.pi / SPEED, 97)
+
+
+def motion(linkage: Linkage) -> Motion:
+    """Return the ideal motion at all instants."""
+    return ideal_motion(linkage, linkage.period).at(TIME)
+
+
+def direction_to(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the angle of a vector with two derivatives, each of shape (n,).
+
+    ``x`` and ``y`` are the components with their derivatives, each (3, n).
+    """
+    square = x[0] ** 2 + y[0] ** 2
+    omega = (x[0] * y[1] - y[0] * x[1]) / square
+    along = (x[0] * x[1] + y[0] * y[1]) / square
+    alpha = (x[0] * y[2] - y[0] * x[2]) / square - 2.0 * along * omega
+    return np.unwrap(np.arctan2(y[0], x[0])), omega, alpha
+
+
+def crank_pin() -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y of the crank pin about its pivot with two derivatives, each (3, n)."""
+    cosine, sine = RADIUS * np.cos(SPEED * TIME), RADIUS * np.sin(SPEED * TIME)
+    x = np.array([cosine, -SPEED * sine, -(SPEED**2) * cosine])
+    return x, np.array([sine, SPEED * cosine, -(SPEED**2) * sine])
+
+
+def test_rocker_of_a_quick_return() -> None:
+    """phi = atan2(d + r sin a, r cos a), with its derivatives."""
+    x, y = crank_pin()
+    y[0] += HEIGHT
+    levels = motion(quick_return())
+    for level, expected in zip(
+        (levels.position, levels.velocity, levels.acceleration),
+        direction_to(x, y),
+        strict=True,
+    ):
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
+        np.testing.assert_allclose(level[:, 5], expected, atol=1e-13 * scale)
+
+
+def test_ratio_of_times_of_a_quick_return() -> None:
+    """The rocker goes back in (pi - 2 asin(r / d)) / (pi + 2 asin(r / d)) of its time forth."""
+    time = np.linspace(0.0, TIME[-1], 100_001)
+    linkage = quick_return()
+    velocity = ideal_motion(linkage, linkage.period).at(time).velocity[:, 8]
+    forth = float((velocity < 0.0).mean())
+    angle = 2.0 * math.asin(RADIUS / HEIGHT)
+    back = (math.pi - angle) / (math.pi + angle)
+    assert forth / (1.0 - forth) == pytest.approx(back, abs=1e-4)
+
+
+def test_scotch_yoke() -> None:
+    """x = r cos w t; the torque is m w^2 r^2 sin cos, whatever the block weighs."""
+    linkage = scotch_yoke()
+    levels = motion(linkage)
+    x, _ = crank_pin()
+    for level, expected in zip(
+        (levels.position, levels.velocity, levels.acceleration), x, strict=True
+    ):
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(level[:, 6], expected, atol=1e-13 * scale)
+    ideal = ideal_motion(linkage, linkage.period)
+    torque = needed_torques(linkage, ideal, TIME)[:, 0]
+    cosine, sine = np.cos(SPEED * TIME), np.sin(SPEED * TIME)
+    peak = YOKE_MASS * SPEED**2 * RADIUS**2
+    np.testing.assert_allclose(torque, peak * sine * cosine, atol=1e-12 * peak)
+
+
+def test_force_of_a_slot() -> None:
+    """The slot moves the yoke: m w^2 r cos w t across it, and no moment on the block."""
+    linkage = scotch_yoke()
+    ideal = ideal_motion(linkage, linkage.period)
+    forces = constraint_forces(linkage, ideal, TIME)
+    first = ideal.rows.names.index("slot")
+    peak = YOKE_MASS * SPEED**2 * RADIUS
+    expected = -peak * np.cos(SPEED * TIME)
+    np.testing.assert_allclose(forces[:, first], expected, atol=1e-12 * peak)
+    np.testing.assert_allclose(forces[:, first + 1], 0.0, atol=1e-12 * peak)
+
+
+def test_rod_in_a_swinging_block() -> None:
+    """The rod points to the pivot of the block: phi = atan2(-r sin a, 0.4 - r cos a)."""
+    x, y = crank_pin()
+    to_pivot = np.array([0.4 - x[0], -x[1], -x[2]])
+    levels = motion(swinging_block())
+    for level, expected in zip(
+        (levels.position, levels.velocity, levels.acceleration),
+        direction_to(to_pivot, -y),
+        strict=True,
+    ):
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize("linkage", [skew_quick_return(), shaper()], ids=str)
+def test_torque_has_the_power_of_the_motion(linkage: Linkage) -> None:
+    """Torque times speed is the rate of the kinetic energy, less the power of the weights."""
+    ideal = ideal_motion(linkage, linkage.period)
+    levels = ideal.at(TIME)
+    count = len(linkage.bodies)
+    v, a = (
+        level.reshape(-1, count, 3) for level in (levels.velocity, levels.acceleration)
+    )
+    masses = np.array([body.mass for body in linkage.bodies])
+    inertias = np.array([body.inertia for body in linkage.bodies])
+    weights = linkage.gravity * masses
+    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
+    power += (v[..., 2] * a[..., 2]) @ inertias + v[..., 1] @ weights
+    torque = needed_torques(linkage, ideal, TIME)[:, 0]
+    scale = np.abs(power).max()
+    np.testing.assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
+
+
+def test_rows_of_kernels_are_those_of_numpy() -> None:
+    linkage = skew_quick_return()
+    rows = Rows(linkage)
+    levels = motion(linkage)
+    constraints = constraints_of(linkage)
+    for q, v, a in zip(
+        levels.position, levels.velocity, levels.acceleration, strict=True
+    ):
+        phi, phi_t, gamma, jacobian = constraints.evaluate(0.0, q, v)
+        expected = rows.jacobian(q.reshape(1, -1, 3))[0]
+        np.testing.assert_allclose(jacobian, expected, atol=1e-15)
+        np.testing.assert_allclose(phi[:-1], 0.0, atol=1e-14)
+        np.testing.assert_allclose(phi_t, 0.0, atol=1e-12)
+        np.testing.assert_allclose(jacobian @ a, gamma, atol=1e-9)
+
+
+def test_an_imprecise_guess_of_the_rocker_turns_its_block() -> None:
+    """The block has the angle of the rocker, in the same turn."""
+    linkage = quick_return()
+    for degrees in (20.0, 95.0, 430.0):
+        guess = {"rocker": math.radians(degrees)}
+        start = ideal_motion(linkage.changed(guess=guess), linkage.period).position[0]
+        assert start[1, 2] == pytest.approx(start[2, 2], abs=1e-14)
+        turns = round((degrees - 71.565) / 360.0)
+        angle = math.atan2(HEIGHT, RADIUS) + 2.0 * math.pi * turns
+        assert start[2, 2] == pytest.approx(angle, abs=1e-13)
+
+
+def test_a_guide_in_a_body_at_rest_is_one_on_the_frame() -> None:
+    """Positions, velocities and accelerations of a slider on a bed that a drive holds."""
+    crank = SliderCrank().linkage()
+    (guide,) = crank.guides
+    turned = 0.3
+    bed = Guide(
+        "guide", guide.body, direction=guide.direction - turned, angle=-turned, on="bed"
+    )
+    held = crank.changed(
+        bodies=[*crank.bodies, Body("bed", 1.0)],
+        joints=[*crank.revolutes, Pin("bolt", (0.0, 0.0), "bed"), bed],
+        drives=[*crank.drives, Drive("bed", angle=turned)],
+        output=crank.output,
+    )
+    time = np.linspace(0.0, crank.period, 37)
+    on_frame = ideal_motion(crank, crank.period).at(time)
+    on_bed = ideal_motion(held, crank.period).at(time)
+    size = 3 * len(crank.bodies)
+    for name in ("position", "velocity", "acceleration"):
+        expected = getattr(on_frame, name)
+        scale = np.abs(expected).max()
+        result = getattr(on_bed, name)[:, :size]
+        np.testing.assert_allclose(result, expected, atol=1e-12 * scale)
+
+
+def test_derivatives_off_the_constraints() -> None:
+    """Phi' and Phi'' beside finite differences of Phi along a motion that violates it."""
+    linkage = skew_quick_return().changed(drives=())
+    rows = Rows(linkage)
+    generator = np.random.default_rng(3)
+    q, v, a = generator.normal(size=(3, 1, 3, 3))
+    step = 1e-4
+    shifts = np.array([-2.0, -1.0, 0.0, 1.0, 2.0]) * step
+    places = np.concatenate([q + h * v + 0.5 * h * h * a for h in shifts])
+    (phi,) = rows.errors(np.zeros(5), places)
+    _, first, second = (level[0] for level in rows.errors(np.zeros(1), q, v, a))
+    slope = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) @ phi / (12.0 * step)
+    curvature = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) @ phi / (12.0 * step**2)
+    np.testing.assert_allclose(first, slope, atol=1e-9)
+    np.testing.assert_allclose(second, curvature, atol=1e-5)
+    kernels = constraints_of(linkage).evaluate(0.0, q.ravel(), v.ravel())
+    np.testing.assert_allclose(kernels[0], phi[2], atol=1e-14)
+    np.testing.assert_allclose(kernels[1], slope, atol=1e-9)
+    acceleration = kernels[3] @ a.ravel() - kernels[2]
+    np.testing.assert_allclose(acceleration, curvature, atol=1e-5)
+
+
+def test_close_returns_to_the_slot() -> None:
+    linkage = skew_quick_return()
+    rows = Rows(linkage)
+    q = ideal_motion(linkage, linkage.period).position[:1]
+    levels = close(rows, np.zeros(1), q + 1e-3)
+    assert np.abs(rows.errors(np.zeros(1), levels.q)[0]).max() < 1e-14

@@ -1,0 +1,144 @@
+"""Linkages with a guide on a moving body, shared by tests."""
+
+import math
+
+from presswear.linkage.drives import Drive
+from presswear.linkage.elements import Bar, Body, Guide, Pin
+from presswear.linkage.linkage import Linkage, assemble
+
+SPEED = 10.0 * math.pi  # of the crank, rad/s
+RADIUS, HEIGHT = 0.1, 0.3  # of the crank and of its pivot above that of the rocker, m
+YOKE_MASS = 2.0
+
+
+def quick_return(speed: float = SPEED) -> Linkage:
+    """Return a crank whose block slides in a slotted rocker below it (Whitworth)."""
+    return assemble(
+        bodies=[
+            Bar("crank", RADIUS, 1.0),
+            Body("block", 0.5, 1e-3),
+            Body("rocker", 2.0, 0.1, {"pivot": (-0.2, 0.0), "end": (0.3, 0.0)}),
+        ],
+        joints=[
+            Pin("O2", (0.0, HEIGHT), "crank.tail"),
+            Pin("A", "crank.head", "block"),
+            Pin("O4", (0.0, 0.0), "rocker.pivot"),
+            Guide("slot", "block", on="rocker"),
+        ],
+        drives=[Drive("crank", speed)],
+        output="rocker.end",
+        guess={"rocker": math.radians(60.0)},
+        gravity=0.0,
+        name="quick return",
+    )
+
+
+def skew_quick_return() -> Linkage:
+    """Return one whose slot lies beside the pivot, oblique, with the block turned in it."""
+    linkage = quick_return()
+    slot = Guide(
+        "slot", "block", x=0.01, y=-0.02, direction=0.05, angle=0.3, on="rocker"
+    )
+    return linkage.changed(joints=[*linkage.revolutes, slot], gravity=9.81)
+
+
+def shaper() -> Linkage:
+    """Return a skew quick return whose rocker moves a ram."""
+    linkage = skew_quick_return()
+    joints = [
+        Pin("B", "rocker.end", "link.tail"),
+        Pin("C", "link.head", "ram"),
+        Guide("ways", "ram", y=0.55),
+    ]
+    return linkage.changed(
+        bodies=[*linkage.bodies, Bar("link", 0.35, 0.4), Body("ram", 3.0)],
+        joints=[*linkage.joints, *joints],
+        guess={"rocker": math.radians(60.0), "link": 0.2},
+        output="ram",
+        name="shaper",
+    )
+
+
+def scotch_yoke(speed: float = SPEED) -> Linkage:
+    """Return a yoke whose upright slot a block on a crank moves to and fro."""
+    return assemble(
+        bodies=[Bar("crank", RADIUS, 1.0), Body("block", 0.5), Body("yoke", YOKE_MASS)],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "block"),
+            Guide("ways", "yoke"),
+            Guide("slot", "block", direction=0.5 * math.pi, on="yoke"),
+        ],
+        drives=[Drive("crank", speed)],
+        output="yoke",
+        gravity=0.0,
+        name="Scotch yoke",
+    )
+
+
+def swinging_block() -> Linkage:
+    """Return a slider-crank whose rod slides through a block that swings on the frame."""
+    return assemble(
+        bodies=[
+            Bar("crank", RADIUS, 1.0),
+            Body("block", 0.5, 1e-3),
+            Bar("rod", 0.6, 1.0),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "rod.tail"),
+            Pin("P", (0.4, 0.0), "block"),
+            Guide("bore", "rod", on="block"),
+        ],
+        drives=[Drive("crank", SPEED)],
+        output="rod.head",
+        gravity=0.0,
+        name="swinging block",
+    )
+
+
+def slotted_crank() -> Linkage:
+    """Return a driven crank whose oblique slot moves a block on a rocker."""
+    return assemble(
+        bodies=[
+            Bar("crank", 0.3, 1.0),
+            Body("block", 0.5, 1e-3),
+            Bar("rocker", 0.4, 1.0),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "block", "rocker.head"),
+            Pin("Q", (0.1, 0.0), "rocker.tail"),
+            Guide("slot", "block", y=0.01, direction=0.2, angle=0.2, on="crank"),
+        ],
+        drives=[Drive("crank", SPEED, 0.5)],
+        output="rocker.head",
+        guess={"rocker": math.radians(50.0)},
+        name="slotted crank",
+    )
+
+
+def driven_rod() -> Linkage:
+    """Return a rod driven to and fro in a swinging block, which moves a crank and a ram."""
+    return assemble(
+        bodies=[
+            Bar("crank", RADIUS, 1.0),
+            Body("block", 0.5, 1e-3),
+            Bar("rod", 0.6, 1.0),
+            Bar("link", 0.4, 0.5),
+            Body("ram", 1.0),
+        ],
+        joints=[
+            Pin("P", (0.4, 0.05), "block"),
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "rod.tail"),
+            Pin("B", "rod.head", "link.tail"),
+            Pin("C", "link.head", "ram"),
+            Guide("bore", "rod", y=0.01, direction=0.2, angle=0.2, on="block"),
+            Guide("ways", "ram", y=0.03),
+        ],
+        drives=[Drive("rod", angle=0.1, harmonics=[(0.0, 0.1)], frequency=SPEED)],
+        output="ram",
+        guess={"crank": math.radians(120.0), "link": 0.0},
+        name="driven rod",
+    )
