@@ -184,7 +184,13 @@ def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> 
             f'<circle cx="{drawing.scale * end.x:.1f}" cy="{drawing.scale * end.y:.1f}" r="2"/>'
             for end in shapes.attachments(linkage, body.name)
         )
-        parts.append(f'<g class="body"><path d="{_path(outline)}" {style}/>{holes}</g>')
+        slots = "".join(
+            f'<path d="{_path(drawing.scale * slot)}" fill="none" stroke="{colour}"/>'
+            for guide in shapes.slots_of(linkage, body.name)
+            for slot in [shapes.slot_outline(linkage, film.position, guide, 0.7 * bar)]
+        )
+        shown = f'<path d="{_path(outline)}" {style}/>{slots}{holes}'
+        parts.append(f'<g class="body">{shown}</g>')
     parts.append("</g>")
     middle = drawing.size[0] + radius + 50.0
     for column, k in enumerate(joints):
@@ -212,6 +218,8 @@ def _frame_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
         d = _path(np.array([[x, y], [x - 7.0, y - 11.0], [x + 7.0, y - 11.0]]))
         parts.append(f'<path d="{d}" fill="#c9ced6" stroke="#555"/>')
     for guide in shapes.guides_of(linkage):
+        if guide.is_moving:
+            continue
         k = linkage.index(guide.body)
         places = film.position[:, 3 * k : 3 * k + 2]
         along = np.array([math.cos(guide.direction), math.sin(guide.direction)])

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, INERTIA, MASS, Attachment
+from presswear.linkage.elements import INERTIA, MASS, Attachment, ends_of
 from presswear.results.result import Result
 from presswear.scene.catalog import base_of, named_scene
 from presswear.scene.scene import Scene
@@ -83,7 +83,11 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
         for drive in linkage.drives
     }
     loose = [guide.name for guide in scene.loose_guides]
-    guided = {guide.body for guide in linkage.guides if guide.name not in loose}
+    guided = {
+        guide.body
+        for guide in linkage.guides
+        if guide.name not in loose and not guide.is_moving
+    }
     # With clearance in its guide a slide tilts, and gets an inertia.
     moving = {body.name: body for body in scene.linkage().bodies}
     start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
@@ -102,10 +106,10 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
     titles = {}
     for guide in linkage.guides:
-        ends = Attachment(GROUND, guide.x, guide.y), Attachment(guide.body, 0.0, 0.0)
-        places[guide.name] = ends
+        places[guide.name] = ends_of(guide)
         titles[guide.name] = (
             f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
+            + f" of {guide.on}" * guide.is_moving
             + ", each corner" * (guide.name in loose)
         )
     clearances = scene.linkage().clearances

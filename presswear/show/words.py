@@ -21,8 +21,8 @@ _WORDS = re.compile(
 
 
 def has_guide(scene: Scene) -> bool:
-    """Return whether a body of the mechanism moves in a guide, as the slide of a press does."""
-    return bool(scene.mechanism.linkage().guides)
+    """Return whether a guide of the frame holds a body, as the slide of a press."""
+    return any(not guide.is_moving for guide in scene.mechanism.linkage().guides)
 
 
 def in_words_of(scene: Scene, text: str) -> str:

@@ -20,6 +20,8 @@ from presswear.show.replay.shapes import (
     body_outline,
     points_of,
     slide_corners,
+    slot_outline,
+    slots_of,
 )
 from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
@@ -104,6 +106,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
             _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
     for k in range(len(linkage.bodies)):
         _draw_body(axes, linkage, k, position[:1], size)
+        _draw_slots(axes, linkage, k, position, size)
     labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
     scale = 72.0 * (height - edges) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
@@ -236,6 +239,27 @@ def _draw_body(
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
 
 
+def _draw_slots(
+    axes: Axes, linkage: Linkage, number: int, position: Array, size: float
+) -> None:
+    """Draw the guides that a body carries over the travel of their blocks."""
+    name = linkage.bodies[number].name
+    colour = BODY_COLOURS[number % len(BODY_COLOURS)]
+    for guide in slots_of(linkage, name):
+        corners = slot_outline(linkage, position, guide, _BAR * size)
+        outline = np.array(
+            [
+                points_of(linkage, position[:1], Attachment(name, x, y))[0, :2]
+                for x, y in corners.tolist()
+            ]
+        )
+        axes.add_patch(
+            Polygon(
+                outline, facecolor="none", edgecolor=colour, linewidth=1.0, zorder=3
+            )
+        )
+
+
 def _legend_text(linkage: Linkage, body: str) -> str:
     """Return the name of a body, with the mean speed of its drive, if it turns on."""
     speeds = [drive.mean_speed for drive in linkage.drives if drive.body == body]
@@ -256,6 +280,8 @@ def _draw_guides_and_forces(
         return points_of(linkage, position, point)[0, :2]
 
     for guide in linkage.guides:
+        if guide.is_moving:
+            continue
         ends = np.outer([-0.25 * size, 0.25 * size], direction_at(guide.direction))
         line = at(Attachment(guide.body, 0.0, 0.0)) + ends
         axes.plot(

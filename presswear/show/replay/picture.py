@@ -111,7 +111,10 @@ class Picture:
             ]
             bodies = range(len(clip.linkage.bodies))
             self._bodies.append(
-                [shapes.body_shapes(clip.linkage, k, self._bar) for k in bodies]
+                [
+                    shapes.body_shapes(clip.linkage, clip.film.position, k, self._bar)
+                    for k in bodies
+                ]
             )
             self._joints.append(
                 [_enlarged(clip, panel, each) for each in clip.chapters]

@@ -45,6 +45,7 @@ FORCE = to_rgba("#c1121f")
 PIN = to_rgba("#9aa5b1")
 LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
 BAR = 0.017  # half width of a bar over the size of the mechanism
+_BLOCK = (5.6, 4.4)  # length and width of a block in a guide, in half widths of a bar
 # Of the radius of an enlarged joint
 PIN_SHARE = 0.34
 PLAY_SHARE = 0.36
@@ -103,6 +104,29 @@ def guides_of(linkage: Linkage) -> tuple[Guide, ...]:
     return (*linkage.guides, *linkage.loose_guides)
 
 
+def slots_of(linkage: Linkage, body: str) -> list[Guide]:
+    """Return the guides that a body carries."""
+    return [guide for guide in linkage.guides if guide.on == body]
+
+
+def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -> Array:
+    """Return the space that a block needs in the body that carries its guide, m, shape (4, 2).
+
+    It is a rectangle in the axes of this body, around the block in all its positions.
+    """
+    lines = points_of(linkage, positions, Attachment(guide.on, guide.x, guide.y))
+    gaps = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0)) - lines
+    angles = guide.direction + lines[:, 2]
+    travel = gaps[:, 0] * np.cos(angles) + gaps[:, 1] * np.sin(angles)
+    half = 0.5 * np.array(_BLOCK) * bar
+    low, high = travel.min() - half[0], travel.max() + half[0]
+    corners = np.array(
+        [[low, -half[1]], [high, -half[1]], [high, half[1]], [low, half[1]]]
+    )
+    along = direction(guide.direction)
+    return np.array([guide.x, guide.y]) + corners @ [along, across(along)]
+
+
 def slide_corners(guide: Guide) -> list[Attachment]:
     """Return the corners of a slide, in turn around it; none without a length and a width."""
     if guide.length is None or guide.width is None:
@@ -132,7 +156,9 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     guide = next((each for each in guides_of(linkage) if each.body == body), None)
     outline = np.zeros((0, 2))
     if guide is not None:
-        size = np.array([guide.length or 5.6 * bar, guide.width or 4.4 * bar])
+        size = np.array(
+            [guide.length or _BLOCK[0] * bar, guide.width or _BLOCK[1] * bar]
+        )
         half = 0.5 * size - inset
         along = direction(guide.direction - guide.angle)
         outline = (
@@ -250,8 +276,10 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def body_shapes(linkage: Linkage, number: int, bar: float) -> list[Shape]:
-    """Return a body in its own frame with its holes, mass centre and bearings."""
+def body_shapes(
+    linkage: Linkage, positions: Array, number: int, bar: float
+) -> list[Shape]:
+    """Return a body in its own frame with its holes, slots, mass centre and bearings."""
     body = linkage.bodies[number].name
     fill = to_rgba(BODY_COLOURS[number % len(BODY_COLOURS)])
     edge = mix(fill, INK, 0.55)
@@ -259,6 +287,10 @@ def body_shapes(linkage: Linkage, number: int, bar: float) -> list[Shape]:
     for inset, z, paint in ((0.0, 4, edge), (0.22 * bar, 5, fill)):
         outline = body_outline(linkage, body, bar, inset)
         drawn.append(filled(outline, 3 * number + z, paint))
+    for guide in slots_of(linkage, body):
+        corners = slot_outline(linkage, positions, guide, bar)
+        for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            drawn.append(line(start, end, _EDGE * bar, 3 * number + 6, edge))
     bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
     for end in attachments(linkage, body):
         centre = (end.x, end.y)
@@ -283,6 +315,8 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
         drawn += hatched(ends, -1.0, bar)
     clearances = {corner.guide.name: corner.clearance for corner in linkage.corners}
     for guide in guides_of(linkage):
+        if guide.is_moving:
+            continue
         along = direction(guide.direction)
         base = np.array([guide.x, guide.y])
         places = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0))
