@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
+from presswear.linkage.elements import CORNERS
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.motions import state_of
@@ -102,12 +103,18 @@ class RunObserver(Observer):
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
+        guides = self._scene.loose_guides
+        corners = {f"{guide.name} {corner}" for guide in guides for corner in CORNERS}
         per_million = 1e6 / stage.cycles_per_update
         volumes = {
             name: joint.wear_volume.scaled(per_million)
             for name, joint in joints
-            if not joint.is_unworn
+            if name not in corners and not joint.is_unworn
         }
+        for guide, walls in stage.statistics.walls.items():
+            for side, wall in walls.items():
+                rate = wall.volume_per_cycle.scaled(1e6)
+                volumes[f"{side} wall of {guide}"] = rate
         lines += _largest("mean peak force", "N", forces)
         settling = stage.statistics.settling
         lines += [] if settling is None else [f"  motion: {state_of(settling)}"]

@@ -108,6 +108,11 @@ class StageResult:
             force = f"mean peak force {joint.peak_force_per_cycle} N"
             worn = f", worn volume per million strokes {volume} mm³"
             lines.append(f"{name}: {force}{worn if volume.mean > 0.0 else ''}")
+        for guide, walls in statistics.walls.items():
+            for side, wall in walls.items():
+                volume = wall.volume_per_cycle.scaled(1e15)
+                worn = f"worn volume per million strokes {volume} mm³"
+                lines.append(f"{side} wall of {guide}: {worn}")
         if statistics.settling is not None:
             lines.append(f"motion: {state_of(statistics.settling)}")
         lines.append("more: statistics, diagnostics, joints, arrays")

@@ -1,13 +1,17 @@
 """Tilt of a slide in its guide: closed forms, and each number by another path."""
 
+import io
 import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import presswear as pw
+from presswear.cli.run_observer import RunObserver
+from presswear.cli.terminal import progress_bar
 from presswear.linkage.elements import CORNERS, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import (
@@ -200,6 +204,23 @@ def test_the_walls_wear_by_the_load_distance_of_their_corners(
     bottom = -0.64 - guide.y
     assert walls["left"].place == pytest.approx(bottom + 0.5 * L, abs=0.01)
     assert walls["right"].place == pytest.approx(bottom - 0.5 * L, abs=0.01)
+
+
+def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result) -> None:
+    stage = result.stages[0]
+    walls = stage.statistics.walls["guide"]
+    console = Console(file=io.StringIO(), width=200)
+    RunObserver(progress_bar(console), result.scene).on_stage(stage)
+    assert isinstance(console.file, io.StringIO)
+    (line,) = [one for one in console.file.getvalue().splitlines() if "wear per" in one]
+    for side in ("left", "right"):
+        volume = walls[side].volume_per_cycle.scaled(1e15)
+        assert (
+            f"{side} wall of guide: worn volume per million strokes {volume} mm³"
+            in repr(stage)
+        )
+        assert f"{side} wall of guide {volume}" in line
+    assert "guide left front" not in line
 
 
 def test_the_report_has_the_wear_of_the_walls(result: pw.Result) -> None:
