@@ -16,7 +16,11 @@ from presswear.physics.friction_and_normal import (
     friction_force,
     normal_force,
 )
-from presswear.physics.interactions.lugre import bristle_force, bristle_rate
+from presswear.physics.interactions.lugre import (
+    bristle_force,
+    bristle_rate,
+    bristles_of,
+)
 from presswear.physics.loads import load_size
 from presswear.physics.packed import Packed
 from presswear.physics.wear import contact_area
@@ -179,10 +183,12 @@ class Forces:
     ) -> None:
         joint = self.packed.joints[k]
         is_closed = contact.penetration > 0.0
-        law = joint["friction"]
-        if law["bristle_stiffness"] > 0.0:
+        law = self.linkage.clearances[k].friction
+        has_bristles = law.name == "lugre"
+        if has_bristles:
+            bristles = bristles_of(law)
             bristle = self.states[len(self.state_rates)]
-            rate = bristle_rate(contact.sliding, bristle, is_closed, law)
+            rate = bristle_rate(contact.sliding, bristle, is_closed, bristles)
             self.state_rates.append(rate)
         if not is_closed or onset < 0.0:
             return
@@ -192,11 +198,12 @@ class Forces:
         contact.normal = normal_force(
             joint["normal"], contact.elastic, depth, closing, onset
         )
-        if law["bristle_stiffness"] > 0.0:
+        if has_bristles:
             motion = contact.sliding, bristle, rate
-            contact.tangential = bristle_force(contact.normal, *motion, law)
-        elif law["coefficient"] > 0.0:
-            contact.tangential = friction_force(contact.sliding, contact.normal, law)
+            contact.tangential = bristle_force(contact.normal, *motion, bristles)
+        elif law.coefficient > 0.0:
+            record = joint["friction"]
+            contact.tangential = friction_force(contact.sliding, contact.normal, record)
         normal = np.array([contact.normal_x, contact.normal_y])
         force = contact.tangential * across(normal) - contact.normal * normal
         point = pin.place + contact.pin_arm * normal
