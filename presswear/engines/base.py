@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND
-from presswear.linkage.linkage import Linkage
+from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.loads import Force
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
@@ -33,7 +33,6 @@ from presswear.recording.columns import (
 from presswear.recording.film import empty_film
 from presswear.recording.nominal_time import nominal_of
 from presswear.recording.observer import Observer
-from presswear.recording.output_point import output_motion
 from presswear.recording.recorder import Recorder
 from presswear.recording.recorder_state import (
     DRIVE,
@@ -161,9 +160,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     output["index"] = 3 * linkage.index(point.body)
     output["cos"], output["sin"] = math.cos(point.direction), math.sin(point.direction)
     output["x"], output["y"] = point.x, point.y
-    output["start"] = output_motion(
-        output[0], start.position, start.position, start.position
-    )[0]
+    place = place_of(linkage, point.attachment, start.position.tolist())
+    output["start"] = output["cos"] * place[0] + output["sin"] * place[1]
     first, end = plan.stroke or (0.0, cycle)
     output["velocity"] = output["bottom"] = math.inf
     output["period"], output["stroke_length"] = cycle, end - first

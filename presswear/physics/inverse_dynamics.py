@@ -1,6 +1,7 @@
 """Inverse dynamics: joint forces and drive torques of the ideal motion."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -13,8 +14,8 @@ from presswear.linkage.loads import Force
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import IdealMotion, Motion
 from presswear.physics.interactions.friction import steady_friction
-from presswear.physics.load_transitions import place_loads, settle_loads
 from presswear.physics.packed import pack
+from presswear.physics.packed_loads import load_forces
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
@@ -69,15 +70,16 @@ def forces_in_motion(
     """
     packed = pack(linkage)
     right = packed.mass * motion.acceleration
-    if packed.loads is not None:
-        place_loads(packed.loads, motion.position[0], motion.velocity[0])
     right -= packed.weight
-    if linkage.springs or linkage.live_loads:
-        forces = BodyForces(linkage, packed)
-        levels = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
-        for k, (t, (q, v, a)) in enumerate(zip(motion.time, levels, strict=True)):
-            settle_loads(packed.loads, t, q, v, a)
-            right[k] -= forces(t, q, v)
+    if packed.loads is not None:
+        levels = motion.position, motion.velocity, motion.acceleration
+        right -= load_forces(packed.loads, motion.time, np.array(levels))
+    if linkage.springs:
+        without_loads = replace(linkage, loads=linkage.dead_loads)
+        forces = BodyForces(without_loads, packed._replace(loads=None))
+        states = zip(motion.time, motion.position, motion.velocity, strict=True)
+        for k, state in enumerate(states):
+            right[k] -= forces(*state)
     forces_of = partial(
         ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3)
     )

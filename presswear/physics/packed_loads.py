@@ -31,21 +31,53 @@ from presswear.tools.user_function import UserFunction, compile_function
 
 
 @compiled
-def _follow_sizes(loads: Loads, motion: Array, sizes: Array, levels: Array) -> None:
-    """Fill the sizes of ``sizes_over``; ``levels`` is room for the motion of one body."""
+def _follow_sizes(loads: Loads, time: Array, levels: Array, sizes: Array) -> None:
+    """Fill the sizes of ``sizes_in``; ``levels`` are q, v, a, shape (3, n, coordinates)."""
     q, v, a = levels
-    q[0], v[0] = motion[0, 1], motion[0, 2]
-    place_loads(loads, q, v)
-    for i in range(motion.shape[0]):
-        t = motion[i, 0]
-        q[0], v[0], a[0] = motion[i, 1], motion[i, 2], motion[i, 3]
-        settle_loads(loads, t, q, v, a)
+    place_loads(loads, q[0], v[0])
+    for i in range(time.shape[0]):
+        settle_loads(loads, time[i], q[i], v[i], a[i])
         for k in range(loads.records.shape[0]):
             load = loads.records[k]
-            s, speed, _ = load_motion(load, q, v, a)
-            sizes[i, k] = load.cosine * load_size(
-                load, loads.nodes, loads.modes[k], t, s, speed
+            s, speed, _ = load_motion(load, q[i], v[i], a[i])
+            sizes[i, k] = load_size(
+                load, loads.nodes, loads.modes[k], time[i], s, speed
             )
+
+
+def sizes_in(loads: Loads, time: Array, levels: Array) -> Array:
+    """Return the sizes of loads along their directions in a motion, shape (n, loads), N or N m.
+
+    The motion is followed from its first instant on. ``levels`` are positions,
+    velocities and accelerations of all bodies, shape (3, n, 3 bodies).
+    """
+    sizes = np.zeros((len(time), len(loads.records)))
+    if sizes.size:
+        _follow_sizes(loads, np.ascontiguousarray(time), levels, sizes)
+    return sizes
+
+
+def load_forces(loads: Loads, time: Array, levels: Array) -> Array:
+    """Return forces and moments of loads on the bodies in a motion; see ``sizes_in``.
+
+    The shape is (n, 3 bodies), N and N m.
+    """
+    position = levels[0]
+    forces = np.zeros_like(position)
+    for load, size in zip(loads.records, sizes_in(loads, time, levels).T, strict=True):
+        body = int(load["body"])
+        along = size * load["cosine"]
+        if load["turns"]:
+            forces[:, body + 2] += along
+            continue
+        across = size * load["sine"]
+        cosine, sine = np.cos(position[:, body + 2]), np.sin(position[:, body + 2])
+        arm_x = cosine * load["x"] - sine * load["y"]
+        arm_y = sine * load["x"] + cosine * load["y"]
+        forces[:, body] += along
+        forces[:, body + 1] += across
+        forces[:, body + 2] += arm_x * across - arm_y * along
+    return forces
 
 
 def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
@@ -59,10 +91,9 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
     records = np.zeros(len(chosen), LOAD)
     records["cosine"] = 1.0
     loads = _pack_laws(records, chosen, linkage)
-    sizes = np.zeros((len(motion), len(chosen)))
-    if sizes.size:
-        _follow_sizes(loads, np.ascontiguousarray(motion), sizes, np.zeros((3, 3)))
-    return sizes
+    levels = np.zeros((3, len(motion), 3))
+    levels[:, :, 0] = motion[:, 1:].T
+    return sizes_in(loads, motion[:, 0], levels) * loads.records["cosine"]
 
 
 def pack_loads(linkage: Linkage) -> Loads | None:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from presswear.linkage.elements import (
     CORNERS,
@@ -173,7 +172,28 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     elif len(points) < 2:
         points.append((0.0, 0.0))
     discs = np.vstack([outline, *(circle(point, bar - inset) for point in points)])
-    return discs[ConvexHull(discs).vertices]
+    return convex_hull(discs)
+
+
+def convex_hull(points: Array) -> Array:
+    """Return the corners of the convex hull of points, (n, 2), counterclockwise.
+
+    Andrew's monotone chain; ``scipy.spatial`` would be slow to import.
+    """
+    ordered = np.unique(points, axis=0).tolist()
+
+    def chain(points: list[list[float]]) -> list[list[float]]:
+        corners: list[list[float]] = []
+        for x, y in points:
+            while len(corners) > 1:
+                (x0, y0), (x1, y1) = corners[-2:]
+                if (x1 - x0) * (y - y0) > (y1 - y0) * (x - x0):
+                    break
+                corners.pop()
+            corners.append([x, y])
+        return corners[:-1]
+
+    return np.array(chain(ordered) + chain(ordered[::-1]))
 
 
 def across(vector: Array) -> Array:
