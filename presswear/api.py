@@ -123,6 +123,8 @@ def simulate(
                 f"{name} of the start has shape {np.shape(values)}: expected is ({count},), "
                 "three coordinates of each body"
             )
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"{name} of the start: all numbers must be finite")
     if isinstance(engine, str):
         if engine not in ENGINES:
             raise unknown("engine", engine, ENGINES)

@@ -1,12 +1,16 @@
 """Every public function and class, called with arguments of wrong types."""
 
+import contextlib
 import inspect
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import presswear as pw
 
@@ -29,6 +33,13 @@ WRONG: list[Any] = [
 ]
 NAMES = [name for name in pw.__all__ if callable(getattr(pw, name))]
 RUNS = "run", "run_scenes", "sweep"  # these are called with arguments that start no run
+# what the program gives to scripts, and errors that they raise
+MADE_BY_PROGRAM = "Progress", "StageResult", "JointResult", "InputError", "RunFailed"
+STATISTICS = [
+    name
+    for name in pw.statistics.__all__
+    if inspect.isfunction(getattr(pw.statistics, name))
+]
 
 
 def right_arguments() -> dict[str, dict[str, Any]]:
@@ -63,7 +74,11 @@ def right_arguments() -> dict[str, dict[str, Any]]:
     joint = {"name": "A", "bearing": first, "pin": second, **radii, **laws}
     table = [(0.0, 0.0), (1.0, 0.01), (3.0, 0.02), (5.0, 0.01)]
     ends = {"first": (0.3, 0.0), "second": "slider.centre"}
+    count = 3 * len(linkage.bodies)
     return {
+        "simulate": {"linkage": linkage, "duration": 1e-3},
+        "Start": {"position": np.zeros(count), "velocity": np.zeros(count)},
+        "Estimate": {"mean": 1.0},
         "changed": {"scene": pw.Scene(), "settings": {}},
         "function_of": {"scene": pw.Scene(), "responses": "A.force_max"},
         "assemble": parts,
@@ -125,6 +140,100 @@ def test_a_wrong_argument_is_named(
         except pw.InputError:
             continue
         assert name not in RUNS or not arguments.get("scenes"), arguments
+
+
+@pytest.mark.parametrize("name", sorted({*NAMES} - {*MADE_BY_PROGRAM, *RUNS}))
+def test_no_argument_is_taken_as_it_comes(name: str) -> None:
+    """Nothing public has a parameter for an object of any kind."""
+    parameters = inspect.signature(getattr(pw, name)).parameters.values()
+    named = [one for one in parameters if one.kind != one.VAR_POSITIONAL]
+    needed = {one.name: object() for one in named if one.default is one.empty}
+    for parameter in named:
+        arguments = {**needed, **RIGHT.get(name, {}), parameter.name: object()}
+        with pytest.raises(pw.InputError):
+            getattr(pw, name)(**arguments)
+
+
+ARRAY = NDArray[np.float64]
+RIGHT_OF: dict[Any, Any] = {
+    float: 1.0,
+    int: 4,
+    pw.Estimate: pw.Estimate(1.0),
+    ARRAY: np.ones(4),
+    ARRAY | float: np.ones(4),
+    ARRAY | None: None,
+    tuple[ARRAY, ARRAY] | None: None,
+    NDArray[np.int64]: np.ones(4, np.int64),
+    Sequence[ARRAY]: [np.ones(4), np.ones(4)],
+    Sequence[int]: [8],
+    Sequence[pw.statistics.MapBatches]: [pw.statistics.MapBatches((1, 2, 8))],
+}
+
+
+@pytest.mark.parametrize("name", STATISTICS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_statistics_name_a_wrong_argument(name: str) -> None:
+    function = getattr(pw.statistics, name)
+    kinds = get_type_hints(function)
+    kinds.pop("return")
+    right = {key: RIGHT_OF[kind] for key, kind in kinds.items()}
+    for key in kinds:
+        for value in WRONG:
+            with contextlib.suppress(pw.InputError):
+                function(**{**right, key: value})
+        with pytest.raises(pw.InputError, match=f"^{key} = "):
+            function(**{**right, key: object()})
+
+
+def test_statistics_take_lists_of_numbers() -> None:
+    samples = [1.0, 2.0, 4.0, 3.0]
+    half = pw.statistics.half_width(samples)  # type: ignore[arg-type]
+    assert half == pw.statistics.half_width(np.array(samples))
+    runs = [samples, samples[::-1]]
+    mean, _ = pw.statistics.pooled(runs)  # type: ignore[arg-type]
+    assert mean == pw.statistics.pooled([np.array(run) for run in runs])[0]
+    with pytest.raises(pw.InputError, match="samples = 'abc': an array or a list"):
+        pw.statistics.half_width("abc")  # type: ignore[arg-type]
+    with pytest.raises(pw.InputError, match=r"smoothed: .*widths of shape \(1,\)"):
+        pw.statistics.smoothed(np.ones((1, 2, 8)), [1.0], [8])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "message"),
+    [
+        ("Estimate", {"mean": "x"}, "mean = 'x': a finite number is expected"),
+        ("Estimate", {"mean": 1.0, "high": "x"}, "high = 'x': "),
+        ("Start", {"position": "x", "velocity": "y"}, "position = 'x': an array or a"),
+        ("WearLaw", {"coefficient": "x"}, "coefficient = 'x': "),
+        ("InHouse", {"integrator": "rk"}, "integrator = 'rk': "),
+        ("InHouse", {"projection": "yes"}, "projection = 'yes': "),
+        ("InHouse", {"free_step": -1.0}, "free_step = -1: must be above 0"),
+        ("ExudynTree", {"impact_steps": 0}, "impact_steps = 0: must be above 0"),
+        ("run", {"scene": pw.Scene(), "interval": -1.0}, "interval = -1: must be at"),
+        ("run", {"scene": pw.Scene(), "interval": math.nan}, "interval = nan: must be"),
+        (
+            "simulate",
+            {
+                **RIGHT["simulate"],
+                "start": pw.Start(np.full(9, math.nan), np.zeros(9)),
+            },
+            "position of the start: all numbers must be finite",
+        ),
+    ],
+)
+def test_a_wrong_value_is_named(
+    name: str, arguments: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(pw.InputError, match=message):
+        getattr(pw, name)(**arguments)
+
+
+def test_an_unknown_friction_law_is_named() -> None:
+    linkage = pw.Scene().linkage()
+    law = pw.FrictionLaw(0.1, name="rampp")
+    joints = tuple(replace(one, friction=law) for one in linkage.clearances)
+    with pytest.raises(pw.InputError, match="did you mean ramp"):
+        pw.simulate(replace(linkage, clearances=joints), duration=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,8 @@ def run(
 ) -> Result:
     """Run a scene through all its stages, without showing its progress; see ``api.run``."""
     check_jobs(jobs)
+    if not interval >= 0.0:
+        raise InputError(f"interval = {interval:g}: must be at least 0 s")
     scene = with_engine(scene, engine)
     scene.check()
     if folder is None:

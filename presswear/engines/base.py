@@ -52,7 +52,7 @@ from presswear.recording.series_rows import (
 )
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import MapBatches
-from presswear.tools.arrays import Array, State
+from presswear.tools.arrays import Array, State, numbers_of
 from presswear.tools.compile import Records
 
 Status = Literal["completed", "enough", "failed"]
@@ -66,6 +66,10 @@ class Start:
 
     position: Array
     velocity: Array
+
+    def __post_init__(self) -> None:
+        for name, values in vars(self).items():
+            object.__setattr__(self, name, numbers_of(name, values))
 
 
 @dataclass(frozen=True)

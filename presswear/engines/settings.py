@@ -16,12 +16,15 @@ A scene checks the ranges; the benchmark exceeds them on purpose.  The code of a
 is imported when it runs.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
-from presswear.tools.fields import choice, count, quantity
-from presswear.tools.serialize import Named
+from presswear.tools.choices import Choice
+from presswear.tools.errors import InputError
+from presswear.tools.fields import choice, count, meaning_of, quantity
+from presswear.tools.quantities import Quantity
+from presswear.tools.serialize import Named, check_fields, check_type
 
 if TYPE_CHECKING:
     from presswear.engines.base import Plan, Run, Start
@@ -36,6 +39,7 @@ LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
 FINEST = 1e-13  # tolerance of exudyn-tree
+_MAY_BE_ZERO = "alpha", "beta"  # Baumgarte's coefficients
 PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
 
 
@@ -51,6 +55,24 @@ class _Engine(Named):
     worn_step_time: ClassVar[float]  # the same on worn surfaces, s
     # longest step between contacts, s; None: a part of the cycle
     free_step: float | None
+
+    def __post_init__(self) -> None:
+        for item in fields(cast(Any, self)):
+            meaning = meaning_of(item, self)
+            if isinstance(meaning, Quantity) and isinstance(
+                getattr(self, item.name), str
+            ):
+                check_fields(self)  # converts texts with units
+            value = getattr(self, item.name)
+            check_type(item.name, value, item.type)
+            if isinstance(meaning, Choice):
+                meaning.check(item.name, value)
+            if not isinstance(value, int | float) or value > 0.0:
+                continue
+            if isinstance(meaning, Quantity):
+                meaning.check(item.name, value)
+            elif not (item.name in _MAY_BE_ZERO and value == 0.0):
+                raise InputError(f"{item.name} = {value:g}: must be above 0")
 
     def resolved(
         self, purpose: Purpose = "trajectory", wear_error: float = WEAR_ERROR

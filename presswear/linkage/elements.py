@@ -194,7 +194,7 @@ class Pin(Checked):
 
 
 @dataclass(frozen=True)
-class Revolute:
+class Revolute(Checked):
     """Pin joint between two points, ideal or elastic, or with the friction of a bearing.
 
     An elastic one is ideal in the ideal motion of its linkage; see
@@ -308,7 +308,7 @@ def ends_of(joint: Joint) -> tuple[Attachment, Attachment]:
 
 
 @dataclass(frozen=True)
-class WearLaw:
+class WearLaw(Checked):
     """Archard wear dh = K_d p ds of a clearance joint.
 
     Attributes
@@ -357,7 +357,7 @@ class Oil:
 
 
 @dataclass(frozen=True)
-class ClearanceJoint:
+class ClearanceJoint(Checked):
     """Pin joint with clearance: a pin loose in a bearing.
 
     Attributes

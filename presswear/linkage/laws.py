@@ -149,7 +149,7 @@ def greatest_penetration(
 
 
 @dataclass(frozen=True)
-class NormalLaw:
+class NormalLaw(Checked):
     """Normal contact law of one joint.
 
     Attributes
@@ -171,7 +171,7 @@ class NormalLaw:
 
 
 @dataclass(frozen=True)
-class FrictionLaw:
+class FrictionLaw(Checked):
     """Friction law of one joint: a named law, or a user function of FRICTION_PARAMETERS.
 
     The names are those of ``physics.interactions.friction.FRICTIONS``.

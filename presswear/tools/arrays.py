@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.errors import InputError, NotStored
+from presswear.tools.errors import InputError, NotStored, shown
 from presswear.tools.files import digest, read_checked, write_bytes
 
 Array = NDArray[np.float64]
@@ -20,6 +20,22 @@ _MOST_RATIO = 100  # of the sizes of more bytes, unpacked over packed; zeros hav
 # Arrays of numbers or of records by name, from which a computation resumes. They may be
 # views, so that they cost little: copy or write them before their owner changes.
 State = Mapping[str, NDArray[Any]]
+
+
+def numbers_of(name: str, value: Any) -> NDArray[Any]:
+    """Return an array, or the array of nested lists of numbers; InputError for anything else."""
+    if isinstance(value, np.ndarray):
+        array = value
+    else:
+        try:
+            array = np.asarray(value, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            array = np.zeros(())
+    if array.ndim == 0 or array.dtype.kind not in "fiub":
+        raise InputError(
+            f"{name} = {shown(value)}: an array or a list of numbers is expected"
+        )
+    return array
 
 
 def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:

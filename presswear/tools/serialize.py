@@ -11,7 +11,7 @@ import json
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
-from functools import wraps
+from functools import cache, partial, wraps
 from numbers import Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -30,6 +30,7 @@ from typing import (
 
 import numpy as np
 
+from presswear.tools.arrays import numbers_of
 from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.fields import meaning_of
@@ -104,6 +105,52 @@ def checked_arguments(function: F) -> F:
         return function(*values, **named)
 
     return cast(F, checked)
+
+
+def takes_numbers(function: F) -> F:
+    """Decorate a function of arrays: it takes lists, too; wrong arguments raise InputError."""
+    signature = inspect.signature(function)
+    hints = cache(partial(get_type_hints, function))
+
+    @wraps(function)
+    def checked(*values: Any, **named: Any) -> Any:
+        try:
+            arguments = signature.bind(*values, **named)
+        except TypeError as error:
+            raise InputError(f"{function.__name__}: {error}") from None
+        passed = arguments.arguments
+        for name, value in passed.items():
+            passed[name] = _with_arrays(name, value, hints()[name])
+        try:
+            return function(*arguments.args, **arguments.kwargs)
+        except (ValueError, IndexError, ArithmeticError, TypeError) as error:
+            if isinstance(error, InputError):
+                raise
+            sizes = ", ".join(
+                f"{name} of shape {value.shape}"
+                if isinstance(value, np.ndarray)
+                else f"{name} = {shown(value)}"
+                for name, value in passed.items()
+            )
+            raise InputError(f"{function.__name__}: {sizes}: {error}") from None
+
+    return cast(F, checked)
+
+
+def _with_arrays(name: str, value: Any, kind: Any) -> Any:
+    """Return an argument with arrays in place of lists; InputError if it does not fit."""
+    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    if value is None and NoneType in kinds:
+        return None
+    if get_origin(kinds[0]) is np.ndarray:
+        is_number = not (np.ndim(value) or value is None) and float in kinds
+        return value if is_number else numbers_of(name, value)
+    if get_origin(kind) is Sequence and get_origin(get_args(kind)[0]) is np.ndarray:
+        is_list = isinstance(value, Collection) and not isinstance(value, str | Mapping)
+        check_type(name, value if is_list else None, Sequence[Any])
+        return [numbers_of(name, one) for one in value]
+    check_type(name, value, kind)
+    return value
 
 
 def check_type(name: str, value: Any, kind: Any) -> None:

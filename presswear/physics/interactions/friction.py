@@ -16,6 +16,7 @@ from presswear.physics.interactions.lugre import LuGre, LuGreSettings
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
+from presswear.tools.errors import unknown
 
 
 class FrictionText(Protocol):
@@ -130,6 +131,8 @@ def friction_of(
     page: Page, prefix: str, joint: int, law: FrictionLaw, record: Records
 ) -> FrictionText:
     """Return the friction law of a joint; its variables in the text begin with ``prefix``."""
+    if law.name not in FRICTIONS:
+        raise unknown("friction law", law.name, FRICTIONS)
     if law.name in WITH_SETTINGS and law.coefficient > 0.0:
         return WITH_SETTINGS[law.name](page, prefix, joint, law)
     return FrictionWithoutState(page, prefix, law, record)

@@ -1,5 +1,7 @@
 """Statistics of cycles: means, wear maps and their 95 % intervals."""
 
+from inspect import isfunction
+
 from presswear.recording.statistics.bootstrap import (
     RESAMPLES,
     angle_interval,
@@ -41,6 +43,7 @@ from presswear.recording.statistics.wear_maps import (
     smoothed_mean,
     smoothing_widths,
 )
+from presswear.tools.serialize import takes_numbers
 
 __all__ = [
     "LEVEL",
@@ -77,3 +80,8 @@ __all__ = [
     "spread",
     "widened",
 ]
+
+# Scripts call these functions, too.
+for _name in __all__:
+    if isfunction(_function := globals()[_name]):
+        globals()[_name] = takes_numbers(_function)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from presswear.tools.numbers import readable, with_interval
+from presswear.tools.serialize import check_type
 
 LEVEL = 0.95
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
@@ -20,6 +21,12 @@ class Estimate:
     low: float | None = None  # end of the interval; None: too few samples
     high: float | None = None
     samples: int = 0  # cycles, batches of cycles or replicates behind it
+
+    def __post_init__(self) -> None:
+        check_type("mean", self.mean, float)
+        check_type("low", self.low, float | None)
+        check_type("high", self.high, float | None)
+        check_type("samples", self.samples, int)
 
     @staticmethod
     def symmetric(
