@@ -16,6 +16,7 @@ from presswear.recording.columns import CONTACT_MADE, DRIVE_WORK, STORED_ENERGY_
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding, examine, with_cause
 from presswear.tools.arrays import Array, State, named, part
+from presswear.tools.compile_errors import short_errors
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,18 @@ def _balance(running: Simulation) -> Ledger:
 
 
 def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
-    """Run a linkage from its start; see ``Plan`` and ``Run``."""
+    """Run a linkage from its start; see ``Plan`` and ``Run``.
+
+    Raises
+    ------
+    InputError
+        If a user law fails; with its line.
+    """
+    with short_errors:
+        return _simulate(prepare, settings, case)
+
+
+def _simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
     linkage, start, plan = case
     linkage = linkage.released
     recorder = recorder_of(linkage, start, plan)

@@ -65,7 +65,8 @@ class Solver:
     _limit: float = 0.0  # of the step to come, s
     _finding: Finding | None = None  # what ends the run between two cycles
     _progress: Progress = field(init=False)
-    _error: BaseException | None = None
+    # of a function that Exudyn calls, which would wrap it: raised after the solve
+    error: BaseException | None = None
     _iteration: Any = None
 
     def __post_init__(self) -> None:
@@ -143,10 +144,8 @@ class Solver:
                 plan.advanced(self.recorder)
                 self._finding = self._judge(t)
                 return self._finding is None
-        except (
-            BaseException
-        ) as error:  # Exudyn would wrap it: kept, raised after the solve
-            self._error = error
+        except BaseException as error:
+            self.error = error
             return False
         return True
 
@@ -211,17 +210,16 @@ class Solver:
             with quiet():
                 system.SolveDynamic(self.settings, solverType=self.kind)
         except (exu.ExudynError, StuckError) as error:
-            # What a user function raises comes wrapped from the safe module, not from
-            # the fast.
-            stuck = isinstance(error, StuckError) or StuckError.__name__ in str(error)
-            if stuck or isinstance(error, exu.SolverError):
+            stuck = isinstance(self.error, StuckError)
+            if stuck or (isinstance(error, exu.SolverError) and self.error is None):
                 message = "the solver found no solution at the shortest step"
+                self.error = None
             elif "not factorized" in str(error):
                 message = "the matrix of the equations is singular or not finite"
-            else:
+            elif self.error is None:
                 raise
-        if self._error is not None:
-            raise self._error
+        if self.error is not None:
+            raise self.error from None
         solver = system.sys["dynamicSolver"]
         self.sums["wall"] += clock.perf_counter() - began
         for name, counter in self.counts.items():

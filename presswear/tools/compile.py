@@ -276,50 +276,47 @@ def specialised(kernel: F, *arguments: Any) -> F:
     return cast(F, dispatcher.overloads[kinds].entry_point)
 
 
-def _call_in_python(address: int, arguments: tuple[float, ...]) -> float:
-    kind = ctypes.CFUNCTYPE(*[ctypes.c_double] * (1 + len(arguments)))
-    return float(kind(int(address))(*arguments))
+def _in_python(entry: int, arguments: tuple[Any, ...]) -> Any:
+    return _entries[entry](*arguments)
 
 
-@intrinsic_with(_call_in_python)
-def _call(typing: Any, address: Any, arguments: Any) -> Any:
-    count, double = len(arguments), ir.DoubleType()
+def _calling(result: Any, arguments: Any) -> Any:
+    """Return signature and code of a call of a kernel by its entry.
 
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind = ir.FunctionType(double, [double] * count)
-        function = builder.inttoptr(values[0], kind.as_pointer())
-        return builder.call(function, cgutils.unpack_tuple(builder, values[1], count))
+    An error in the kernel ends its caller, too, so that Python raises it. A function
+    with the interface of C would print it and go on.
+    """
+    signature = result(types.int64, arguments)
+    kinds = arguments.types
 
-    return types.float64(types.int64, arguments), generate
+    def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
+        convention = context.call_conv
+        pointer = convention.get_function_type(result, kinds).as_pointer()
+        function = builder.inttoptr(values[0], pointer)
+        parts = cgutils.unpack_tuple(builder, values[1], len(kinds))
+        status, value = convention.call_function(
+            builder, function, result, kinds, parts
+        )
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return context.get_dummy_value() if result is types.none else value
+
+    return signature, generate
+
+
+@intrinsic_with(_in_python)
+def _call(typing: Any, entry: Any, arguments: Any) -> Any:
+    numbers = types.UniTuple(types.float64, len(arguments))
+    return _calling(types.float64, numbers)
+
+
+@intrinsic_with(_in_python)
+def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
+    return _calling(types.none, arguments)
 
 
 # In a kernel: call a function of numbers by its address, with a tuple of its arguments.
 call = cast(Callable[[int, tuple[float, ...]], float], _call)
-
-
-def _call_entry_in_python(entry: int, arguments: tuple[Any, ...]) -> None:
-    _entries[entry](*arguments)
-
-
-@intrinsic_with(_call_entry_in_python)
-def _call_entry(typing: Any, entry: Any, arguments: Any) -> Any:
-    signature = types.none(*arguments.types)
-
-    def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
-        convention, kinds = context.call_conv, signature.args
-        pointer = convention.get_function_type(types.none, kinds).as_pointer()
-        function = builder.inttoptr(values[0], pointer)
-        parts = cgutils.unpack_tuple(builder, values[1], len(kinds))
-        status, _result = convention.call_function(
-            builder, function, types.none, kinds, parts
-        )
-        with cgutils.if_unlikely(builder, status.is_error):
-            convention.return_status_propagate(builder, status)
-        return context.get_dummy_value()
-
-    return types.none(types.int64, arguments), generate
-
-
 # In a kernel: call a kernel without result by its entry, with a tuple of arguments of
 # its types.
 call_entry = cast(Callable[[int, tuple[Any, ...]], None], _call_entry)
@@ -339,9 +336,7 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
         )
         with short_errors:
             dispatcher.compile(kinds)
-        code = dispatcher.overloads[kinds]
-        _called.append(code)
-        entry = int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
+        entry = _address_of(dispatcher.overloads[kinds])
     _entries[entry] = kernel
     return entry
 
@@ -356,15 +351,19 @@ def address_of(kernel: Callable[..., float], count: int) -> int:
     """Return the address of a compiled function of so many numbers, for ``call``."""
     dispatcher: Any = kernel.dispatcher() if isinstance(kernel, Kernel) else kernel
     if config.DISABLE_JIT:
-        _called.append(ctypes.CFUNCTYPE(*[ctypes.c_double] * (1 + count))(dispatcher))
-        return int(ctypes.cast(_called[-1], ctypes.c_void_p).value or 0)
-    numbers = (types.float64,) * count
-    dispatcher.compile(numbers)
-    code = dispatcher.overloads[numbers]
+        address = id(kernel)
+    else:
+        numbers = (types.float64,) * count
+        dispatcher.compile(numbers)
+        address = _address_of(dispatcher.overloads[numbers])
+    _entries[address] = kernel
+    return address
+
+
+def _address_of(code: Any) -> int:
+    """Return the address of machine code with the interface of numba; keep it in memory."""
     _called.append(code)
-    return int(
-        code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name)
-    )
+    return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
 
 @compiled

@@ -1,15 +1,22 @@
-"""Short messages for functions that numba cannot compile."""
+"""Short messages for functions that numba cannot compile, or that fail where they run."""
 
 import inspect
+import linecache
 import re
+import sys
+import traceback
 from collections.abc import Callable
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 import numba
-from numba.core import event
+from numba.core import config, event
+from numba.core.callconv import CPUCallConv
+from numba.core.lowering import BaseLower
 
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.user_function import is_user_law
 
 _NUMBA = f"{Path(numba.__file__).parent}"
 _TYPE = re.compile(
@@ -49,26 +56,74 @@ event.register("numba:compile", _failures)
 
 
 class ShortErrors:
-    """Context that raises RunFailed with file, line, statement and reason of a failed compilation.
+    """Context that shortens errors of kernels to file, line, statement and reason.
 
-    Kernels are called in it from Python, which a generator would delay more than the
-    call takes.
+    A kernel that cannot be compiled or that reads beyond an array is RunFailed. A user
+    law that fails where it runs is InputError. Kernels are called in this context from
+    Python, which a generator would delay more than the call takes.
     """
 
     def __enter__(self) -> None:
         _failures.function = None
 
     def __exit__(
-        self, kind: object, error: BaseException | None, traceback: object
+        self, kind: object, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if not isinstance(error, Exception):
+            return
         # Numba has no common base for its errors: a wrong field of a record is a
         # KeyError.
-        if isinstance(error, Exception) and _failures.function is not None:
+        if _failures.function is not None:
             function, _failures.function = _failures.function, None
             text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
             raise RunFailed(describe(function, text)) from None
+        if (short := _short(error, trace)) is not None:
+            raise short from None
 
 
+def _short(error: Exception, trace: TracebackType | None) -> Exception | None:
+    """Return the error of a user law or a kernel with the place where it was raised, or None."""
+    for frame, number in reversed([*traceback.walk_tb(trace)]):
+        file, name = frame.f_code.co_filename, frame.f_code.co_name
+        statement = linecache.getline(file, number).strip()
+        cause = f"{error}" or type(error).__name__
+        if is_user_law(file):
+            place = f'{file[1:-1]}, line {number}, {name}: "{statement}"'
+            return InputError(f"user law fails: {place}: {cause}")
+        # Numba adds the place of an error as a frame without global names.
+        if not frame.f_globals:
+            return RunFailed(f"{file}:{number}: {name}\n    {statement}\n{cause}")
+    return None
+
+
+def _with_place(add_error: Callable[..., None]) -> Callable[..., None]:
+    """Return the function that writes an error into machine code, with the line of it.
+
+    Numba leaves the line out where an index is beyond a tuple or an array. A kernel that
+    is stored gets it only where its key has the line (``kernel_digest``).
+    """
+
+    def add(
+        convention: Any,
+        builder: Any,
+        error: Any,
+        exc_args: Any = None,
+        loc: Any = None,
+        func_name: Any = None,
+    ) -> None:
+        frame = sys._getframe() if loc is None else None
+        while frame is not None and frame.f_code is not BaseLower.lower_block.__code__:
+            frame = frame.f_back
+        if frame is not None:
+            lower = frame.f_locals["self"]
+            if config.BOUNDSCHECK or is_user_law(lower.loc.filename):
+                loc, func_name = lower.loc, lower.func_ir.func_id.func_name
+        add_error(convention, builder, error, exc_args, loc, func_name)
+
+    return add
+
+
+CPUCallConv.set_static_user_exc = _with_place(CPUCallConv.set_static_user_exc)
 short_errors = ShortErrors()
 
 

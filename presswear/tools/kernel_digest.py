@@ -46,11 +46,11 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[str]:
-    """Yield what describes instructions; a line number only where an IndexError shows it."""
+    """Yield what describes instructions; line numbers only where an IndexError shows them."""
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
     yield f"{code.co_code.hex()} {names} {code.co_argcount} {code.co_flags}"
     if config.BOUNDSCHECK:
-        yield f"{code.co_firstlineno}"
+        yield f"{code.co_filename} {[*code.co_lines()]}"
     for part in code.co_consts:
         if isinstance(part, types.CodeType):
             yield from _code_parts(part)

@@ -28,10 +28,17 @@ _JUMP_SIZE = 1e-4  # smallest jump, part of the greatest value
 _POINTS = 20  # at which a law is run in Python before it is compiled
 
 _trusted: set[str] = set()  # texts that may be executed in this process
+_files: dict[str, str] = {}  # file of a text that was read from one
+_executed: set[str] = set()  # names under which texts were executed in this process
 
 
 class UntrustedLaw(InputError):
     """Stored source code of a law that the user has not allowed to be executed."""
+
+
+def is_user_law(file: str) -> bool:
+    """Return whether the code of a function, by its ``co_filename``, is that of a user law."""
+    return file in _executed
 
 
 def is_stored_function(data: Any) -> bool:
@@ -52,7 +59,7 @@ class UserFunction:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A worker process may execute the same texts as the process that started it.
-        return _unpickled, (self.name, self.source, self.is_trusted)
+        return _unpickled, (self.name, self.source, self.is_trusted, self._file[1:-1])
 
     @property
     def is_trusted(self) -> bool:
@@ -109,6 +116,7 @@ class UserFunction:
             file, _, name = str(value).rpartition(":")
             try:
                 function = UserFunction(name, read_text(Path(file))).trusted()
+                _files[function.source] = file
             except InputError as error:
                 raise InputError(
                     f"{key} = {value!r}: must be FILE.py:NAME; {error}"
@@ -155,17 +163,18 @@ class UserFunction:
         # A debugger and messages show the lines of the text.
         lines = self.source.splitlines(keepends=True)
         linecache.cache[self._file] = (len(self.source), None, lines, self._file)
+        _executed.add(self._file)
         exec(compile(self.source, self._file, "exec"), names)
         return names
 
     @property
     def _file(self) -> str:
-        return f"<{self.name}>"
+        return f"<{_files.get(self.source, self.name)}>"
 
     def _failure(self, error: BaseException) -> str:
         """Return the message of an error with the last line of the text that was executed."""
         frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame for frame in frames if frame.filename == self._file]
+        lines = [frame for frame in frames if is_user_law(frame.filename)]
         place = f'line {lines[-1].lineno}, "{lines[-1].line}": ' if lines else ""
         return f"{place}{error}"
 
@@ -316,6 +325,7 @@ def compile_function(
     return cast(Callable[..., float], kernel)
 
 
-def _unpickled(name: str, source: str, is_trusted: bool) -> UserFunction:
+def _unpickled(name: str, source: str, is_trusted: bool, file: str) -> UserFunction:
+    _files[source] = file
     function = UserFunction(name, source)
     return function.trusted() if is_trusted else function

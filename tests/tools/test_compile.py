@@ -584,7 +584,8 @@ def test_bounds_of_arrays_are_checked_with_a_warm_cache(
 
 BEYOND = """
 import numpy
-from presswear.tools.compile import compiled, lazily_compiled
+from presswear.tools.compile import address_of, call, compiled, lazily_compiled
+from presswear.tools.user_function import UserFunction, compile_function
 
 @compiled
 def element(numbers, i):
@@ -602,20 +603,41 @@ def outer(numbers, i):
 def outer_of_rare(numbers, i):
     return rare_element(numbers, float(i))
 
-for kernel in (outer, outer_of_rare):
+@compiled
+def law_at(address, x):
+    return call(address, (x,))
+
+TEXT = "import numpy\\nTABLE = numpy.ones(3)\\ndef law(x):\\n    return TABLE[int(x)]\\n"
+law = compile_function(UserFunction("law", TEXT).trusted(), ("x",))
+address = address_of(law, 1)
+for kernel, of in (outer, numpy.ones(3)), (outer_of_rare, numpy.ones(3)), (law_at, address):
     try:
-        kernel(numpy.ones(3), 10)
-    except IndexError as error:
-        print(error)
+        kernel(of, 10)
+    except Exception as error:
+        print(type(error).__name__, error)
+"""
+PLACES = """\
+RunFailed {0}:8: element
+    return numbers[i]
+index is out of bounds
+RunFailed {0}:12: rare_element
+    return numbers[int(x)]
+index is out of bounds
+InputError user law fails: law, line 4, law: "return TABLE[int(x)]": index is out of bounds
 """
 
 
-def test_index_errors_in_kernels_are_found_on_request() -> None:
-    for value, found in (("0", ""), ("1", "index is out of bounds\n" * 2)):
+def test_index_errors_in_kernels_are_found_on_request(tmp_path: Path) -> None:
+    file = tmp_path / "beyond.py"
+    file.write_text(BEYOND)
+    for value, found in (("0", ""), ("1", PLACES.format(file))):
         environment = {**os.environ, "NUMBA_BOUNDSCHECK": value}
-        command = [sys.executable, "-c", BEYOND]
         ran = subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True
+            [sys.executable, file],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
         )
         assert ran.stdout == found
 

@@ -329,12 +329,20 @@ class _Joints:
 
     def connector_forces(self, system: Any, t: float, item: int, q: Any, v: Any) -> Any:
         """Return the forces on the bodies of the connector."""
-        self._fill(t)
+        try:
+            self._fill(t)
+        except BaseException as error:
+            self.solver.error = error
+            raise
         return self.force
 
     def send_back(self, system: Any, t: float) -> list[float]:
         """Return whether a trial step is to be repeated, and with which step, s."""
-        shorter_step = self._shorter(t)
+        try:
+            shorter_step = self._shorter(t)
+        except BaseException as error:
+            self.solver.error = error
+            raise
         if shorter_step < 0.0:
             return [0.0, -1.0]
         self.solver.sums["sent_back"] += 1.0

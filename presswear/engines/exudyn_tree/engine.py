@@ -181,13 +181,21 @@ class _Tree:
 
     def stage_forces(self, system: Any, t: float, item: int, q: Any, q_t: Any) -> Any:
         """Return the forces on the coordinates in a stage."""
-        if self._stage(t) > MOST_CALLS:
-            raise StuckError
+        try:
+            if self._stage(t) > MOST_CALLS:
+                raise StuckError
+        except BaseException as error:
+            self.solver.error = error
+            raise
         return self.force
 
     def stage_states(self, system: Any, t: float, item: int, z: Any) -> Array:
         """Return the rates of the states of interactions in a stage."""
-        self._states(t)
+        try:
+            self._states(t)
+        except BaseException as error:
+            self.solver.error = error
+            raise
         return self.state_rates
 
     def advance(self, end: float) -> Finding | None:
