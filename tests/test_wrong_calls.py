@@ -147,6 +147,8 @@ def test_no_argument_is_taken_as_it_comes(name: str) -> None:
     """Nothing public has a parameter for an object of any kind."""
     parameters = inspect.signature(getattr(pw, name)).parameters.values()
     named = [one for one in parameters if one.kind != one.VAR_POSITIONAL]
+    # Settings of a friction law are a class of that law, in a higher layer.
+    named = [one for one in named if (name, one.name) != ("FrictionLaw", "settings")]
     needed = {one.name: object() for one in named if one.default is one.empty}
     for parameter in named:
         arguments = {**needed, **RIGHT.get(name, {}), parameter.name: object()}
