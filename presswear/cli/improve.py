@@ -16,8 +16,8 @@ from presswear.cli.several_runs import several_runs
 
 def improve(arguments: argparse.Namespace, console: Console) -> int:
     """Change each joint in one way at a time, and rank the changes."""
-    from presswear.show.figures import save
     from presswear.sweeps.improve import changes_of, improve
+    from presswear.sweeps.improve_report import write_report
 
     scene = terminal.load_scene(arguments.scene)
     options = {"engine": arguments.engine, "cycles": arguments.cycles}
@@ -35,5 +35,6 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     for change, reason in improvement.failures.items():
         terminal.print_lines(console, f"{change}: the run fails: {reason}")
     terminal.print_lines(console, *improvement.sentences)
-    terminal.print_lines(console, f"picture in {save(improvement.draw(), folder)}")
+    file = write_report(improvement, scene, folder)
+    terminal.print_lines(console, f"report in {file}")
     return 0

@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def report(arguments: argparse.Namespace, console: Console) -> int:
-    """Write the report of a stored run or sweep with all figures."""
+    """Write the report of a stored run or sweep with all figures, or of two runs."""
+    if arguments.second is not None:
+        return _compare(arguments, console)
+    if arguments.out is not None:
+        raise InputError("--out needs two folders, which one page compares")
     check_folder(arguments.folder)
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
@@ -34,6 +38,26 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     names = [name.strip() for name in arguments.figures.split(",") if name.strip()]
     result = load_result(arguments.folder, console)
     print_lines(console, f"report in {write_report(result, also=names)}")
+    return 0
+
+
+def _compare(arguments: argparse.Namespace, console: Console) -> int:
+    """Write a page on two stored runs side by side."""
+    first, second = arguments.folder, arguments.second
+    if arguments.limit or arguments.figures:
+        option = "--limit" if arguments.limit else "--figures"
+        raise InputError(f"{option} cannot be combined with two folders")
+    for folder in (first, second):
+        check_folder(folder)
+        if (folder / "sweep.json").exists():
+            raise InputError(f"{folder} is a sweep; two runs are compared")
+    names = [folder.resolve().name for folder in (first, second)]
+    file = arguments.out or Path(first.parent, f"{'-and-'.join(names)}.html")
+    check_ending(file, ".html", option="--out")
+    results = [load_result(folder, console) for folder in (first, second)]
+    from presswear.show.comparison import write_comparison
+
+    print_lines(console, f"report in {write_comparison(*results, file)}")
     return 0
 
 

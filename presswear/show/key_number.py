@@ -33,13 +33,21 @@ def measured(
     factor, shown = numbers.unit_scale(unit, abs(mean))
     if low is None or high is None or not estimate.has_interval:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
-        return KeyNumber(
-            name, value, UNKNOWN, meaning, note=note or "scatters too much"
-        )
+        note = note or "scatters too much"
+        single = estimate.without_interval
+        return KeyNumber(name, value, UNKNOWN, meaning, note=note, estimate=single)
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
     interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
-    return KeyNumber(name, f"{texts[0]} {shown}", interval, meaning, note=note)
+    value = f"{texts[0]} {shown}"
+    return KeyNumber(name, value, interval, meaning, note=note, estimate=estimate)
+
+
+def exact(name: str, number: float, unit: str, meaning: str) -> KeyNumber:
+    """Return a key number of a number without an error, in SI."""
+    value = numbers.quantity_text(number, unit)
+    estimate = Estimate(number, number, number)
+    return KeyNumber(name, value, "", meaning, estimate=estimate)
 
 
 def key_of_greatest(values: Mapping[Any, Estimate]) -> Any:

@@ -85,7 +85,16 @@ def _life(result: Result, life: LifeResult) -> KeyNumber:
         meaning += " By two wear rates, with no error of steps."
     if interval:
         meaning += " The interval contains the scatter of the wear coefficients."
-    return KeyNumber(name, value, interval and f"{interval} strokes", meaning)
+    span = interval and f"{interval} strokes"
+    return KeyNumber(name, value, span, meaning, estimate=_strokes_of(life))
+
+
+def _strokes_of(life: LifeResult) -> Estimate:
+    """Return the strokes of a life with the error of its runs, without scatter of materials."""
+    if life.error is None:
+        return Estimate(life.strokes)
+    factor = math.exp(life.error)
+    return Estimate(life.strokes, life.strokes / factor, life.strokes * factor)
 
 
 def _improvement(

@@ -196,6 +196,14 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
         gc.enable()
 
 
+def drawn_inline(drawings: Iterable[Drawing]) -> list[Illustration]:
+    """Draw figures for a page without files."""
+    return [
+        Illustration(each.file, each.title, each.caption, svg_of(each))
+        for each in drawings
+    ]
+
+
 def _svg_of_image(image: Image, data: bytes) -> str:
     """Return an ``svg`` element that shows a PNG."""
     size = f'width="{image.width}" height="{image.height}"'
@@ -208,6 +216,7 @@ class KeyNumber(NamedTuple):
 
     ``compared`` holds names and values to which it is compared, a line each.
     A number with a note, such as ``12 of 20 strokes``, is uncertain and shown in grey.
+    ``estimate`` is the number in SI, which two results are compared by.
     """
 
     name: str
@@ -216,6 +225,7 @@ class KeyNumber(NamedTuple):
     meaning: str
     compared: tuple[tuple[str, str], ...] = ()
     note: str = ""
+    estimate: Estimate | None = None
 
 
 class Verdict(NamedTuple):

@@ -11,7 +11,7 @@ from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import BottomStatistics
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
-from presswear.show.key_number import measured
+from presswear.show.key_number import exact, measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
@@ -24,13 +24,14 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     result = []
     if bottom_of(scene.ideal) is not None:
         text = f"Between the lowest and the highest position of {scene.output}, without clearance."
-        stroke = numbers.quantity_text(scene.stroke, "m")
-        result.append(KeyNumber("Stroke", stroke, "", text))
+        result.append(exact("Stroke", scene.stroke, "m", text))
     nominal = numbers.readable(60.0 / scene.mechanism.period)
     speed = leader_speed(scene, stage)
     if speed is None:
         text = "Prescribed by the drives."
-        return [*result, KeyNumber("Strokes a minute", nominal, "", text)]
+        rate = Estimate(*[60.0 / scene.mechanism.period] * 3)
+        number = KeyNumber("Strokes a minute", nominal, "", text, estimate=rate)
+        return [*result, number]
     text = f"Reached by the motor, on average; nominal: {nominal}."
     reached = measured("Strokes a minute", speed.stroke_rate.scaled(60.0), "", text)
     return [*result, reached._replace(value=reached.value.rstrip())]
@@ -72,8 +73,7 @@ def _work_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     if (rise := _deflection(scene, stage, force)) is not None:
         text = f"Rise of bottom dead centre under a static {numbers.quantity_text(force, 'N')}, "
         text += "with clearance, contacts and springs, drives held."
-        value = numbers.quantity_text(rise, "m")
-        result.append(KeyNumber("Deflection under load", value, "", text))
+        result.append(exact("Deflection under load", rise, "m", text))
     return result
 
 
@@ -109,8 +109,7 @@ def _flywheel_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     if speed.touch is not None and speed.drop is not None:
         delivered = energy * speed.touch.mean**2 * (1.0 - (1.0 - speed.drop.mean) ** 2)
         text += f" Its drop in the work gives {numbers.quantity_text(delivered, 'J')}."
-    value = numbers.quantity_text(energy, "J")
-    return [KeyNumber("Flywheel energy", value, "", text)]
+    return [exact("Flywheel energy", energy, "J", text)]
 
 
 def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
@@ -168,4 +167,5 @@ def _film_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text = f"At joint {joint}, in the last recorded cycle; the roughness of both surfaces is "
     text += f"{roughness}. Full film for {numbers.percent(film.time_shares[0])} of the cycle."
     value = numbers.quantity_text(thinnest[joint], "m")
-    return [KeyNumber("Least oil film", value, "", text)]
+    single = Estimate(thinnest[joint])
+    return [KeyNumber("Least oil film", value, "", text, estimate=single)]

@@ -4,7 +4,6 @@ Each joint is changed in one way at a time, and every change is run like the mec
 as it is.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -17,7 +16,7 @@ from matplotlib.patches import Patch
 
 from presswear.campaign.runs import run_scenes
 from presswear.linkage.laws import MATERIALS, Materials
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics import Estimate, ratio
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed
@@ -90,7 +89,7 @@ class Improvement:
         return lines
 
     def draw(self) -> Drawing:
-        """Draw the factors of the best changes as bars with their intervals."""
+        """Draw the factors of the best changes as bars from 1, with their intervals."""
         most = max(min(len(items), SHOWN) for items in self.effects.values())
         height = len(self.effects) * (0.8 + BAR * most)
         with rc_context(SETTINGS):
@@ -100,9 +99,8 @@ class Improvement:
                 colours = [
                     style.LINES[2][0] if one.is_better else style.MUTED for one in shown
                 ]
-                axes.barh(
-                    range(len(shown)), [one.factor.mean for one in shown], color=colours
-                )
+                changes = [one.factor.mean - 1.0 for one in shown]
+                axes.barh(range(len(shown)), changes, left=1.0, color=colours)
                 for place, one in enumerate(shown):
                     if one.factor.low is not None and one.factor.high is not None:
                         axes.plot(
@@ -279,17 +277,9 @@ def _greatest(estimates: Sequence[Estimate]) -> Estimate | None:
 
 
 def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
-    """Return the ratio of two independent numbers, with the interval of its logarithm."""
-    if key == LIFE:
-        value, plain = plain, value
-    ratio = abs(value.mean / plain.mean)
-    halves = []
-    for one in (value, plain):
-        if one.low is None or one.high is None or one.low * one.high <= 0.0:
-            return Effect(change, Estimate(ratio), False)
-        halves.append(0.5 * abs(math.log(one.high / one.low)))
-    factor = math.exp(math.hypot(*halves))
-    low, high = ratio / factor, ratio * factor
-    return Effect(
-        change, Estimate(ratio, low, high), low > 1.0 if key == LIFE else high < 1.0
-    )
+    """Return by which factor a change multiplies a quantity, and whether that is better."""
+    if key == LIFE:  # inversely proportional to the depth of a stroke
+        factor = ratio(plain, value)
+        return Effect(change, factor, factor.low is not None and factor.low > 1.0)
+    factor = ratio(value, plain)
+    return Effect(change, factor, factor.high is not None and factor.high < 1.0)

@@ -20,6 +20,7 @@ from presswear.sweeps.improve import (
     changes_of,
     improve,
 )
+from presswear.sweeps.improve_report import write_report
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import large
 
@@ -117,6 +118,20 @@ def test_factors_have_the_intervals_of_ratios() -> None:
     assert not _effect(CHANGE, FORCE, Estimate(1.0), new).is_better
 
 
+def test_the_report_has_answers_factors_and_failed_runs(tmp_path: Path) -> None:
+    one = Estimate.symmetric(1.0, 0.01)
+    two = Estimate.symmetric(2.0, 0.01)
+    effect = _effect(CHANGE, LIFE, one, two)
+    found = Improvement({LIFE: [effect]}, {"joint A, <b>": "it <i>ended</i>"})
+    file = write_report(found, pw.scenes.wear_times(), tmp_path)
+    page = file.read_text().replace("\xa0", " ")
+    assert "Life: best is joint B, clearance times 0.5: 2.00 (1.98 to 2.02)" in page
+    assert "<td>2.00</td><td>1.98 to 2.02</td><td>certain improvement</td>" in page
+    assert "it &lt;i&gt;ended&lt;/i&gt;" in page
+    assert f"presswear report {tmp_path}/as-it-is {tmp_path}/joint-B" in page
+    assert (tmp_path / "figures" / "improve.png").stat().st_size > 5000
+
+
 def test_sentences_name_the_best_certain_change() -> None:
     one = Estimate.symmetric(1.0, 0.01)
     two = Estimate.symmetric(2.0, 0.01)
@@ -131,7 +146,10 @@ def test_sentences_name_the_best_certain_change() -> None:
     assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
     assert second == "peak force: no change of a single joint is certain to improve it"
     assert third == "materials: no listed pair wears less than the present one"
-    assert len(found.draw().sheet.axes) == 2
+    life, force = found.draw().sheet.axes
+    (bar,), (still,) = life.patches, force.patches  # they start at 1
+    assert (bar.get_x(), bar.get_width()) == (1.0, pytest.approx(1.0))
+    assert (still.get_x(), still.get_width()) == (1.0, pytest.approx(0.0))
     now = replace(found, present={FORCE: "241 N"})
     assert [axes.get_xlabel() for axes in now.draw().sheet.axes] == [
         "factor on the life",

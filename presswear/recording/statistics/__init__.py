@@ -29,6 +29,7 @@ from presswear.recording.statistics.estimate import (
     Estimate,
     about,
     quantile,
+    ratio,
     widened,
 )
 from presswear.recording.statistics.wear_maps import (
@@ -72,6 +73,7 @@ __all__ = [
     "pointwise_interval",
     "pooled",
     "quantile",
+    "ratio",
     "resampled",
     "smoothed",
     "smoothed_maps",

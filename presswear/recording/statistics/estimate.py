@@ -102,6 +102,22 @@ class Estimate:
         return Estimate(factor * self.mean, low, high, self.samples)
 
 
+def ratio(first: Estimate, second: Estimate) -> Estimate:
+    """Return the ratio of two independent estimates, with the interval of its logarithm.
+
+    It is that of their magnitudes. The interval is missing if one of theirs is, or
+    contains 0.
+    """
+    result = abs(first.mean / second.mean)
+    halves = []
+    for one in (first, second):
+        if one.low is None or one.high is None or one.low * one.high <= 0.0:
+            return Estimate(result)
+        halves.append(0.5 * abs(math.log(one.high / one.low)))
+    factor = math.exp(math.hypot(*halves))
+    return Estimate(result, result / factor, result * factor)
+
+
 def widened(estimate: Estimate, error: float) -> Estimate:
     """Return an estimate with an independent error added as the root of the sum of squares."""
     if estimate.low is None or estimate.high is None:

@@ -1,0 +1,224 @@
+"""Report on two results side by side: numbers with ratios, limits, settings, figures."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from presswear.recording.statistics import Estimate, ratio
+from presswear.results.result import Result
+from presswear.scene.catalog import title_of
+from presswear.scene.differences import differences
+from presswear.scene.scene import Scene
+from presswear.scene.setting_keys import settings_by_key
+from presswear.scene.setting_list import settings_of
+from presswear.show import page
+from presswear.show.figures import FIRST, FIRST_COUNT, drawn
+from presswear.show.figures.style import Drawing
+from presswear.show.key_numbers import key_numbers, stages_with_numbers
+from presswear.show.limits import limit_lines
+from presswear.show.page import NOTHING, Illustration, KeyNumber, LimitLine
+from presswear.show.report import made_by
+from presswear.tools.choices import NONE
+from presswear.tools.errors import InputError, NotStored
+from presswear.tools.files import write_bytes
+from presswear.tools.numbers import readable
+from presswear.tools.quantities import Quantity
+
+
+class Ratio(NamedTuple):
+    """Ratio of the second number to the first, and whether it differs from 1, as texts."""
+
+    text: str
+    verdict: str = ""
+
+
+class NumberPair(NamedTuple):
+    """Key number of both results; None for a result without it."""
+
+    name: str
+    first: KeyNumber | None
+    second: KeyNumber | None
+    ratio: Ratio
+
+
+class LimitPair(NamedTuple):
+    """Line of a limit of both results; None for a result without it."""
+
+    name: str
+    first: LimitLine | None
+    second: LimitLine | None
+
+
+class SettingPair(NamedTuple):
+    """Setting that differs, with both values and its meaning, as texts."""
+
+    key: str
+    first: str
+    second: str
+    meaning: str
+
+
+def write_comparison(first: Result, second: Result, file: Path) -> Path:
+    """Write a page on two results side by side; InputError if one has no number."""
+    write_bytes(file, render_comparison(first, second).encode())
+    return file
+
+
+def render_comparison(first: Result, second: Result) -> str:
+    """Return a page on two results side by side as HTML."""
+    results = {"A": first, "B": second}
+    for result in results.values():
+        if not stages_with_numbers(result):
+            raise InputError(
+                f"{result.path or result.scene.name} has no stage with numbers to compare"
+            )
+    return page.render_page(
+        f"{_name_of(first)} compared with {_name_of(second)}",
+        page.FirstScreen(),
+        template="comparison.html",
+        answer=[f"{name}: {_origin(result)}" for name, result in results.items()],
+        pairs=number_pairs(first, second),
+        limit_pairs=limit_pairs(first, second),
+        settings=setting_pairs(first.scene, second.scene),
+        figures=_figure_pairs(first, second),
+    )
+
+
+def _name_of(result: Result) -> str:
+    return result.path.resolve().name if result.path else result.scene.name
+
+
+def _origin(result: Result) -> str:
+    """Return folder, title, status and origin of a result."""
+    where = f"{result.path}, " if result.path else ""
+    title = title_of(result.scene)
+    return f"{where}{title}; {result.status}; made by {made_by(result)}"
+
+
+def number_pairs(first: Result, second: Result) -> list[NumberPair]:
+    """Return the key numbers of two results by name, with their ratios."""
+    ours, theirs = (
+        {number.name: number for number in key_numbers(result)}
+        for result in (first, second)
+    )
+    return [
+        NumberPair(
+            name,
+            ours.get(name),
+            theirs.get(name),
+            _ratio_of(ours.get(name), theirs.get(name)),
+        )
+        for name in dict.fromkeys([*ours, *theirs])
+    ]
+
+
+def _ratio_of(first: KeyNumber | None, second: KeyNumber | None) -> Ratio:
+    """Return the ratio of two numbers, which come from independent runs."""
+    before = first and first.estimate
+    after = second and second.estimate
+    if before is None or after is None or before.mean == 0.0:
+        return Ratio(NOTHING)
+    quotient = ratio(after, before)
+    return Ratio(_text_of(quotient), _verdict_on(quotient))
+
+
+def _text_of(quotient: Estimate) -> str:
+    """Return a ratio with its interval, unless both ends read the same."""
+    text = readable(quotient.mean)
+    if quotient.low is None or quotient.high is None:
+        return text
+    low, high = readable(quotient.low), readable(quotient.high)
+    return text if low == high else f"{text} ({low} to {high})"
+
+
+def _verdict_on(quotient: Estimate) -> str:
+    """Return whether a ratio lies above or below 1 with its whole interval."""
+    if quotient.low is None or quotient.high is None:
+        return "interval unknown"
+    if quotient.low == quotient.high == 1.0:
+        return "equal"
+    if quotient.low > 1.0:
+        return "B is larger"
+    return "B is smaller" if quotient.high < 1.0 else "no certain difference"
+
+
+def limit_pairs(first: Result, second: Result) -> list[LimitPair]:
+    """Return the limits of the last sound stages of two results by their names."""
+    ours, theirs = (
+        {
+            line.number.name: line
+            for line in limit_lines(result.scene, stages_with_numbers(result)[-1])
+        }
+        for result in (first, second)
+    )
+    names = dict.fromkeys([*ours, *theirs])
+    return [LimitPair(name, ours.get(name), theirs.get(name)) for name in names]
+
+
+def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
+    """Return the settings in which two scenes differ, those of a joint after the common ones.
+
+    A mechanism of bodies is compared as a whole.
+    """
+    ours, theirs = settings_by_key(first), settings_by_key(second)
+    listed = [one.key for scene in (first, second) for one in settings_of(scene)]
+    pairs = []
+    for key in dict.fromkeys(listed):
+        both = ours.get(key), theirs.get(key)
+        meaning = next(one.meaning for one in both if one)
+        values = [one.value if one else NOTHING for one in both]
+        if values[0] != values[1]:
+            texts = [_written(value, meaning) for value in values]
+            pairs.append(SettingPair(key, *texts, meaning.text))
+    return [*pairs, *_other_differences(first, second, {*ours, *theirs})]
+
+
+def _written(value: Any, meaning: Any) -> str:
+    """Return a value in the unit in which engineers write it."""
+    if value is None:
+        return NONE
+    if not isinstance(meaning, Quantity) or isinstance(value, str):
+        return f"{value}"
+    (text,), unit = meaning.texts(value)
+    return f"{text} {unit}".rstrip()
+
+
+def _other_differences(
+    first: Scene, second: Scene, keys: set[str]
+) -> list[SettingPair]:
+    """Return the differences of mechanisms and surfaces that no setting states."""
+    ours, theirs = first.as_dict(), second.as_dict()
+    pairs = []
+    names = [name for name, *_ in differences(ours["mechanism"], theirs["mechanism"])]
+    if unlisted := [name for name in dict.fromkeys(names) if name not in keys]:
+        kinds = [scene.mechanism.linkage().name for scene in (first, second)]
+        pairs.append(SettingPair("mechanism", *kinds, f"in {', '.join(unlisted)}"))
+    if ours["surfaces"] != theirs["surfaces"]:
+        words = [
+            scene.origins.get("surfaces", "measured") if scene.surfaces else "round"
+            for scene in (first, second)
+        ]
+        pairs.append(SettingPair("surfaces", *words, "initial surfaces"))
+    return pairs
+
+
+def _figure_pairs(
+    first: Result, second: Result
+) -> list[tuple[Illustration, Illustration]]:
+    """Return the first figures that both results have, the figures of one name in order."""
+    pairs: list[tuple[Illustration, Illustration]] = []
+    count = 0
+    for name in FIRST:
+        ours, theirs = (_drawings(name, result) for result in (first, second))
+        count += bool(ours and theirs)
+        if count > FIRST_COUNT:
+            break
+        pairs += zip(*map(page.drawn_inline, (ours, theirs)), strict=False)
+    return pairs
+
+
+def _drawings(name: str, result: Result) -> list[Drawing]:
+    """Return the drawings of a figure; none if the result does not contain its series."""
+    try:
+        return drawn(name, result, result.stages)
+    except NotStored:
+        return []
