@@ -42,14 +42,17 @@ def _has(arrays: Mapping[str, Array], joint: str) -> bool:
     return f"{joint}_penetration" in arrays
 
 
-def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
-    """Return the peak force, N, of each elastic law for the elastic energy of a peak force, N.
+def forces_by_law(
+    scene: Scene, joint: str, force: float, prescribed: float = 0.0
+) -> dict[str, float]:
+    """Return the peak force, N, of each elastic law for the energy of a peak force, N.
 
     The energy is that which the law of the scene stores between round surfaces at
-    ``force``. All laws are compared at an impact of this energy. A force that the load
-    prescribes is the same for all laws, and a forced penetration makes them differ
-    more. Empty for a user law, and for an exponent other than 1.5, which the laws of
-    conforming pins do not have.
+    ``force``, beyond the work of a force that the load prescribes, N, from its
+    equilibrium on. All laws are compared at an impact of this energy: of all of it
+    without a prescribed force, and of nearly none where the load prescribes the peak.
+    A forced penetration makes them differ more. Empty for a user law, and for an
+    exponent other than 1.5, which the laws of conforming pins do not have.
     """
     bearing = scene.bearing(joint)
     conventions = scene.conventions
@@ -62,22 +65,35 @@ def forces_by_law(scene: Scene, joint: str, force: float) -> dict[str, float]:
             NormalLaw(stiffness, elasticity=law), bearing.clearance
         )
     used = records[elastic_law(bearing, conventions.contact)]
-    energy = elastic_of(used, _depth_of(used, 0, force))[1]
+    prescribed = min(prescribed, force)
+    energy = _energy(used, _depth_of(used, force), prescribed)
     return {
-        law: elastic_of(one, _depth_of(one, 1, energy))[0]
+        law: elastic_of(one, _depth_of(one, prescribed, energy))[0]
         for law, one in records.items()
     }
 
 
-def _depth_of(law: Records, kind: int, value: float) -> float:
-    """Return the penetration, m, of a force, N (kind 0), or of an elastic energy, J (kind 1)."""
-    low, high = 0.0, float(law["clearance"])
-    while elastic_of(law, high)[kind] < value:
+def _energy(law: Records, depth: float, force: float) -> float:
+    """Return the elastic energy at a depth, m, minus that at a force, N, and its work, J."""
+    start = _depth_of(law, force)
+    energies = [elastic_of(law, each)[1] for each in (start, depth)]
+    return energies[1] - energies[0] - force * (depth - start)
+
+
+def _depth_of(law: Records, force: float, energy: float = 0.0) -> float:
+    """Return the penetration, m, at a force, N, or where an energy, J, has pressed from there."""
+    start = _depth_of(law, force) if energy > 0.0 else 0.0
+
+    def is_below(depth: float) -> bool:
+        if energy > 0.0:
+            return _energy(law, depth, force) < energy
+        return elastic_of(law, depth)[0] < force
+
+    low, high = start, start + float(law["clearance"])
+    while is_below(high):
         low, high = high, 2.0 * high
     while low < (middle := 0.5 * (low + high)) < high:
-        low, high = (
-            (middle, high) if elastic_of(law, middle)[kind] < value else (low, middle)
-        )
+        low, high = (middle, high) if is_below(middle) else (low, middle)
     return high
 
 

@@ -40,6 +40,7 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     text += f"{largest}. Impacts are included"
     is_rigid = not scene.linkage().elastic_joints
     text += "; a real frame bends and makes them smaller." if is_rigid else "."
+    ideal = 0.0
     if not scene.has_untrusted_loads:
         ideal = float(abs(ideal_forces(scene)[1][at]).max())
         text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
@@ -55,7 +56,7 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
         note = reason_without_interval(last)
         peak = peak._replace(value=_peak_forces_text(last, at), interval="", note=note)
     if penetrations(scene, stages)[at] > SMALL_CONTACT:
-        peak = _with_laws(peak, forces_by_law(scene, at, forces[at].mean))
+        peak = _with_laws(peak, scene, at, forces[at].mean, ideal)
     return peak
 
 
@@ -116,15 +117,29 @@ def _peak_forces_text(stage: StageResult, joint: str) -> str:
     return f"{' or '.join(numbers.readable(factor * force) for force in forces)} {unit}"
 
 
-def _with_laws(peak: KeyNumber, forces: Mapping[str, float]) -> KeyNumber:
-    """Return the peak force of a deep contact with the range of the elastic laws."""
-    if not forces:
+def _with_laws(
+    peak: KeyNumber, scene: Scene, joint: str, force: float, ideal: float
+) -> KeyNumber:
+    """Return the peak force of a deep contact, N, with the ranges of the elastic laws.
+
+    ``ideal`` is the peak that the load prescribes with rigid joints, N. Runs with the
+    laws lie between the range for an impact and that beyond the prescribed force.
+    """
+    impact = forces_by_law(scene, joint, force)
+    if not impact:
         return peak
-    factor, unit = numbers.unit_scale("N", max(forces.values()))
-    low = numbers.readable(factor * min(forces.values()))
-    high = numbers.readable(factor * max(forces.values()))
-    laws = f"{low} to {high} {unit} by contact law"
-    meaning = f"{peak.meaning} The pin sinks in deep: the range of the contact laws power, liu and "
-    meaning += "foundation is that of an impact of the same elastic energy."
+    factor, unit = numbers.unit_scale("N", max(impact.values()))
+
+    def range_of(forces: Mapping[str, float]) -> str:
+        ends = (factor * end(forces.values()) for end in (min, max))
+        return f"{' to '.join(map(numbers.readable, ends))} {unit}"
+
+    laws = f"by contact law {range_of(impact)} in an impact"
+    if ideal > 0.0:
+        pressed = range_of(forces_by_law(scene, joint, force, ideal))
+        laws += f", {pressed} under a prescribed force"
+    meaning = f"{peak.meaning} The pin sinks in deep: the ranges of the contact laws power, liu "
+    meaning += "and foundation are estimates, for an impact of the same elastic energy, and for an "
+    meaning += "impact beyond the peak with rigid joints. A run with each law shows the difference."
     interval = f"{peak.interval}; {laws}" if peak.interval else laws
     return peak._replace(interval=interval, meaning=meaning)

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise, product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -636,6 +637,26 @@ def test_peak_forces_of_the_laws_store_the_same_energy(used: str, part: float) -
         assert forces[law] == pytest.approx(force(depth), rel=1e-6)
     assert max(forces.values()) < (1.0 + part) * min(forces.values())
 
+    # beyond a prescribed force, from its equilibrium on
+    given = 0.6 * laws[used](part * c)
+    forces = forces_by_law(scene, "C", laws[used](part * c), given)
+    assert forces[used] == pytest.approx(laws[used](part * c), rel=1e-9)
+
+    def start_of(law: str) -> float:
+        return float(brentq(lambda x: laws[law](x) - given, 0.0, 10.0 * part * c))
+
+    def beyond(depth: float, law: str, energy: float = 0.0) -> float:
+        work = quad(lambda x: laws[law](x) - given, start_of(law), depth)[0]
+        return float(work) - energy
+
+    energy = beyond(part * c, used)
+    for law, force in laws.items():
+        ends = start_of(law), 10.0 * part * c
+        depth = brentq(beyond, *ends, args=(law, energy), xtol=1e-16)
+        assert forces[law] == pytest.approx(force(depth), rel=1e-5)
+    all_by_load = forces_by_law(scene, "C", 1e5, 2e5)
+    assert [*all_by_load.values()] == pytest.approx([1e5] * 3, rel=1e-9)
+
 
 def test_the_range_of_the_laws_has_the_stiffness_of_each() -> None:
     """Without a contact stiffness Liu's law has that of the width; others have no range."""
@@ -645,6 +666,34 @@ def test_the_range_of_the_laws_has_the_stiffness_of_each() -> None:
     assert forces["liu"] < 0.5 * forces["foundation"] < forces["power"]
     bent = pw.changed(SCENE, {"exponent": 1.4})
     assert forces_by_law(bent, "C", 1000.0) == {}
+
+
+@pytest.mark.slow
+def test_runs_lie_between_the_ranges_of_the_laws() -> None:
+    """The load prescribes the peak at C; pins strike at A of a press of 250 kN."""
+    file = Path(__file__).parents[2] / "scenarios" / "press-250kN.toml"
+    settings = {"wear_updates": 0, "cycles": 6, "replicates": 1}
+    scene = pw.changed(pw.scene_from(file), settings)
+    peaks = {}
+    for law in ("foundation", "liu", "power"):
+        radial = {"contact": "radial", "elasticity": law}
+        one = scene if law == "foundation" else pw.changed(scene, radial)
+        joints = pw.run(one, engine="dae").stages[-1].statistics.joints
+        peaks[law] = {name: joints[name].peak_force_per_cycle.mean for name in "AC"}
+    ideal = {name: float(abs(ideal_forces(scene)[1][name]).max()) for name in "AC"}
+    impact, pressed = (
+        {
+            name: forces_by_law(
+                scene, name, peaks["foundation"][name], part * ideal[name]
+            )
+            for name in "AC"
+        }
+        for part in (0.0, 1.0)
+    )
+    for law in ("liu", "power"):
+        assert peaks[law]["C"] == pytest.approx(pressed["C"][law], rel=3e-3)
+    assert impact["C"]["power"] > 1.2 * peaks["power"]["C"]
+    assert pressed["A"]["power"] < peaks["power"]["A"] < impact["A"]["power"]
 
 
 STATISTICS: Any = type("Statistics", (), {"joints": {}})
