@@ -42,7 +42,7 @@ def result_table(cycles: int = 20) -> str:
 def fill() -> None:
     """Write the table between its marks."""
     text = README.read_text()
-    marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
+    marks = r"(?s)(<!-- result -->\n).*?(<!-- end -->)"
     filled = re.sub(
         marks, lambda match: f"{match[1]}\n{result_table()}\n\n{match[2]}", text
     )

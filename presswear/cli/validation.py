@@ -14,6 +14,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import check_folder, only_writer
 
 if TYPE_CHECKING:
+    from presswear.scene.scene import Scene
     from presswear.validation.cases import Outcome
 
 # Time over which trajectories are compared, cycles
@@ -159,44 +160,83 @@ def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
-    """Measure speed against error, or the cost of each feature.
+    """Measure speed against error, the cost of each feature, or of a step and of a start.
 
     It measures and does not judge: the exit code is 0 however slow or inaccurate a
     method is.
     """
+    if arguments.features and arguments.steps:
+        raise InputError("--features and --steps cannot be combined")
+    if arguments.steps and (arguments.scene != "wear-times" or arguments.set):
+        raise InputError("--steps: the hand-written loop solves wear-times as it is")
     scene = terminal.requested_scene(arguments)
     folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
     from presswear.results.folder import provenance
-    from presswear.show.figures import save
     from presswear.tools.serialize import write_json
-    from presswear.validation import benchmark, benchmark_problems
 
-    extent: Any = (
-        benchmark_problems.QUICK if arguments.quick else benchmark_problems.FULL
-    )
+    measure = _measure_methods
     if arguments.features:
-        extent = (
-            benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
-        )
-    extent = replace(extent, repeats=arguments.repeats or extent.repeats)
-    measure: Any = (
-        benchmark.feature_costs if arguments.features else benchmark.work_precision
-    )
+        measure = _measure_features
+    elif arguments.steps:
+        measure = _measure_steps
     with only_writer(folder):
-        with terminal.named_progress(console, "benchmark") as report:
-            measured = measure(scene, extent, report)
-        if arguments.features:
-            benchmark.write_csv(measured, folder / "features.csv")
-            _print_features(console, measured)
-        else:
-            benchmark.write_csv(benchmark.table(measured), folder / "benchmark.csv")
-            save(benchmark.draw_work_precision(measured), folder)
-            _print_methods(console, measured)
+        measure(scene, arguments, folder, console)
         write_json(
             folder / "benchmark.json", {**provenance(), "scene": scene.as_dict()}
         )
     print_lines(console, f"results in {folder}")
     return 0
+
+
+def _measure_methods(
+    scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
+) -> None:
+    from presswear.show.figures import save
+    from presswear.validation import benchmark
+    from presswear.validation.benchmark_problems import FULL, QUICK
+
+    extent = QUICK if arguments.quick else FULL
+    extent = replace(extent, repeats=arguments.repeats or extent.repeats)
+    with terminal.named_progress(console, "benchmark") as report:
+        points = benchmark.work_precision(scene, extent, report)
+    benchmark.write_csv(benchmark.table(points), folder / "benchmark.csv")
+    save(benchmark.draw_work_precision(points), folder)
+    _print_methods(console, points)
+
+
+def _measure_features(
+    scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
+) -> None:
+    from presswear.validation import benchmark
+
+    extent = benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
+    extent = replace(extent, repeats=arguments.repeats or extent.repeats)
+    with terminal.named_progress(console, "benchmark") as report:
+        rows = benchmark.feature_costs(scene, extent, report)
+    benchmark.write_csv(rows, folder / "features.csv")
+    _print_features(console, rows)
+
+
+def _measure_steps(
+    scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
+) -> None:
+    from presswear.validation.benchmark import write_csv
+    from presswear.validation.cases import part_of
+    from presswear.validation.step_costs import (
+        QUICK_STEPS,
+        StepExtent,
+        start_costs,
+        step_costs,
+    )
+
+    extent = QUICK_STEPS if arguments.quick else StepExtent()
+    extent = extent._replace(repeats=arguments.repeats or extent.repeats)
+    with terminal.named_progress(console, "benchmark") as report:
+        steps = step_costs(extent, part_of(report, 0.0, 0.5))
+        starts = start_costs(part_of(report, 0.5, 0.5))
+    write_csv(steps, folder / "steps.csv")
+    write_csv(starts, folder / "starts.csv")
+    _print_steps(console, steps, starts)
 
 
 def _print_methods(console: Console, points: Any) -> None:
@@ -235,3 +275,23 @@ def _print_features(console: Console, table: Any) -> None:
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
     print_lines(console, meaning)
+
+
+def _print_steps(console: Console, steps: Any, starts: Any) -> None:
+    rows = [
+        [
+            row["method"],
+            f"{1e6 * row['cpu_s_per_step']:.2f}",
+            f"{row['relative']:.2f}",
+            f"{row['steps_per_cycle']:.0f}",
+            f"{1e3 * row['cpu_s_per_cycle']:.3g}",
+        ]
+        for row in steps
+    ]
+    heads = ("step", ">us/step", ">relative to the loop", ">steps/cycle", ">ms/cycle")
+    print_table(console, heads, rows)
+    rows = [
+        [row["engine"], f"{row['first_start_s']:.1f}", f"{row['second_start_s']:.1f}"]
+        for row in starts
+    ]
+    print_table(console, ("start", ">first s", ">second s"), rows)

@@ -12,6 +12,7 @@ errors of the slide are printed, too, relative to a run at a tolerance 100 times
 
 import argparse
 from statistics import median
+from typing import Any
 
 from scipy.stats import gmean
 
@@ -62,6 +63,32 @@ def cost(scene: pw.Scene, tolerance: float, cycles: int, seed: int) -> list[floa
     return [run.cpu, run.recorder.each_cycle("steps").sum(), float(contacts)]
 
 
+def ratios(engine: str, repeats: int, cycles: int) -> list[dict[str, Any]]:
+    """Return medians of prescribed cranks and of motors, of each tolerance of an engine."""
+    plain = pw.scenes.wear_times(conventions="refined", engine=engine)
+    plain = pw.changed(plain, CRANKS)
+    scenes = plain, pw.changed(plain, MOTORS)
+    result = []
+    for tolerance in TOLERANCES[engine]:
+        for scene in scenes:
+            cost(scene, tolerance, 1, 1)  # compiles
+        rows = [
+            [cost(scene, tolerance, cycles, seed) for scene in scenes]
+            for seed in range(1, repeats + 1)
+        ]
+        values = list(zip(*rows, strict=True))
+        numbers: dict[str, Any] = {
+            "CPU time": [median(run[0] for run in runs) for runs in values],
+            "steps": [median(run[1] for run in runs) for runs in values],
+            "contacts": [median(run[2] for run in runs) for runs in values],
+            "CPU time of a step": [
+                median(run[0] / run[1] for run in runs) for runs in values
+            ],
+        }
+        result.append({"engine": engine, "tolerance": tolerance, **numbers})
+    return result
+
+
 def main() -> None:
     """Print medians with prescribed cranks and with motors, and their ratios."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -70,32 +97,18 @@ def main() -> None:
     parser.add_argument("--engine", choices=TOLERANCES, default="dae")
     parser.add_argument("--errors", action="store_true")
     options = parser.parse_args()
-    plain = pw.scenes.wear_times(conventions="refined", engine=options.engine)
-    plain = pw.changed(plain, CRANKS)
-    scenes = plain, pw.changed(plain, MOTORS)
-    for tolerance in TOLERANCES[options.engine]:
-        for scene in scenes:
-            cost(scene, tolerance, 1, 1)  # compiles
-        rows = [
-            [cost(scene, tolerance, options.cycles, seed) for scene in scenes]
-            for seed in range(1, options.repeats + 1)
-        ]
-        print(f"{options.engine}, tolerance {tolerance:g}")
-        values = list(zip(*rows, strict=True))
-        steps = [[cpu / count for cpu, count, _ in runs] for runs in values]
-        for name, pair in (
-            ("CPU time, s", [[run[0] for run in runs] for runs in values]),
-            ("steps", [[run[1] for run in runs] for runs in values]),
-            ("contacts", [[run[2] for run in runs] for runs in values]),
-            ("CPU time of a step, s", steps),
-        ):
-            first, second = map(median, pair)
+    for row in ratios(options.engine, options.repeats, options.cycles):
+        print(f"{row.pop('engine')}, tolerance {row['tolerance']:g}")
+        tolerance = row.pop("tolerance")
+        for name, (first, second) in row.items():
             print(f"  {name}: {first:.4g}, {second:.4g}; ratio {second / first:.3f}")
         if options.errors:
+            plain = pw.scenes.wear_times(conventions="refined", engine=options.engine)
+            plain = pw.changed(plain, CRANKS)
             seeds = range(1, options.repeats + 1)
             first, second = (
                 gmean([slide_error(scene, tolerance, seed) for seed in seeds])
-                for scene in scenes
+                for scene in (plain, pw.changed(plain, MOTORS))
             )
             print(f"  error of the slide, m: {first:.2g}, {second:.2g}")
 

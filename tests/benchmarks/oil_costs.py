@@ -7,8 +7,10 @@ same clearance, 1 to 5 per mille of the radius; their runs are interleaved.
 """
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -34,6 +36,29 @@ def cost(scene: pw.Scene, tolerance: float, cycles: int) -> tuple[float, float, 
     return run.cpu, steps, int(run.diagnostics["steps_sent_back"])
 
 
+def ratios(repeats: int, cycles: int, tolerance: float) -> Iterator[dict[str, Any]]:
+    """Yield the ratios of an oiled run to a dry one, of each clearance and viscosity."""
+    press = pw.changed(pw.scene_from(PRESS), {**RIGID, "replicates": 1})
+    for part in PER_MILLE:
+        dry = pw.changed(press, {"clearance": 1e-3 * part * RADIUS})
+        for viscosity in VISCOSITIES:
+            oiled = pw.changed(dry, {"viscosity": viscosity, "film": "run"})
+            for scene in (dry, oiled):
+                cost(scene, tolerance, cycles)  # compiles
+            pairs = [
+                [cost(scene, tolerance, cycles) for scene in (dry, oiled)]
+                for _ in range(repeats)
+            ]
+            (_, before, _), (_, steps, repeated) = pairs[0]
+            yield {
+                "per mille": part,
+                "viscosity": viscosity,
+                "CPU time": median(second[0] / first[0] for first, second in pairs),
+                "steps": steps / before,
+                "repeated": repeated / steps,
+            }
+
+
 def main() -> None:
     """Print a line for each clearance and viscosity."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -41,22 +66,12 @@ def main() -> None:
     parser.add_argument("--cycles", type=int, default=4, help="(default 4)")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="(default 1e-6)")
     options = parser.parse_args()
-    rest = options.tolerance, options.cycles
-    press = pw.changed(pw.scene_from(PRESS), {**RIGID, "replicates": 1})
-    for part in PER_MILLE:
-        dry = pw.changed(press, {"clearance": 1e-3 * part * RADIUS})
-        for viscosity in VISCOSITIES:
-            oiled = pw.changed(dry, {"viscosity": viscosity, "film": "run"})
-            cost(dry, *rest), cost(oiled, *rest)  # compiles
-            pairs = [
-                (cost(dry, *rest), cost(oiled, *rest)) for _ in range(options.repeats)
-            ]
-            time = median(second[0] / first[0] for first, second in pairs)
-            (_, before, _), (_, steps, repeated) = pairs[0]
-            print(
-                f"{part} per mille, {viscosity}: CPU time {time:.2f}, steps "
-                f"{steps / before:.2f}, repeated {repeated / steps:.2f} of the steps"
-            )
+    for row in ratios(options.repeats, options.cycles, options.tolerance):
+        print(
+            f"{row['per mille']} per mille, {row['viscosity']}: CPU time "
+            f"{row['CPU time']:.2f}, steps {row['steps']:.2f}, repeated "
+            f"{row['repeated']:.2f} of the steps"
+        )
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ not installed are left out.
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -19,7 +19,7 @@ from itertools import pairwise
 from statistics import median
 
 import numpy as np
-from by_hand import OPEN, SIZE, Outcome, evaluate, measured, parameters, state_of
+from evaluation import Outcome, evaluate, measured
 from scipy.integrate import solve_ivp
 from scipy.linalg import null_space
 from scipy.stats import gmean
@@ -35,6 +35,13 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
 from presswear.validation.benchmark_problems import joints_over_impacts
+from presswear.validation.by_hand.equations import (
+    OPEN,
+    SIZE,
+    parameters,
+    state_of,
+)
+from presswear.validation.by_hand.loop import run as run_loop
 
 Method = Callable[
     [Start, float], tuple[Array, float]
@@ -178,15 +185,17 @@ def methods(scene: Scene) -> dict[str, tuple[Sequence[float], Method]]:
         "exudyn-joints": (COUNTS, engine(joints)),
     }
     for code, count in SCIPY.items():
-        table[f"by hand, {code}"] = TOLERANCES[:count], equations(partial(solve, code))
-    from adaptive import run as run_loop  # which imports this module
+        table[f"hand-written, {code}"] = (
+            TOLERANCES[:count],
+            equations(partial(solve, code)),
+        )
 
     def loop(start: Start, value: float) -> tuple[Array, float]:
         longest = numerics.dae.longest(period)
         outcome = run_loop(press, state_of(linkage, start), [END], value, longest)
         return outcome.states[0, :SIZE], outcome.cpu / END
 
-    table["by hand, loop"] = fine, loop
+    table["hand-written loop, DOPRI5"] = fine, loop
     for package, (name, simulate, has_equal_steps) in SIMULATORS.items():
         if find_spec(package) is not None:
             settings = STEPS if has_equal_steps else (1e-3, *TOLERANCES[:-2])
@@ -218,6 +227,46 @@ def cost_at(points: Sequence[tuple[float, float]], error: float) -> float:
     return float(c_1 ** (1.0 - part) * c_2**part)
 
 
+def points_of(
+    repeats: int, names: Sequence[str] = (), stride: int = 1
+) -> Iterator[tuple[str, list[list[float]]]]:
+    """Yield each method with rows of its setting, its error, m, and its cost, s/s.
+
+    ``names`` are beginnings of the names of methods, none for all; of the settings
+    every ``stride``-th one runs.
+    """
+    scene = wear_times()
+    press = parameters(scene)
+    starts = initial_states(scene, repeats)
+    exact = InHouse(integration_tolerance=1e-12, coordinates="all")
+    plan = Plan(END, 1, 1, torques=False)
+    references = [
+        state_of(scene.linkage(), exact.simulate(scene.linkage(), start, plan).end)
+        for start in starts
+    ]
+    for name, (settings, run) in methods(scene).items():
+        if names and not name.startswith(tuple(names)):
+            continue
+        run(starts[0], settings[0])  # compiles
+        rows = []
+        for value in settings[::stride]:
+            try:
+                outcomes = [run(start, value) for start in starts]
+            except RunFailed as error:
+                print(f"{name:24} {value:8.2g} failed: {error}", flush=True)
+                continue
+            pairs = zip(outcomes, references, strict=True)
+            error_m = float(
+                gmean([distance(press, end, exact) for (end, _), exact in pairs])
+            )
+            rows.append([value, error_m, median(cost for _, cost in outcomes)])
+            print(
+                f"{name:24} {value:8.2g} {error_m:9.1e} m {rows[-1][2]:9.3g} s/s",
+                flush=True,
+            )
+        yield name, rows
+
+
 def main() -> None:
     """Print cost and error of all methods."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -228,34 +277,8 @@ def main() -> None:
         "--quick", action="store_true", help="every second setting only"
     )
     arguments = parser.parse_args()
-    scene = wear_times()
-    press = parameters(scene)
-    starts = initial_states(scene, arguments.repeats)
-    table = methods(scene)
-    exact = InHouse(integration_tolerance=1e-12, coordinates="all")
-    plan = Plan(END, 1, 1, torques=False)
-    references = [
-        state_of(scene.linkage(), exact.simulate(scene.linkage(), start, plan).end)
-        for start in starts
-    ]
-    for name, (settings, run) in table.items():
-        run(starts[0], settings[0])  # compiles
-        points = []
-        for value in settings[:: 2 if arguments.quick else 1]:
-            try:
-                outcomes = [run(start, value) for start in starts]
-            except RunFailed as error:
-                print(f"{name:16} {value:8.2g} failed: {error}", flush=True)
-                continue
-            pairs = zip(outcomes, references, strict=True)
-            error_m = float(
-                gmean([distance(press, end, exact) for (end, _), exact in pairs])
-            )
-            points.append((error_m, median(cost for _, cost in outcomes)))
-            print(
-                f"{name:16} {value:8.2g} {error_m:9.1e} m {points[-1][1]:9.3g} s/s",
-                flush=True,
-            )
+    for name, rows in points_of(arguments.repeats, stride=2 if arguments.quick else 1):
+        points = [(error, cost) for _, error, cost in rows]
         costs = ", ".join(
             f"{cost_at(points, level):.3g} at {level:g} m" for level in LEVELS
         )

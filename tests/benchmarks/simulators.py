@@ -5,14 +5,16 @@ because neither has a pin with clearance. Crank 7 is so heavy that no force slow
 Install with ``pip install mujoco drake``.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from by_hand import Outcome, contact_store, land, measured, relative_forces
+from evaluation import Outcome, evaluate, measured
 
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, specialised
+from presswear.tools.compile import Records, compiled, specialised
+from presswear.validation.by_hand.equations import OPEN
 
 HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
 JOINTS = (
@@ -22,6 +24,67 @@ JOINTS = (
     "slider 6",
     "rod 5",
 )  # coordinates relative to the parent
+
+
+@compiled
+def relative_forces(
+    press: Records,
+    t: float,
+    q: Array,
+    v: Array,
+    onset: Array,
+    work: Array,
+    gaps: Array,
+    out: Array,
+) -> None:
+    """Fill the generalized forces on the relative coordinates of a tree; ``work`` is (20,).
+
+    They are the angles of crank 7, plate 4 and rod 3, each relative to its parent, the
+    height of slider 6 and the angle of rod 5.
+    """
+    y = work[:8]
+    y[0] = q[0] + q[1]
+    y[1] = q[0] + q[1] + q[2]
+    y[2] = q[3]
+    y[3] = q[4]
+    y[4] = v[0] + v[1]
+    y[5] = v[0] + v[1] + v[2]
+    y[6] = v[3]
+    y[7] = v[4]
+    evaluate(press, t, y, onset, work[8:], gaps)
+    force = work[16:]
+    out[0] = 0.0
+    out[1] = force[0] + force[1]
+    out[2] = force[1]
+    out[3] = force[2]
+    out[4] = force[3]
+
+
+@compiled
+def land(onset: Array, before: Array, now: Array) -> bool:
+    """Update the closing speeds after a step; return whether any changed.
+
+    Penetrations and their rates at both ends of the step have the shape (2, 2);
+    ``before`` becomes ``now``.
+    """
+    changed = False
+    for k in range(2):
+        depth = before[k, 0]
+        rate = before[k, 1]
+        if (now[k, 0] > 0.0) != (onset[k] >= 0.0):
+            changed = True
+            onset[k] = OPEN
+            if now[k, 0] > 0.0:
+                part = depth / (depth - now[k, 0])
+                onset[k] = math.sqrt(
+                    max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0)
+                )
+        before[k, 0], before[k, 1] = now[k, 0], now[k, 1]
+    return changed
+
+
+def contact_store() -> tuple[Array, Array]:
+    return np.full(2, OPEN), np.zeros((2, 2, 2))
 
 
 class _Contacts:

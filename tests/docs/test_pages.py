@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import speed
 from columns import PAGE, filled
 from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
 from readme import result_table
@@ -362,7 +363,7 @@ def estimates(text: str) -> dict[str, list[float]]:
 def test_table_in_the_readme_is_that_of_a_run() -> None:
     """Intervals overlap, those of a shorter run being wider."""
     (text,) = re.findall(
-        r"(?s)<!-- result -->(.*)<!-- end -->", (ROOT / "README.md").read_text()
+        r"(?s)<!-- result -->(.*?)<!-- end -->", (ROOT / "README.md").read_text()
     )
     stored = estimates(text)
     computed = estimates(result_table(cycles=8))
@@ -374,18 +375,12 @@ def test_table_in_the_readme_is_that_of_a_run() -> None:
         assert stored[label][2] > low, label
 
 
-def test_times_in_the_readme_are_those_of_the_benchmark() -> None:
-    """A method has the name of the other page, and what the reader of one page needs after it."""
-    pages = [ROOT / "README.md", DOCS / "validation" / "cost.md"]
-    readme, cost = (
-        re.findall(r"(?m)^\| ([^|]+)((?: \| [\d.-]+){3}) \|$", page.read_text())
-        for page in pages
-    )
-    assert len(readme) == 5
-    for method, times in readme:
-        assert [
-            name for name, same in cost if same == times and method.startswith(name)
-        ], method
+def test_tables_of_speed_are_those_of_the_stored_measurements() -> None:
+    """``python docs/_tools/speed.py fill`` writes them."""
+    pages = [page.read_text() for page in speed.PAGES]
+    assert [speed.filled(page) for page in pages] == pages
+    marks = re.findall(r"<!-- speed: (\w+) -->", "".join(pages))
+    assert sorted(marks) == sorted(speed.TABLES)
 
 
 def test_mechanism_in_the_readme_runs(

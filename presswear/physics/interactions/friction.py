@@ -33,11 +33,6 @@ class FrictionText(Protocol):
         """Return the friction force along the tangent, under a normal force."""
         ...
 
-    @staticmethod
-    def steady_force(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
-        """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
-        ...
-
 
 @dataclass
 class FrictionWithoutState:
@@ -91,6 +86,11 @@ class FrictionWithSettings(FrictionText, Protocol):
         ...
 
     @staticmethod
+    def steady_force(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
+        """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
+        ...
+
+    @staticmethod
     def check(settings: Any, friction: float) -> None:
         """Raise InputError for settings that do not fit the friction coefficient."""
         ...
@@ -140,5 +140,6 @@ def friction_of(
 
 def steady_friction(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
     """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
-    kind = WITH_SETTINGS.get(law.name, FrictionWithoutState)
-    return kind.steady_force(law, sliding, normal)
+    if law.name in WITH_SETTINGS:
+        return WITH_SETTINGS[law.name].steady_force(law, sliding, normal)
+    return FrictionWithoutState.steady_force(law, sliding, normal)

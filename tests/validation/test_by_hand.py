@@ -2,19 +2,6 @@
 
 import numpy as np
 import pytest
-from accounts import (
-    CONTACTS,
-    DISTANCE,
-    DRIVES,
-    EXCHANGE,
-    FRICTION_LOSS,
-    HIGHEST,
-    JOINTS,
-    PEAK,
-    WORK,
-)
-from adaptive import Outcome, run
-from by_hand import parameters, state_of
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -26,6 +13,19 @@ from presswear.recording.columns import (
     TORQUE,
     TORQUE_SQUARE,
 )
+from presswear.validation.by_hand.accounts import (
+    CONTACTS,
+    DISTANCE,
+    DRIVES,
+    EXCHANGE,
+    FRICTION_LOSS,
+    HIGHEST,
+    JOINTS,
+    PEAK,
+    WORK,
+)
+from presswear.validation.by_hand.equations import parameters, state_of
+from presswear.validation.by_hand.loop import Outcome, run
 
 END = 0.05  # s, with ten touchdowns
 TOLERANCE = 1e-12

@@ -10,8 +10,6 @@ is linear in the penetration.
 """
 
 import math
-import time as clock
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +21,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 
+Two = tuple[float, float]
 Four = tuple[float, float, float, float]
-Outcome = tuple[Array, float]  # final state, and CPU time of the integration alone, s
 
 SIZE = 8  # coordinates, rad and m, and their rates
 OPEN = -1.0  # closing speed of a joint without contact
@@ -155,6 +153,7 @@ def parameters(scene: Scene) -> Records:
 
 @compiled
 def cranks(press: Records, t: float) -> Cranks:
+    """Return the motion of the cranks at a time, s."""
     p = press[0]
     seven = p.start_7 + p.speed * t
     two = p.start_2 - p.speed * t
@@ -173,16 +172,21 @@ def cranks(press: Records, t: float) -> Cranks:
 def push(
     joint: Records,
     onset: float,
-    pin_x: float,
-    pin_y: float,
-    ex: float,
-    ey: float,
-    vx: float,
-    vy: float,
-    pin_spin: float,
-    bearing_spin: float,
+    pin: Two,
+    eccentricity: Two,
+    velocity: Two,
+    spins: Two,
 ) -> Push:
-    """Return the contact force for an eccentricity, m; ``onset`` is the stored closing speed."""
+    """Return the contact force.
+
+    ``onset`` is the stored closing speed, m/s, ``pin`` the centre of the pin, m,
+    ``eccentricity`` its place in the bearing, m, and ``velocity`` the rate of this
+    place, m/s. ``spins`` are the angular velocities of pin and bearing, rad/s.
+    """
+    pin_x, pin_y = pin
+    ex, ey = eccentricity
+    vx, vy = velocity
+    pin_spin, bearing_spin = spins
     distance = math.sqrt(ex * ex + ey * ey)
     depth = distance - joint.clearance
     if distance == 0.0:
@@ -225,6 +229,7 @@ def push(
 def no_push(
     x: float, y: float, depth: float, rate: float, ex: float, ey: float
 ) -> Push:
+    """Return the forces, all zero, of a joint without contact."""
     return Push(
         0.0, 0.0, x, y, depth, rate, *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ex, ey
     )
@@ -251,18 +256,26 @@ def accelerations(
     sx = p.length_5 * math.cos(rod_5)
     sy = p.length_5 * math.sin(rod_5)
     one = push(
-        *(p.a, onset[0], at.pin_x, at.pin_y),
-        *(at.pin_x - at.x - bx - rx, at.pin_y - at.y - by - ry),
-        at.pin_vx - at.vx + plate_t * by + rod_3_t * ry,
-        at.pin_vy - at.vy - plate_t * bx - rod_3_t * rx,
-        *(-p.speed, rod_3_t),
+        p.a,
+        onset[0],
+        (at.pin_x, at.pin_y),
+        (at.pin_x - at.x - bx - rx, at.pin_y - at.y - by - ry),
+        (
+            at.pin_vx - at.vx + plate_t * by + rod_3_t * ry,
+            at.pin_vy - at.vy - plate_t * bx - rod_3_t * rx,
+        ),
+        (-p.speed, rod_3_t),
     )
     two = push(
-        *(p.c, onset[1], at.x + cx, at.y + cy),
-        *(at.x + cx - p.o2_x - sx, at.y + cy - slider - sy),
-        at.vx - plate_t * cy + rod_5_t * sy,
-        at.vy + plate_t * cx - slider_t - rod_5_t * sx,
-        *(plate_t, rod_5_t),
+        p.c,
+        onset[1],
+        (at.x + cx, at.y + cy),
+        (at.x + cx - p.o2_x - sx, at.y + cy - slider - sy),
+        (
+            at.vx - plate_t * cy + rod_5_t * sy,
+            at.vy + plate_t * cx - slider_t - rod_5_t * sx,
+        ),
+        (plate_t, rod_5_t),
     )
     # Pin A pushes rod 3; pin C, on the plate, pushes rod 5 and is pushed back.
     force_1 = (
@@ -302,89 +315,8 @@ def accelerations(
     )
 
 
-@compiled
-def evaluate(
-    press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array
-) -> None:
-    """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
-    x = (y[0], y[1], y[2], y[3])
-    u = (y[4], y[5], y[6], y[7])
-    a, forces, one, two, _ = accelerations(press, cranks(press, t), onset, x, u)
-    for i in range(4):
-        out[i], out[4 + i], out[8 + i] = u[i], a[i], forces[i]
-    gaps[0, 0] = one.depth
-    gaps[0, 1] = one.rate
-    gaps[1, 0] = two.depth
-    gaps[1, 1] = two.rate
-
-
-@compiled
-def relative_forces(
-    press: Records,
-    t: float,
-    q: Array,
-    v: Array,
-    onset: Array,
-    work: Array,
-    gaps: Array,
-    out: Array,
-) -> None:
-    """Fill the generalized forces on the relative coordinates of a tree; ``work`` is (20,).
-
-    They are the angles of crank 7, plate 4 and rod 3, each relative to its parent, the
-    height of slider 6 and the angle of rod 5.
-    """
-    y = work[:8]
-    y[0] = q[0] + q[1]
-    y[1] = q[0] + q[1] + q[2]
-    y[2] = q[3]
-    y[3] = q[4]
-    y[4] = v[0] + v[1]
-    y[5] = v[0] + v[1] + v[2]
-    y[6] = v[3]
-    y[7] = v[4]
-    evaluate(press, t, y, onset, work[8:], gaps)
-    force = work[16:]
-    out[0] = 0.0
-    out[1] = force[0] + force[1]
-    out[2] = force[1]
-    out[3] = force[2]
-    out[4] = force[3]
-
-
-@compiled
-def land(onset: Array, before: Array, now: Array) -> bool:
-    """Update the closing speeds after a step; return whether any changed.
-
-    Penetrations and their rates at both ends of the step have the shape (2, 2);
-    ``before`` becomes ``now``.
-    """
-    changed = False
-    for k in range(2):
-        depth = before[k, 0]
-        rate = before[k, 1]
-        if (now[k, 0] > 0.0) != (onset[k] >= 0.0):
-            changed = True
-            onset[k] = OPEN
-            if now[k, 0] > 0.0:
-                part = depth / (depth - now[k, 0])
-                onset[k] = math.sqrt(
-                    max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0)
-                )
-        before[k, 0], before[k, 1] = now[k, 0], now[k, 1]
-    return changed
-
-
-def contact_store() -> tuple[Array, Array]:
-    return np.full(2, OPEN), np.zeros((2, 2, 2))
-
-
-def measured(run: Callable[[], Array]) -> Outcome:
-    started = clock.process_time()
-    return run(), clock.process_time() - started
-
-
 def state_of(linkage: Linkage, start: Start) -> Array:
+    """Return the coordinates and rates of a state of the linkage, shape (SIZE,)."""
     coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
     places = [3 * linkage.index(name) + part for name, part in coordinates]
     return np.concatenate([start.position[places], start.velocity[places]])

@@ -1,20 +1,14 @@
-"""Hand-written adaptive loop for the press: DOPRI5 whose steps end on touchdowns and separations.
+"""Adaptive loop of the press by hand: DOPRI5 whose steps end on touchdowns and separations."""
 
-usage: python tests/benchmarks/adaptive.py [--repeats N]
-
-It solves the equations of ``by_hand``, keeps ``accounts``, and shares no kernel with
-the engines. It runs the first 0.05 s of the unworn press with ten touchdowns; its error
-is the largest of the slider and of the ends of the turning links, relative to the
-in-house solver at 1e-12. All times are CPU times per simulated second.
-"""
-
-import argparse
 import time as clock
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from accounts import (
+
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled
+from presswear.validation.by_hand.accounts import (
     CONTACT_COLUMNS,
     CONTACT_LOSS,
     CONTACTS,
@@ -36,24 +30,8 @@ from accounts import (
     stored_energy,
     torques,
 )
-from by_hand import OPEN, SIZE, accelerations, cranks, parameters, state_of
-from side_by_side import distance, methods
+from presswear.validation.by_hand.equations import OPEN, SIZE, accelerations, cranks
 
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
-from presswear.engines.settings import LEAST_STEPS, InHouse
-from presswear.scene.catalog import wear_times
-from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
-
-END = 0.05  # s
-MAX_APART = 1e-7  # m, distance of the last tolerance from the in-house solver
-TOLERANCES = (1e-5, 1e-6, 1e-8)
-ENGINES = {  # with tolerances, or steps in a contact
-    "exudyn-tree": (1e-5, 1e-8),
-    "dae, DOPRI5": (1e-5, 1e-6, 1e-8),
-    "exudyn-joints": (50.0, 200.0),
-}
 STAGES = 7
 NEAR = 1e-14  # m, penetration at which a touchdown or a separation is located
 
@@ -286,47 +264,3 @@ def run(
     return Outcome(
         np.array(states), np.array(rows), maps, accounts, residual, *counts, cpu
     )
-
-
-def main() -> None:
-    """Print errors and CPU times of the engines and of the hand-written loop."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--repeats", type=int, default=5, help="repeats of each run (default 5)"
-    )
-    repeats = parser.parse_args().repeats
-    scene = wear_times()
-    linkage = scene.linkage()
-    start = start_of(scene)
-    press = parameters(scene)
-    longest = scene.mechanism.period / LEAST_STEPS
-    plan = Plan(END, 1, 1, torques=False)
-    engine = InHouse(integration_tolerance=1e-12, coordinates="all")
-    exact = engine.simulate(linkage, start, plan)
-    end = state_of(linkage, exact.end)
-    print(f"{'method':34}{'error (m)':>12}{'s/s':>10}")
-
-    def show(name: str, error: float, cost: float) -> None:
-        print(f"{name:34}{error:>12.2g}{cost:>10.2g}", flush=True)
-
-    table = methods(scene)
-    for name, values in ENGINES.items():
-        engine_run = table[name][1]
-        for value in values:
-            ends = [engine_run(start, value) for _ in range(repeats + 1)]
-            error = distance(press, ends[0][0], end)
-            show(f"{name} {value:g}", error, min(cost for _, cost in ends))
-    y = state_of(linkage, start)
-    for tolerance in TOLERANCES:
-        runs = [run(press, y, [END], tolerance, longest) for _ in range(repeats + 1)]
-        error = distance(press, runs[0].states[0, :SIZE], end)
-        cost = min(outcome.cpu for outcome in runs) / END
-        show(f"by hand, DOPRI5 {tolerance:g}", error, cost)
-    if error > MAX_APART:
-        raise SystemExit(
-            f"at {TOLERANCES[-1]:g} the loop is {error:.2g} m off the in-house solver"
-        )
-
-
-if __name__ == "__main__":
-    main()

@@ -9,10 +9,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from by_hand import Cranks, Four, Levers, Push, cranks
 
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
+from presswear.validation.by_hand.equations import Cranks, Four, Levers, Push, cranks
 
 BINS, FRAMES, ROWS = (
     360,
@@ -112,6 +112,7 @@ def stored_energy(press: Records, t: float, y: Array, contacts: Array) -> float:
 
 
 def turned(vector: Array) -> Array:
+    """Return a vector turned by a right angle."""
     return np.array([-vector[1], vector[0]])
 
 
@@ -141,6 +142,7 @@ def torques(
 
 @compiled
 def note_contact(row: Array, push: Push) -> None:
+    """Fill the row of a contact."""
     row[DEPTH] = push.depth
     row[RATE] = push.rate
     row[NORMAL] = push.normal
