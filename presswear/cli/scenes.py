@@ -1,6 +1,7 @@
 """``presswear list``, ``new``, ``show`` and ``completion``: scenes and their names in a shell."""
 
 import argparse
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from rich.console import Console
 from presswear.cli import COMMANDS
 from presswear.cli.parser import parser_with
 from presswear.cli.terminal import load_scene, parse_settings, print_lines
+from presswear.scene import schema as schemas
 from presswear.scene.catalog import SCENES
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.files import SUFFIX, example_file
@@ -18,7 +20,7 @@ from presswear.scene.scene import ENGINES, Scene
 from presswear.scene.setting_groups import settings_in_groups
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import check_ending
+from presswear.tools.files import check_ending, write_bytes
 from presswear.tools.quantities import Quantity, parse_quantity
 
 CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
@@ -49,7 +51,7 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def new(arguments: argparse.Namespace, console: Console) -> int:
-    """Write an example file."""
+    """Write an example file, and the schema for editors beside it."""
     text = example_file(arguments.kind)
     file = arguments.file or Path(f"{arguments.kind}{SUFFIX}")
     if file.suffix != SUFFIX:
@@ -61,7 +63,13 @@ def new(arguments: argparse.Namespace, console: Console) -> int:
         raise InputError(f"{file} exists; name a new file") from None
     except OSError as error:
         raise InputError(f"{file} cannot be written: {error.strerror}") from None
-    print_lines(console, f"wrote {file}; run it with: presswear run {file}")
+    schema = file.with_name(schemas.FILE)
+    write_bytes(schema, json.dumps(schemas.scene_schema(), indent=1).encode())
+    print_lines(
+        console,
+        f"wrote {file}; run it with: presswear run {file}",
+        f"wrote {schema}, with which an editor completes and checks it",
+    )
     return 0
 
 

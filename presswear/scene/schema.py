@@ -1,0 +1,178 @@
+"""JSON schema of scene files, with which editors complete, explain and check them."""
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from presswear.linkage.motor import Motor
+from presswear.linkage.process import PROCESSES
+from presswear.linkage.servos import SERVOS
+from presswear.scene.bearing import DOUBLED_MEANINGS, Bearing
+from presswear.scene.mechanism_kinds import MECHANISMS
+from presswear.scene.options import LIVES
+from presswear.scene.scene import Scene
+from presswear.scene.setting_keys import MOTOR, SERVO
+from presswear.scene.setting_list import Setting, settings_in
+from presswear.tools.choices import NONE, Choice
+from presswear.tools.quantities import Quantity
+from presswear.tools.symbols import SYMBOLS
+from presswear.tools.units import UNITS
+
+FILE = "presswear.schema.json"
+"""Name of the schema beside the files of ``presswear new``."""
+
+_NUMBER = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
+_FIT = r"[Øø⌀]?\s*[0-9.]*\s*[A-Z]{1,2}[0-9]+\s*/\s*[a-z]{1,2}[0-9]+"
+_LIMITS = ("pressure_limit", "pv_limit")
+_ANY: dict[str, Any] = {"type": "object"}
+
+Node = dict[str, Any]
+
+
+def scene_schema() -> Node:
+    """Return the schema of a scene file, draft 7.
+
+    A number with a unit is a text, whose range only its description states. Tables of
+    a mechanism of bodies are not described.
+    """
+    scene = Scene()
+    bearing = _properties(settings_in(Bearing()))
+    mechanisms = {
+        kind: _properties(settings_in(one())) for kind, one in MECHANISMS.items()
+    }
+    every = _properties(settings_in(scene)) | bearing
+    for one in mechanisms.values():
+        every |= one
+    parts = {"process": PROCESSES, "life": LIVES, SERVO: SERVOS}
+    described = {name: _part(kinds) for name, kinds in parts.items()}
+    described[MOTOR] = _table(_fields(Motor(torque=0.0)))
+    of_bodies = {"type": "object", "required": ["bodies"]}
+    kinds = [_kind(kind, one) for kind, one in mechanisms.items()]
+    schema: Node = {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "Scene of presswear",
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {
+            "title": {"type": "string", "description": "title of the report"},
+            "mechanism": {"anyOf": [*kinds, of_bodies, {"enum": [*mechanisms]}]},
+            "bearings": _table(bearing | {"joints": every["joints"]}, _table(bearing)),
+            "limits": _table({key: bearing[key] for key in _LIMITS}),
+            "settings": _table(every, _table(bearing)),
+            "surfaces": {
+                "type": "string",
+                "description": "file of measured surfaces, .csv",
+            },
+            "sweep": _ANY | {"description": "values that presswear sweep varies"},
+            **described,
+        },
+    }
+    definitions: dict[str, Node] = {}
+    schema = _with_references(schema, definitions, {})
+    return schema | {"definitions": definitions}
+
+
+def _with_references(
+    node: Any, definitions: dict[str, Node], names: dict[str, str]
+) -> Any:
+    """Return a node with a reference in place of each setting, which is defined once.
+
+    ``names`` are the names of definitions by their text.
+    """
+    if isinstance(node, list):
+        return [_with_references(one, definitions, names) for one in node]
+    if not isinstance(node, dict):
+        return node
+    result = {}
+    for key, value in node.items():
+        if isinstance(value, dict) and "default" in value:
+            name = names.setdefault(json.dumps(value), f"{key}-{len(names)}")
+            definitions[name] = value
+            result[key] = {"$ref": f"#/definitions/{name}"}
+        else:
+            result[key] = _with_references(value, definitions, names)
+    return result
+
+
+def _kind(kind: str, properties: Mapping[str, Node]) -> Node:
+    """Return the table of a mechanism with its kind."""
+    table = _table({"kind": {"const": kind}, **properties})
+    return table | {"required": ["kind"]}
+
+
+def _part(kinds: Mapping[str, Any]) -> Node:
+    """Return the table of a part of one of some kinds."""
+    tables = []
+    for kind, one in kinds.items():
+        tables.append(_table({"kind": {"const": kind}, **_fields(one())}))
+    return {"anyOf": tables}
+
+
+def _fields(owner: Any) -> dict[str, Node]:
+    return _properties(settings_in(owner))
+
+
+def _table(properties: Mapping[str, Node], others: Node | None = None) -> Node:
+    """Return a table of some keys; ``others`` are tables under any other name, of joints."""
+    return {
+        "type": "object",
+        "properties": dict(properties),
+        "additionalProperties": others or False,
+    }
+
+
+def _properties(settings: Iterable[Setting]) -> dict[str, Node]:
+    """Return the value of each setting by its key, and by its symbol."""
+    values = {one.key: _value(one.meaning, one.value) for one in settings}
+    if "clearance" in values:
+        for key, meaning in DOUBLED_MEANINGS.items():
+            values[key] = _value(meaning, 0.0)
+        for key in ("clearance", "diametral_clearance"):
+            pattern = values[key]["pattern"]
+            values[key]["pattern"] = f"{pattern}|^\\s*{_FIT}\\s*$"
+    return values | {
+        symbol: values[name] for symbol, name in SYMBOLS.items() if name in values
+    }
+
+
+def _value(meaning: Quantity | Choice, value: Any) -> Node:
+    """Return what a setting allows, with its meaning and its default."""
+    if isinstance(meaning, Choice):
+        node: Node = {
+            "description": meaning.text,
+            "type": ["string", "array", "object"],
+        }
+        is_closed = not (meaning.several or meaning.parameters or meaning.example)
+        if is_closed:
+            node = {"description": meaning.text, "enum": [*meaning.words]}
+        return node | {"default": value}
+    limits = meaning.in_unit_of(meaning.low if value is None else value).range_text()
+    text = f"{meaning.text} ({limits}{'; ' if meaning.origin else ''}{meaning.origin})"
+    default = NONE if value is None else meaning.written(value)
+    node = {"description": text, "default": default}
+    if not meaning.unit:
+        return node | _plain_number(meaning)
+    units = [
+        one for name in meaning.unit.split(" or ") for one in UNITS.get(name, [name])
+    ]
+    listed = "|".join(map(_pattern_of, sorted(units, key=len, reverse=True)))
+    pi = r"\s*(pi)?" if "rad" in meaning.unit else ""
+    pattern = rf"^\s*({_NUMBER}{pi}\s*({listed})|[+-]?0|none)\s*$"
+    zero = {"minimum": 0.0, "maximum": 0.0}  # needs no unit
+    return node | {"type": ["string", "number"], "pattern": pattern} | zero
+
+
+def _plain_number(meaning: Quantity) -> Node:
+    """Return what a number without a unit allows."""
+    pattern = rf"^\s*({_NUMBER}\s*(%|percent)?|none)\s*$"
+    node: Node = {"type": ["number", "string"], "pattern": pattern}
+    if meaning.whole:
+        node["multipleOf"] = 1
+    return node | {"minimum": meaning.low, "maximum": meaning.high}
+
+
+def _pattern_of(unit: str) -> str:
+    """Return the pattern of a unit in the forms in which people write it."""
+    text = re.escape(unit).replace("\\ ", "[ ·*_]+")
+    return text.replace("\\^2", "(\\^?2|²)").replace("\\^3", "(\\^?3|³)")
