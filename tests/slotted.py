@@ -2,7 +2,7 @@
 
 import math
 
-from presswear.linkage.drives import Drive
+from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
 
@@ -141,4 +141,47 @@ def driven_rod() -> Linkage:
         output="ram",
         guess={"crank": math.radians(120.0), "link": 0.0},
         name="driven rod",
+    )
+
+
+def cylinder(angle: float = 0.4) -> Linkage:
+    """Return a slide that a cylinder moves along an oblique guide, with a rod and a rocker.
+
+    A link on the rocker moves a second slide.
+    """
+    along = math.cos(angle), math.sin(angle)
+    return assemble(
+        bodies=[
+            Body("piston", 3.0),
+            Bar("rod", 0.4, 1.0),
+            Body(
+                "rocker",
+                2.0,
+                0.05,
+                {"P": (-0.2, 0.0), "B": (0.1, 0.0), "C": (0.2, 0.1)},
+            ),
+            Bar("link", 0.5, 0.8),
+            Body("ram", 4.0),
+        ],
+        joints=[
+            Guide("bore", "piston", x=0.05, y=-0.02, direction=angle, angle=0.1),
+            Pin("A", "piston", "rod.tail"),
+            Pin("B", "rod.head", "rocker.B"),
+            Pin("P", (0.6 * along[0] + 0.2, 0.6 * along[1] - 0.25), "rocker.P"),
+            Pin("C", "rocker.C", "link.tail"),
+            Pin("D", "link.head", "ram"),
+            Guide("ways", "ram", y=0.3),
+        ],
+        drives=[
+            LinearDrive(
+                "piston",
+                along="bore",
+                position=0.1,
+                frequency=SPEED,
+                harmonics=[(0.01, 0.04), (0.0, 0.004)],
+            )
+        ],
+        output="ram",
+        guess={"rod": 0.4, "rocker": 1.9, "link": 0.2},
+        name="cylinder",
     )

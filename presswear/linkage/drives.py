@@ -6,12 +6,19 @@ series, and the pieces of a table or of rises.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, cast
 
 import numpy as np
 
-from presswear.linkage.elements import ANGLE, LENGTH, Attachment, OutputPoint, angle
+from presswear.linkage.elements import (
+    ANGLE,
+    LENGTH,
+    Attachment,
+    OutputPoint,
+    angle,
+    place,
+)
 from presswear.linkage.motion_pieces import (
     MAX_PIECES,
     MIN_PIECE,
@@ -190,6 +197,11 @@ class Drive(_Motion):
         return f"drive of {self.body}"
 
     @property
+    def start(self) -> float:
+        """Angle of the body at the start, rad."""
+        return self.angle
+
+    @property
     def base(self) -> float:
         """Frequency of the first harmonic, rad/s."""
         return self.frequency or abs(self.speed)
@@ -228,7 +240,50 @@ class Drive(_Motion):
         assert self.follow is None
         mean = self.mean_speed
         deviation, deviation_rate, acceleration = series(self, self.base, time)
-        return self.angle + mean * time + deviation, mean + deviation_rate, acceleration
+        return self.start + mean * time + deviation, mean + deviation_rate, acceleration
+
+
+@dataclass(frozen=True)
+class LinearDrive(Drive):
+    """Drive along a guide on the frame, as a cylinder or a ball screw: a periodic motion.
+
+    The distance of the body from the point of its guide is s = position + sum over k from
+    1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t), m, with a_k, b_k of ``harmonics``
+    and f from a table or from rises, less its start. The drive gives a force along the
+    guide, N, wherever other drives give a torque.
+
+    Attributes
+    ----------
+    along : str
+        Name of the guide of the body.
+    table : tuple of (float, float)
+        Phase, rad, and f there, m; see ``Drive``.
+    """
+
+    along: str = field(kw_only=True)
+    position: float = place("distance from the point of the guide at the start")
+    harmonics: Sequence[tuple[_L, _L]] = ()
+    table: Sequence[tuple[_A, _L] | tuple[_A, _L, _L, _L]] = ()
+    rises: Sequence[Rise] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("speed", "angle", "follow", "torque_limit", "motor"):
+            if getattr(self, name):
+                raise InputError(
+                    f"{name} of {self.body}: a drive along a guide has none; its motion is "
+                    "position, and harmonics, table or rises with a frequency"
+                )
+        if net := self.pieces.net:
+            raise InputError(
+                f"drive of {self.body} along {self.along}: it ends {net:g} m from where it "
+                "begins; it must come back"
+            )
+
+    @property
+    def start(self) -> float:
+        """Distance from the point of the guide at the start, m."""
+        return self.position
 
 
 def leader_of(drives: Sequence[Drive]) -> Drive | None:
@@ -237,3 +292,8 @@ def leader_of(drives: Sequence[Drive]) -> Drive | None:
         if drive.motor is not None and not drive.motor.is_servo:
             return drive
     return None
+
+
+def linear_bodies(drives: Sequence[Drive]) -> tuple[str, ...]:
+    """Return the bodies that drives move along their guides."""
+    return tuple(drive.body for drive in drives if isinstance(drive, LinearDrive))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
 from presswear.linkage.cycle import check_cycle, common_period
-from presswear.linkage.drives import Drive, Follow, leader_of
+from presswear.linkage.drives import Drive, Follow, LinearDrive, leader_of
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -215,6 +215,10 @@ class Linkage(Checked):
     def prescribed_drives(self) -> tuple[Drive, ...]:
         """Drives that prescribe the motion of their bodies."""
         return tuple(drive for drive in self.drives if self.prescribes(drive))
+
+    def guide_of(self, drive: LinearDrive) -> Guide:
+        """Return the guide along which a drive moves its body."""
+        return next(guide for guide in self.guides if guide.name == drive.along)
 
     def prescribes(self, drive: Drive) -> bool:
         """Return whether a drive prescribes the motion of its body."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
-from presswear.linkage.drives import Drive, leader_of
+from presswear.linkage.drives import Drive, LinearDrive, leader_of
 from presswear.linkage.elements import (
     GROUND,
     MIN_INERTIA,
@@ -127,7 +127,8 @@ def start_angles(
     passes the angle on, from this body or to it.
     """
     fixed = {guide.body: guide.angle for guide in guides if not guide.is_moving}
-    fixed |= {drive.body: drive.angle for drive in drives}
+    turning = (drive for drive in drives if not isinstance(drive, LinearDrive))
+    fixed |= {drive.body: drive.angle for drive in turning}
     angles = {**guess, **fixed}
     moving = [guide for guide in guides if guide.is_moving]
     while moving:

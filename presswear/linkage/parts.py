@@ -6,7 +6,7 @@ from functools import partial
 from typing import Annotated
 
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
-from presswear.linkage.drives import Drive
+from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.elements import (
     ANGLE,
     GROUND,
@@ -51,7 +51,7 @@ class Parts(Checked):
     gravity: float = gravity()
     bodies: Sequence[Body] = ()
     joints: Sequence[Pin | Revolute | Guide] = ()
-    drives: Sequence[Drive] = ()
+    drives: Sequence[Drive | LinearDrive] = ()
     springs: Sequence[AnySpring] = ()
     loads: Sequence[Load | Force | Moment] = ()
 
@@ -61,7 +61,8 @@ class Placing:
 
     def __init__(self, parts: Parts) -> None:
         self.bodies = {body.name: body for body in parts.bodies}
-        guides = (joint for joint in parts.joints if isinstance(joint, Guide))
+        guides = [joint for joint in parts.joints if isinstance(joint, Guide)]
+        self.guides = {guide.name: guide for guide in guides}
         self.guide_directions = {
             guide.body: guide.direction for guide in guides if not guide.is_moving
         }
@@ -136,11 +137,28 @@ class Placing:
     def drive(self, drive: Drive) -> Drive:
         """Return a drive; the point that follows a curve has a direction."""
         self.check_body(drive.body, "drives")
+        if isinstance(drive, LinearDrive):
+            self._check_along(drive)
         follow = drive.follow
         if follow is None:
             return drive
         at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
         return replace(drive, follow=replace(follow, point=at, direction=at.direction))
+
+    def _check_along(self, drive: LinearDrive) -> None:
+        """Raise InputError if the guide of a drive does not fit."""
+        where = f"{drive.name}: along = {drive.along}"
+        if drive.along not in self.guides:
+            raise unknown(f"guide in {drive.name}", drive.along, self.guides)
+        guide = self.guides[drive.along]
+        if guide.body != drive.body:
+            raise InputError(f"{where}: this guide is of {guide.body}")
+        if guide.is_moving:
+            raise InputError(
+                f"{where}: this guide is on {guide.on}; allowed are guides on the frame"
+            )
+        if guide.stiffness is not None:
+            raise InputError(f"{where}: this guide has a stiffness; allowed is none")
 
     def spring(self, spring: AnySpring) -> AnySpring:
         """Return a spring between points of two bodies."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from presswear.linkage.drives import LinearDrive
 from presswear.linkage.elements import GROUND, Attachment, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.part_checks import start_angles
@@ -53,13 +54,19 @@ def _guessed(linkage: Linkage) -> Array:
             if placed.body in reached and loose.body not in reached:
                 q[indices[loose.body], :2] += place(placed) - place(loose)
                 reached.add(loose.body)
+    positions = {
+        drive.along: drive.position
+        for drive in linkage.drives
+        if isinstance(drive, LinearDrive)
+    }
     for guide in linkage.guides:
         start, centre = ends_of(guide)
         direction = guide.direction + q[indices[guide.on], 2]
         along = np.array([math.cos(direction), math.sin(direction)])
         point = place(start)
         body = indices[centre.body]
-        q[body, :2] = point + along * ((q[body, :2] - point) @ along)
+        distance = (q[body, :2] - point) @ along
+        q[body, :2] = point + along * positions.get(guide.name, distance)
     return q[:-1]
 
 
@@ -231,7 +238,7 @@ def _misfit(rows: Rows, time: float, name: str, distance: float) -> AssemblyErro
 def _crank_angle(rows: Rows, time: float) -> str:
     """Return the angle of the first drive that turns a body, as the beginning of a message."""
     for drive in rows.linkage.drives:
-        if drive.follow is None:
+        if drive.follow is None and not isinstance(drive, LinearDrive):
             angle = float(drive.motion(np.array([time]))[0][0]) - drive.angle
             return f"at crank angle {math.degrees(abs(angle)):.1f} deg "
     return ""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import Drive, series
+from presswear.linkage.drives import Drive, LinearDrive, series
 from presswear.linkage.elements import GROUND, Attachment, OutputPoint, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import Array
@@ -65,6 +65,14 @@ class Rows:
         self.following = []  # rows of drives whose points follow curves
         for drive in linkage.prescribed_drives:
             point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
+            start = frame
+            if isinstance(drive, LinearDrive):
+                guide = linkage.guide_of(drive)
+                start, _ = ends_of(guide)
+                along, turn = (
+                    (math.cos(guide.direction), math.sin(guide.direction)),
+                    0.0,
+                )
             if drive.follow is not None:
                 self.following.append(len(rows))
                 output = drive.follow.point
@@ -72,7 +80,7 @@ class Rows:
                 point = Attachment(output.body, output.x, output.y)
                 turn = 0.0
                 along = math.cos(output.direction), math.sin(output.direction)
-            rows.append((drive.name, point, frame, along, turn, 0.0))
+            rows.append((drive.name, point, start, along, turn, 0.0))
         self.names = tuple(row[0] for row in rows)  # joint, guide or drive
         self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
         self.turning = np.array(turning, np.int64)

@@ -173,7 +173,7 @@ def motions_of(linkage: Linkage) -> Records:
             raise ValueError(
                 f"{drive.name} follows a curve: its motion has to be found first"
             )
-        motion["speed"], motion["angle"] = drive.mean_speed, drive.angle
+        motion["speed"], motion["angle"] = drive.mean_speed, drive.start
         motion["fundamental"] = drive.base
         motion["count"] = len(drive.harmonics)
         # A motor runs up by its torque.

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from presswear.linkage.drives import LinearDrive
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -36,7 +36,7 @@ from presswear.physics.friction_and_normal import (
 from presswear.physics.loads import Loads
 from presswear.physics.packed_loads import pack_loads
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, floats
+from presswear.tools.compile import Records, floats, inlined
 
 # Least closing speed in the damping law of the corners of a slide, m/s. They touch down
 # slowly and stay closed under load: with a lower speed the damping would exceed the
@@ -97,6 +97,16 @@ RUBBING = np.dtype(
 )
 
 
+# Coordinate of a body that a drive moves
+DRIVEN = np.dtype(
+    [
+        ("index", np.int64),  # of the angle in q, or of x of a body along a guide
+        ("is_linear", np.bool_),  # the distance along a guide
+        *floats("cosine", "sine"),  # of the direction of this guide
+    ]
+)
+
+
 class Packed(NamedTuple):
     """Linkage packed for the kernels."""
 
@@ -106,7 +116,7 @@ class Packed(NamedTuple):
     loads: Loads | None  # None without loads with a law
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
-    driven: NDArray[np.int64]  # indices of the angles of the driven bodies in q
+    driven: Records  # of DRIVEN
     rubbing: Records | None  # of RUBBING; None without friction in rigid joints
 
 
@@ -150,15 +160,35 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     nodes = int(joints["surface_nodes"].max(initial=0))
     columns = TURNS * nodes + 2 if nodes else 0
     surfaces = np.zeros((len(joints), ROWS, columns))
-    driven = np.array(
-        [offset[drive.body] + 2 for drive in linkage.drives], dtype=np.int64
-    )
+    driven = _pack_driven(linkage, offset)
     loads = pack_loads(linkage)
     rubbing = _pack_rubbing(linkage, offset)
     packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, driven, rubbing)
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
+
+
+def _pack_driven(linkage: Linkage, offset: Mapping[str, int]) -> Records:
+    """Return the coordinates of drives as records of DRIVEN."""
+    driven = np.zeros(len(linkage.drives), DRIVEN)
+    for record, drive in zip(driven, linkage.drives, strict=True):
+        if isinstance(drive, LinearDrive):
+            direction = linkage.guide_of(drive).direction
+            record["index"], record["is_linear"] = offset[drive.body], True
+            record["cosine"], record["sine"] = math.cos(direction), math.sin(direction)
+        else:
+            record["index"] = offset[drive.body] + 2
+    return driven
+
+
+@inlined
+def drive_rate(driven: Records, k: int, v: Array) -> float:
+    """Return the angular velocity, rad/s, or the speed along the guide, m/s, of drive ``k``."""
+    i = driven[k].index
+    if driven[k].is_linear:
+        return v[i] * driven[k].cosine + v[i + 1] * driven[k].sine
+    return v[i]
 
 
 def _surface_bins(joint: ClearanceJoint, wearing: bool) -> int:

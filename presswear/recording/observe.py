@@ -6,6 +6,7 @@ in the first cycles only; everything else is one row per cycle or a running sum.
 
 import math
 
+from presswear.physics.packed import drive_rate
 from presswear.physics.pressure_wear import deposit_by_pressure
 from presswear.physics.wall_wear import deposit_on_wall
 from presswear.physics.wear import deposit_in_bins, deposit_over_arc
@@ -47,7 +48,7 @@ def sum_drives(records: RecorderState, h: float, v: Array) -> None:
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
         torque = records.torque[k]
-        power = torque * v[records.packed.driven[k]]
+        power = torque * drive_rate(records.packed.driven, k, v)
         drive.torque_integral = half * (drive.torque + torque)
         drive.torque_square_integral = half * (drive.torque**2 + torque**2)
         drive.work = half * (drive.power + power)
@@ -67,7 +68,7 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
         drive = records.drives[k]
         cycle = records.cycle[first + DRIVE_CYCLE_COUNT * k :]
         torque = records.torque[k]
-        power = torque * v[records.packed.driven[k]]
+        power = torque * drive_rate(records.packed.driven, k, v)
         smaller = 0.0
         if power * drive.power < 0.0:
             least = min(abs(power), abs(drive.power))

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
@@ -24,7 +26,7 @@ class Duty(NamedTuple):
 class DriveDuty:
     """Duty of torque and power of a drive, and energy that it exchanges in a cycle."""
 
-    torque: Duty  # N m
+    torque: Duty  # N m; force of a drive along a guide, N
     power: Duty  # W
     supplied: float  # energy that the drive supplies in a cycle, J
     returned: float  # energy that the linkage returns to the drive in a cycle, J
@@ -39,10 +41,10 @@ class DriveCurve(NamedTuple):
     """Drive over time, shape (n,) each; torque and power are empty if they were not stored."""
 
     time: Array  # s
-    angle: Array  # of its body, rad
-    torque: Array  # on its body, N m
+    angle: Array  # of its body, rad; distance along its guide, m
+    torque: Array  # on its body, N m; force of a drive along a guide, N
     power: Array  # W
-    speed: Array  # of its body, rad/s
+    speed: Array  # of its body, rad/s; along its guide, m/s
 
 
 def farthest_from_zero(values: Array) -> float:
@@ -81,11 +83,22 @@ def drive_curves(
     """Return the curves of drives by their bodies in a motion; ``torque``: (n, drives), N m."""
     curves = {}
     for k, drive in enumerate(linkage.drives):
-        angle = 3 * linkage.index(drive.body) + 2
+        angle, speed = _coordinate(linkage, drive, motion)
         stored = np.zeros(0) if torque is None else torque[:, k]
-        speed = motion.velocity[:, angle]
         power = stored * speed[: stored.size]
-        curves[drive.body] = DriveCurve(
-            motion.time, motion.position[:, angle], stored, power, speed
-        )
+        curves[drive.body] = DriveCurve(motion.time, angle, stored, power, speed)
     return curves
+
+
+def _coordinate(linkage: Linkage, drive: Drive, motion: Motion) -> tuple[Array, Array]:
+    """Return angle and angular velocity of a driven body, or distance and speed along a guide."""
+    if isinstance(drive, LinearDrive):
+        guide = linkage.guide_of(drive)
+        centre = Attachment(drive.body, 0.0, 0.0)
+        place, speed, _ = motion.of_point(linkage, centre, guide.direction).T
+        start = guide.x * math.cos(guide.direction) + guide.y * math.sin(
+            guide.direction
+        )
+        return place - start, speed
+    angle = 3 * linkage.index(drive.body) + 2
+    return motion.position[:, angle], motion.velocity[:, angle]

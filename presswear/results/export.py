@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from presswear.linkage.drives import linear_bodies
 from presswear.recording.columns import JOINT_SERIES, SERIES
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
@@ -34,6 +35,14 @@ Table = Mapping[str, Array]  # columns by name, all of one length
 
 # torque, power: if stored
 _DRIVE = {"angle": "rad", "speed": "rad/s", "torque": "N m", "power": "W"}
+# The same of a drive along a guide: names and units
+_LINEAR_DRIVE = {
+    "angle": "distance",
+    "speed": "velocity",
+    "torque": "drive_force",
+    "power": "power",
+}
+_LINEAR_UNITS = {"distance": "m", "drive_force": "N"}
 UNITS = {
     **{column.table_name: column.unit for column in SERIES},
     "clock": "s",  # real time; with a motor ``time`` is the nominal time
@@ -41,6 +50,7 @@ UNITS = {
     "process_force": "N",  # of the work, if the scene has a process
     **{column.table_name: column.unit for column in JOINT_SERIES},
     **_DRIVE,
+    **_LINEAR_UNITS,
     "stretch": "m",  # of an elastic frame, or between the centres of an elastic pin
     "strokes": "1",
     **{name: item.unit for name, item in FOLLOWED.items()},
@@ -91,8 +101,13 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     for name, joint in item.joints.items() if item.has_joint_series else ():
         for column in JOINT_SERIES:
             columns[f"{name}_{column.table_name}"] = joint.series(column.name)
+    linear = linear_bodies(result.scene.base_linkage.drives)
     for body, curve in curves_of(result.scene, item).items():
-        series = {f"{body}_{key}": getattr(curve, key) for key in _DRIVE}
+        labels = _LINEAR_DRIVE if body in linear else dict.fromkeys(_DRIVE)
+        series = {
+            f"{body}_{label or key}": getattr(curve, key)
+            for key, label in labels.items()
+        }
         columns |= {name: values for name, values in series.items() if values.size}
     linkage = result.scene.linkage()
     for k, guide in enumerate(linkage.elastic_guides):

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.drives import linear_bodies
 from presswear.linkage.elements import Bushing
 from presswear.physics.inverse_dynamics import (
     constraint_forces,
@@ -102,7 +103,7 @@ def static_torque(scene: Scene) -> float | None:
     process, or with several driven cranks, which share it.
     """
     drives = scene.base_linkage.drives
-    if scene.process is None or len(drives) != 1:
+    if scene.process is None or len(drives) != 1 or linear_bodies(drives):
         return None
     time, is_last = _two_cycles(scene)
     motion = scene.ideal.at(time)

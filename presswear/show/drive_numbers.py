@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from presswear.linkage.drives import linear_bodies
 from presswear.recording.statistics import Estimate
 from presswear.results.drive_duty import DriveDuty
 from presswear.results.drives import drives_of
@@ -40,12 +41,23 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         }
     duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
     result = []
-    for name, unit in (("torque", "N m"), ("power", "W")):
+    linear = linear_bodies(scene.base_linkage.drives)
+    cranks = [body for body in duties if body not in linear]
+    for name, words, unit, bodies in (
+        ("torque", "torque", "N m", cranks),
+        ("torque", "force", "N", linear),
+        ("power", "power", "W", duties),
+    ):
+        if not bodies:
+            continue
         computed = {
-            body: Estimate(abs(getattr(duty, name).peak))
-            for body, duty in duties.items()
+            body: Estimate(abs(getattr(duties[body], name).peak)) for body in bodies
         }
-        peaks = {body: getattr(drive, f"peak_{name}") for body, drive in drives.items()}
+        peaks = {
+            body: getattr(drive, f"peak_{name}")
+            for body, drive in drives.items()
+            if body in bodies
+        }
         peaks = {
             body: peak for body, peak in peaks.items() if peak is not None
         } or computed
@@ -57,11 +69,12 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
                 scene, [duty.power.mean for duty in duties.values()], peaks[body]
             )
         text = f"Largest in a stroke at {body}; {typical}"
-        title = f"Peak drive {name}"
+        title = f"Peak drive {words}"
         compared = tuple(
-            (words, _peak_text(one, name, unit)) for words, one in rigid.items()
+            (label, _peak_text({body: one[body] for body in bodies}, name, unit))
+            for label, one in rigid.items()
         )
-        if name == "torque" and (static := static_torque(scene)) is not None:
+        if words == "torque" and (static := static_torque(scene)) is not None:
             compared += ((STATIC, numbers.quantity_text(static, unit)),)
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from presswear.linkage.drives import LinearDrive
 from presswear.linkage.elements import INERTIA, MASS, Attachment, ends_of
 from presswear.results.result import Result
 from presswear.scene.catalog import base_of, named_scene
@@ -78,8 +79,9 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     linkage = scene.base_linkage
     speed = Quantity("rad/s")
     drives = {
-        drive.body: _engineers(speed, drive.mean_speed)
-        + ", not constant" * drive.repeats
+        drive.body: f"along {drive.along}"
+        if isinstance(drive, LinearDrive)
+        else _engineers(speed, drive.mean_speed) + ", not constant" * drive.repeats
         for drive in linkage.drives
     }
     loose = [guide.name for guide in scene.loose_guides]

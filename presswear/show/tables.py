@@ -12,6 +12,7 @@ from importlib.resources import files
 from typing import Any
 
 from presswear.analysis.contact_modes import MODES
+from presswear.linkage.drives import linear_bodies
 from presswear.linkage.elements import WALLS
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
@@ -50,6 +51,7 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "joints": scene.loose_pins,
         "dry_joints": scene.dry_pins,
         "drives": [drive.body for drive in linkage.drives],
+        "linear": linear_bodies(linkage.drives),
         "frames": [guide.name for guide in scene.linkage().elastic_guides],
         "elastic_pins": [pin.name for pin in scene.linkage().elastic_pins],
         "guides": [guide.name for guide in scene.loose_guides],

@@ -40,7 +40,7 @@ NOT_MODELLED = {
     ("dirt", "debris", "particle", "abrasion"): (
         "particles between the surfaces; a wear coefficient can be that of a dirty joint"
     ),
-    ("hydraulic", "pneumatic", "cylinder", "voltage", "current", "winding"): (
+    ("hydraulic", "pneumatic", "voltage", "current", "winding"): (
         "hydraulic and electric transients; a motor has a line of torque over speed"
     ),
     ("elastoplastic", "plastic", "yield", "hardness"): (
@@ -60,6 +60,9 @@ OTHER_NAMES = {
     ),
     ("spring", "rubber", "balancer"): (
         "a spring is in mechanism.springs of a mechanism of bodies; presswear new points"
+    ),
+    ("cylinder", "actuator"): (
+        "a cylinder is a drive of a mechanism of bodies with along = the guide of its body"
     ),
     ("slot", "yoke", "scotch"): (
         "a slot is a guide of a mechanism of bodies with on = its body"

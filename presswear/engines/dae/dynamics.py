@@ -34,7 +34,7 @@ from presswear.physics.equations.layout import (
     Layout,
 )
 from presswear.physics.equations.writer import Equations
-from presswear.physics.packed import Packed
+from presswear.physics.packed import Packed, drive_rate
 from presswear.physics.rubbing import add_friction, friction_power
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, inlined
@@ -145,7 +145,7 @@ def evaluate_constrained(
         if drive >= 0:
             torque = -constraints.multipliers[row]
             base = layout.first_torque + TORQUE_INTEGRALS * drive
-            power = torque * v[packed.driven[drive]]
+            power = torque * drive_rate(packed.driven, drive, v)
             out[base + TORQUE] = torque
             out[base + TORQUE_SQUARE] = torque * torque
             out[base + POWER] = power

@@ -44,7 +44,7 @@ from presswear.physics.equations.layout import (
 from presswear.physics.event_time import time_to_event
 from presswear.physics.load_transitions import greatest_jump, next_break, settle_loads
 from presswear.physics.loads import work_beyond_trapezoid
-from presswear.physics.packed import Packed
+from presswear.physics.packed import Packed, drive_rate
 from presswear.physics.prescribed import subtract_inertia
 from presswear.physics.rubbing import add_friction, friction_moment, friction_power
 from presswear.physics.step_length import next_step, shorter_step
@@ -219,7 +219,9 @@ def drive_power(
         if drives.has_motor[i]:
             first = body_state.layout.first_torque + TORQUE_INTEGRALS * i
             records.torque[i] = body_state.rates[first + TORQUE]
-            power += records.torque[i] * body_state.v[records.packed.driven[i]]
+            power += records.torque[i] * drive_rate(
+                records.packed.driven, i, body_state.v
+            )
             continue
         if drives.multiplier[i] >= 0:
             records.torque[i] = -drives.multipliers[drives.multiplier[i]]

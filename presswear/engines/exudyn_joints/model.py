@@ -6,6 +6,7 @@ from typing import Any
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
+from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.elements import GROUND, Attachment, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import bodies_of, prescribed_of
@@ -121,12 +122,13 @@ def add_joints(
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body in omitted or not linkage.prescribes(drive):
             continue
+        coordinate, factor = _driven_coordinate(linkage, drive)
         driven = add(
             system,
             "Marker",
             "NodeCoordinate",
             nodeNumber=nodes[drive.body],
-            coordinate=2,
+            coordinate=coordinate,
         )
         # The constraint is on the velocity. The trapezoidal rule integrates a constant
         # speed exactly; ``project_state`` corrects the angle of an uneven one.
@@ -139,6 +141,7 @@ def add_joints(
             "ConnectorCoordinate",
             markerNumbers=[fixed, driven],
             velocityLevel=True,
+            factor1=factor,
             **turning,
         )
     for load in linkage.dead_loads:
@@ -159,6 +162,19 @@ def add_joints(
                 loadVector=[0.0, 0.0, load.moment],
             )
     return objects
+
+
+def _driven_coordinate(linkage: Linkage, drive: Drive) -> tuple[int, float]:
+    """Return the coordinate of a body that a drive prescribes, and a factor.
+
+    The factor times x or y is the distance along a guide.
+    """
+    if not isinstance(drive, LinearDrive):
+        return 2, 1.0
+    direction = linkage.guide_of(drive).direction
+    unit_vector = math.cos(direction), math.sin(direction)
+    coordinate = 0 if abs(unit_vector[0]) >= abs(unit_vector[1]) else 1
+    return coordinate, 1.0 / unit_vector[coordinate]
 
 
 def _speed_function(motion: Records) -> Callable[..., float]:

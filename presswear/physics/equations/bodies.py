@@ -37,7 +37,8 @@ def _title(link: Link) -> str:
     if joint is None or link.parent is None:
         return f"{name}: held by no ideal joint"
     if link.is_guided:
-        return f"{name}: slides along {joint.name}"
+        title = f"{name}: slides along {joint.name}"
+        return f"{title}, driven" if link.drive is not None else title
     title = f"{name}: turns about {joint.name} on {link.parent.body.name}"
     return f"{title}, driven" if link.drive is not None else title
 
@@ -56,6 +57,9 @@ def _read_loops(text: Text, chain: Chain) -> None:
         link.angle = text.let(f"{prefix}_angle", f"q[{turn}]")
         link.omega = text.let(f"{prefix}_omega", f"v[{turn}]")
         link.alpha = text.let(f"{prefix}_alpha", f"a[{turn}]")
+        if link.drive is not None and isinstance(link.branch.joint, Guide):
+            _set_guide(text, link, link.branch.joint)
+            link.speed = text.let(f"{prefix}_speed", link.guide.dot(link.velocity))
         link.axis = text.let_vector(
             f"{prefix}_axis", Vector(f"axes[{x}]", f"axes[{y}]")
         )
@@ -109,6 +113,17 @@ def _turn_with_parent(text: Text, link: Link) -> None:
     link.axis = text.let_vector(f"{prefix}_axis", axis)
 
 
+def _drive_along(text: Text, link: Link, start: float) -> None:
+    """Write the motion along the guide of a body that a drive prescribes."""
+    prefix = link.prefix
+    link.speed = f"{prefix}_speed"
+    link.acceleration_along = f"{prefix}_acceleration"
+    names = f"{prefix}_way, {link.speed}, {link.acceleration_along}"
+    text.write(f"{names} = uneven_motion(data.motions[{link.drive}], t)")
+    position = text.parameter(f"{prefix}_position", start)
+    text.write(f"{prefix}_distance = {total(position, f'{prefix}_way')}")
+
+
 def _drive(text: Text, linkage: Linkage, link: Link, drive: Drive) -> None:
     """Write the motion that a drive prescribes."""
     prefix = link.prefix
@@ -137,14 +152,15 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
     elif link.is_on_moving_guide:
         position, velocity = _slide(text, chain, link)
     elif isinstance(joint, Guide):
-        link.guide = Vector(
-            text.direction(f"{prefix}_guide_x", math.cos(joint.direction)),
-            text.direction(f"{prefix}_guide_y", math.sin(joint.direction)),
-        )
+        _set_guide(text, link, joint)
         start = link.parent.arm(text, link.branch.before, link.joint)
-        distance = text.let(f"{prefix}_distance", f"y[{coordinate}]")
-        position = start.plus(link.guide.times(distance))
-        velocity = link.guide.times(text.let(f"{prefix}_speed", f"y[{rate}]"))
+        if link.drive is None:
+            text.let(f"{prefix}_distance", f"y[{coordinate}]")
+            link.speed = text.let(f"{prefix}_speed", f"y[{rate}]")
+        else:
+            _drive_along(text, link, chain.linkage.drives[link.drive].start)
+        position = start.plus(link.guide.times(f"{prefix}_distance"))
+        velocity = link.guide.times(link.speed)
     else:
         hinge = link.parent.arm(text, link.branch.before, link.joint)
         arm = link.arm(text, link.branch.end, link.joint)
@@ -152,6 +168,14 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
         velocity = link.parent.velocity_at(hinge).minus(arm.swept(link.omega))
     link.position = text.let_vector(prefix, position)
     link.velocity = text.let_vector(f"{prefix}_v", velocity)
+
+
+def _set_guide(text: Text, link: Link, guide: Guide) -> None:
+    """Set the direction of a guide on the frame."""
+    link.guide = Vector(
+        text.direction(f"{link.prefix}_guide_x", math.cos(guide.direction)),
+        text.direction(f"{link.prefix}_guide_y", math.sin(guide.direction)),
+    )
 
 
 def _slide(text: Text, chain: Chain, link: Link) -> tuple[Vector, Vector]:
@@ -204,6 +228,9 @@ def centripetal(link: Link, arm: Vector) -> Vector:
 
 def _accelerate(text: Text, link: Link) -> None:
     """Write the acceleration of a mass centre from that of the hinge and the rotation."""
+    if link.is_guided:
+        link.acceleration = link.guide.times(link.acceleration_along)
+        return
     arm = link.arm(text, link.branch.end, link.joint)
     turning = centripetal(link, arm).minus(arm.swept(link.alpha))
     acceleration = hinge_acceleration(text, link).plus(turning)

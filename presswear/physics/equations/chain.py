@@ -45,6 +45,8 @@ class Link:
     moments: list[str] = field(default_factory=list)  # about the mass centre
     arms: dict[tuple[float, float], Vector] = field(default_factory=dict)
     guide: Vector = Vector()  # direction of its guide
+    speed: str = ZERO  # along a guide on the frame
+    acceleration_along: str = ZERO  # the same, if a drive prescribes it
     from_parent: Vector = (
         Vector()
     )  # from the mass centre of the parent, on a moving guide

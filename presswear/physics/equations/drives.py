@@ -1,5 +1,6 @@
-"""Torques of drives, their power and the integrals of both."""
+"""Torques and forces of drives, their power and the integrals of both."""
 
+from presswear.linkage.drives import LinearDrive
 from presswear.physics.equations.articulated import Articulated
 from presswear.physics.equations.chain import Chain, Link
 from presswear.physics.equations.text import (
@@ -33,7 +34,8 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
             continue
         link = chain.of(drive.body)
         torque = text.let(f"{link.prefix}_torque", torques[k])
-        power = text.let(f"{link.prefix}_power", product(torque, link.omega))
+        rate = link.speed if isinstance(drive, LinearDrive) else link.omega
+        power = text.let(f"{link.prefix}_power", product(torque, rate))
         powers.append(power)
         write_torque(text, layout, k, torque, power)
     power = text.let("drive_power", total(*powers))
@@ -59,6 +61,8 @@ def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
 def _torque(text: Text, link: Link) -> str:
     """Write the torque of a prescribed body about its hinge; pass its force on to its parent."""
     prefix, body = link.prefix, link.body
+    if link.is_guided:
+        return _force_along(text, link)
     arm = link.arm(text, link.branch.end, link.joint)
     force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
     moment = difference(total(*link.moments), arm.cross(force))
@@ -75,6 +79,13 @@ def _torque(text: Text, link: Link) -> str:
     inertia = text.parameter(f"{prefix}_inertia", body.effective_inertia)
     turning = difference(product(inertia, link.alpha), arm.cross(inertia_force))
     return difference(turning, moment)
+
+
+def _force_along(text: Text, link: Link) -> str:
+    """Write the force of a drive along the guide of its body."""
+    mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
+    force = text.let_vector(f"{link.prefix}_force", Vector().plus(*link.forces))
+    return difference(product(mass, link.acceleration_along), link.guide.dot(force))
 
 
 def _torques_of_loops(text: Text, chain: Chain) -> list[str]:

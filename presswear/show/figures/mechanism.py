@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
+from presswear.linkage.drives import LinearDrive
 from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, Load
@@ -99,6 +100,11 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         axes, scene, ends, {name: path[0] for name, path in paths.items()}, size
     )
     for drive in linkage.drives:
+        if isinstance(drive, LinearDrive):
+            start = moving(Attachment(drive.body, 0.0, 0.0))[0]
+            along = direction_at(linkage.guide_of(drive).direction)
+            _arrow(axes, start, start + 0.1 * size * along, "black", 1.1)
+            continue
         hinge = next(
             (paths[name][0] for name, end in ends if end.body == drive.body), None
         )

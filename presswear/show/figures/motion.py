@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from presswear.linkage.drives import linear_bodies
 from presswear.linkage.process import Coining
 from presswear.linkage.surface import SIDES
 from presswear.recording.statistics import STARTUP_CYCLES
@@ -337,8 +338,15 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     if not moving or not drives or scene.has_untrusted_loads:
         return []
     shown, window = sampled(result, moving)
-    names = (("torque", "N m"), ("power", "W"))
-    places = [(drive, *name) for drive in drives for name in names]
+    linear = linear_bodies(scene.base_linkage.drives)
+    places = [
+        (drive, *name)
+        for drive in drives
+        for name in (
+            ("torque", *(("force", "N") if drive in linear else ("torque", "N m"))),
+            ("power", "power", "W"),
+        )
+    ]
     height = 0.8 + min(1.7, (_TALLEST - 0.8) / len(places)) * len(places)
     sheet, panels, zones = window.rows(len(places), height)
     curves = [(stage, curves_of(scene, stage.data)) for stage in shown]
@@ -346,7 +354,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
     # whole cycles, from the one in which the window starts
     first = np.floor((window.start - window.run_up) / window.period + 1e-6)
     last = np.ceil((window.end - window.run_up) / window.period - 1e-6)
-    for axes, (drive, name, unit) in zip(panels, places, strict=True):
+    for axes, (drive, name, label, unit) in zip(panels, places, strict=True):
         cycle = ideal[drive].time - scene.run_up - window.period
         starts = window.run_up + window.period * np.arange(first, last)
         expected = np.tile(getattr(ideal[drive], name), starts.size)
@@ -354,7 +362,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
             values = getattr(each[drive], name)
             stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
         IDEAL.draw(axes, np.add.outer(starts, cycle).ravel(), expected)
-        style.label_values(axes, name, unit)
+        style.label_values(axes, label, unit)
         axes.set_title(drive, loc="left", fontweight="bold")
     window.label(panels, zones)
     return style.finished("drives", sheet, _pens(shown), window=window)

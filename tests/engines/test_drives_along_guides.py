@@ -1,0 +1,183 @@
+"""Drives along a guide: closed forms, energy, all engines, units of results, and messages."""
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from slotted import SPEED, cylinder, scotch_yoke
+
+import presswear as pw
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.elements import Body, Guide
+from presswear.linkage.linkage import Linkage, assemble, linkage_from
+from presswear.linkage.topology import branches_of
+from presswear.physics.ideal import ideal_motion
+from presswear.physics.inverse_dynamics import needed_torques
+from presswear.results.export import table_of, unit_of
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+DURATION = 0.006  # s, some touchdowns
+_scene = partial(Scene, bearings=BEARING, wear_updates=0)
+
+
+def lift(direction: float) -> Linkage:
+    """Return a slide of 300 kg that a cylinder moves along a line."""
+    drive = LinearDrive(
+        "slide", along="ways", position=0.2, frequency=6.0, harmonics=[(0.0, 0.04)]
+    )
+    return assemble(
+        bodies=[Body("slide", 300.0)],
+        joints=[Guide("ways", "slide", x=0.1, y=0.3, direction=direction, angle=0.4)],
+        drives=[drive],
+    )
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.5 * math.pi, 2.5])
+def test_force_on_a_slide(direction: float) -> None:
+    """s = s_0 + b sin w t; the force is m (g sin(direction) - w^2 b sin w t)."""
+    linkage = lift(direction)
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 37)
+    motion = ideal.at(time)
+    place = 0.2 + 0.04 * np.sin(6.0 * time)
+    expected = [0.1 + math.cos(direction) * place, 0.3 + math.sin(direction) * place]
+    np.testing.assert_allclose(motion.position[:, :2].T, expected, atol=1e-15)
+    force = needed_torques(linkage, ideal, time)[:, 0]
+    inertia = -0.04 * 6.0**2 * np.sin(6.0 * time)
+    weight = linkage.gravity * math.sin(direction)
+    np.testing.assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
+
+
+def test_force_has_the_power_of_the_motion() -> None:
+    """Force times speed is the rate of the kinetic energy, less the power of the weights."""
+    linkage = cylinder()
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 97)
+    levels = ideal.at(time)
+    v, a = (
+        level.reshape(time.size, -1, 3)
+        for level in (levels.velocity, levels.acceleration)
+    )
+    masses = np.array([body.mass for body in linkage.bodies])
+    inertias = np.array([body.inertia for body in linkage.bodies])
+    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
+    power += (v[..., 2] * a[..., 2]) @ inertias
+    power += linkage.gravity * v[..., 1] @ masses
+    phase = SPEED * time
+    speed = SPEED * (0.04 * np.cos(phase) - 0.01 * np.sin(phase))
+    speed += 2.0 * SPEED * 0.004 * np.cos(2.0 * phase)
+    force = needed_torques(linkage, ideal, time)[:, 0]
+    np.testing.assert_allclose(force * speed, power, atol=1e-9 * np.abs(power).max())
+
+
+@pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
+def test_engines_agree_and_keep_the_energy(joints: str) -> None:
+    """The piston alone is prescribed, or with its loop, or all bodies are."""
+    scene = _scene(cylinder(), joints=joints)
+    ours, reference, joined = (
+        run_scene(scene, engine, DURATION)
+        for engine in (
+            InHouse(integration_tolerance=1e-11),
+            InHouse(integration_tolerance=1e-11, coordinates="all"),
+            ExudynJoints(),
+        )
+    )
+    runs = [ours]
+    if not isinstance(branches_of(scene.linkage()), str):
+        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
+    for run in runs:
+        assert np.abs(run.end.position - reference.end.position).max() < 1e-9
+        assert residual(run) < 1e-9
+        forces = reference.recorder.records.torque
+        np.testing.assert_allclose(run.recorder.records.torque, forces, rtol=1e-6)
+    assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
+    assert residual(joined) < 1e-5
+    work = "drive_work_J"
+    expected = pytest.approx(float(reference.diagnostics[work]), rel=3e-5)
+    assert joined.diagnostics[work] == expected
+
+
+def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
+    scene = _scene(cylinder(), joints="C", cycles=2, replicates=1)
+    scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
+    result = pw.run(scene, tmp_path / "result")
+    table = table_of(result, 0)
+    units = {"distance": "m", "velocity": "m/s", "drive_force": "N", "power": "W"}
+    for name, unit in units.items():
+        assert unit_of(f"piston_{name}") == unit
+    power = table["piston_drive_force"] * table["piston_velocity"]
+    np.testing.assert_allclose(table["piston_power"], power)
+    phase = SPEED * table["time"]
+    place = 0.1 + 0.01 * (np.cos(phase) - 1.0) + 0.04 * np.sin(phase)
+    place += 0.004 * np.sin(2.0 * phase)
+    np.testing.assert_allclose(table["piston_distance"], place, atol=1e-12)
+    report = result.report().read_text(encoding="utf-8")
+    assert "Peak drive force" in report
+    assert "force, largest (N)" in report
+    assert "Peak drive torque" not in report
+
+
+def test_it_is_stored_and_read_back() -> None:
+    linkage = cylinder()
+    plain = linkage.as_plain()
+    assert plain["drives"][0]["along"] == "bore"
+    again = linkage_from(plain, "mechanism")
+    assert again == linkage
+    assert isinstance(again.drives[0], LinearDrive)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"along": "bor"}, "unknown guide in drive of piston 'bor'.*bore"),
+        ({"along": "ways"}, "drive of piston: along = ways: this guide is of ram"),
+        ({"speed": 3.0}, "speed of piston: a drive along a guide has none; its motion"),
+        ({"motor": pw.Motor(stiffness=1e5)}, "motor of piston: a drive along a guide"),
+        ({"torque_limit": 5.0}, "torque_limit of piston: a drive along a guide has no"),
+        ({"frequency": 0.0}, "frequency of piston = 0 rad/s: with harmonics"),
+        ({"harmonics": [("1 deg", "0")]}, "harmonics.*'1 deg'.*mm"),
+        (
+            {"harmonics": (), "rises": [pw.Rise(0.0, 2.0, 0.1)]},
+            "drive of piston along bore: it ends 0.1 m from where it begins",
+        ),
+    ],
+)
+def test_wrong_drives_are_refused_by_name(
+    changes: dict[str, Any], message: str
+) -> None:
+    linkage = cylinder()
+    (drive,) = linkage.drives
+    values = {name: getattr(drive, name) for name in ("body", "along", "position")}
+    values |= {"frequency": SPEED, "harmonics": [(0.0, 0.04)]} | changes
+    with pytest.raises(InputError, match=message):
+        linkage.changed(drives=[LinearDrive(**values)])
+
+
+def test_guides_on_bodies_and_with_clearance_are_refused() -> None:
+    yoke = scotch_yoke()
+    drive = LinearDrive("block", along="slot", frequency=SPEED, harmonics=[(0.0, 0.1)])
+    message = "drive of block: along = slot: this guide is on yoke; allowed are guides"
+    with pytest.raises(InputError, match=message):
+        yoke.changed(drives=[drive])
+    ways = Guide("ways", "slide", length=0.3, width=0.2)
+    held = LinearDrive("slide", along="ways", frequency=6.0, harmonics=[(0.0, 0.1)])
+    linkage = assemble([Body("slide", 3.0)], [ways], [held])
+    with pytest.raises(InputError, match="bearings of ways: slide has a drive"):
+        Scene(linkage, joints="ways", bearings=BEARING)
+
+
+def test_cycle_includes_a_drive_along_a_guide() -> None:
+    linkage = cylinder()
+    bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
+    joints = [*linkage.joints, pw.Pin("F", (2.0, 0.0), "fan")]
+    drives = [*linkage.drives, Drive("fan", 1.5 * SPEED)]
+    both = linkage.changed(bodies=bodies, joints=joints, drives=drives)
+    assert both.period == pytest.approx(2.0 * linkage.period)
