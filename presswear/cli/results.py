@@ -54,10 +54,10 @@ def _compare(arguments: argparse.Namespace, console: Console) -> int:
     names = [folder.resolve().name for folder in (first, second)]
     file = arguments.out or Path(first.parent, f"{'-and-'.join(names)}.html")
     check_ending(file, ".html", option="--out")
-    results = [load_result(folder, console) for folder in (first, second)]
+    ours, theirs = (load_result(folder, console) for folder in (first, second))
     from presswear.show.comparison import write_comparison
 
-    print_lines(console, f"report in {write_comparison(*results, file)}")
+    print_lines(console, f"report in {write_comparison(ours, theirs, file)}")
     return 0
 
 

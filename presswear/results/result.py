@@ -42,7 +42,7 @@ from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, printable, shown
 from presswear.tools.files import check_folder, holder, read_checked
-from presswear.tools.numbers import large, readable
+from presswear.tools.numbers import counted, large, readable
 from presswear.tools.serialize import check_type, checked_arguments
 
 if TYPE_CHECKING:
@@ -140,6 +140,19 @@ class Result:
         """True if a wear update was applied in more than one step."""
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
+    def __repr__(self) -> str:
+        """Return the scene, the status, the number of stages and the folder in one line."""
+        ending = f": {self.message}" if self.message else ""
+        where = f", in {self.path}" if self.path else ", in memory"
+        count = counted(len(self.stages), "stage")
+        text = f"{name_of(self.scene)}, {self.status}{ending}, {count}{where}"
+        return printable(f"<Result: {text}>")
+
+    def _repr_html_(self) -> str:
+        """Return headline, key numbers and a picture for a notebook."""
+        # Imported here, because results are in a lower layer.
+        return str(import_module("presswear.show.notebook").html_of(self))
+
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts and rough surfaces."""
         names = self.scene.clearance_joints
@@ -194,8 +207,11 @@ class Result:
         """
         return import_module("presswear.show.report").write_report(self)
 
-    def table(self) -> "pandas.DataFrame":
-        """Return the statistics with one row per stage and one column per number; needs pandas."""
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the statistics with a row for each stage and a column for each number.
+
+        Needs pandas. The series of a stage are those of ``stage.to_pandas()``.
+        """
         import pandas
 
         table = pandas.json_normalize(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from presswear.recording.columns import (
     CYCLE_COUNT,
     FILM_CYCLE_COUNT,
     JOINT_CYCLE_COUNT,
+    JOINT_SERIES,
     LEADER_CYCLE,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
+    SERIES,
     cycle_column,
     first_film_column,
     first_leader_column,
@@ -21,6 +24,7 @@ from presswear.recording.columns import (
 )
 from presswear.recording.film import Film
 from presswear.recording.soundness import Finding
+from presswear.results import frames
 from presswear.results.joint_result import JointResult
 from presswear.results.motions import state_of
 from presswear.results.stage_statistics import (
@@ -34,6 +38,10 @@ from presswear.tools.arrays import Array, Arrays
 from presswear.tools.errors import InputError, printable, unknown
 from presswear.tools.numbers import counted
 from presswear.tools.serialize import NOT_STORED
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 # of the length of a series: an instant may lie so far behind its last row by round-off
 _ROW_ROUNDING = 1e-9
@@ -129,6 +137,30 @@ class StageResult:
         names = [f"{name}_depth_{side}" for name in self.joint_names for side in SIDES]
         names += [f"{guide}_wall_depth" for guide in self.statistics.walls]
         return any(bool(np.any(self.arrays.get(name, 0.0))) for name in names)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the recorded series over the time, s, in SI; needs pandas.
+
+        The columns are those of ``presswear export`` of the output point and of each
+        joint, such as ``A_normal_force``. ``attrs["units"]`` holds their units.
+        """
+        columns, units = self._columns()
+        return frames.frame(columns, units, "time")
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the recorded series over the time, s, with their units; needs xarray."""
+        columns, units = self._columns()
+        return frames.data_set(columns, units, ["time"])
+
+    def _columns(self) -> tuple[dict[str, Array], dict[str, str]]:
+        """Return the recorded series of the output point and the joints, and their units."""
+        columns = {one.table_name: getattr(self, one.name) for one in SERIES}
+        units = {one.table_name: one.unit for one in SERIES}
+        for name, joint in self.joints.items() if self.has_joint_series else ():
+            for one in JOINT_SERIES:
+                columns[f"{name}_{one.table_name}"] = joint.series(one.name)
+                units[f"{name}_{one.table_name}"] = one.unit
+        return columns, units
 
     @property
     def has_joint_series(self) -> bool:

@@ -167,8 +167,8 @@ def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
         meaning = next(one.meaning for one in both if one)
         values = [one.value if one else NOTHING for one in both]
         if values[0] != values[1]:
-            texts = [_written(value, meaning) for value in values]
-            pairs.append(SettingPair(key, *texts, meaning.text))
+            before, after = (_written(value, meaning) for value in values)
+            pairs.append(SettingPair(key, before, after, meaning.text))
     return [*pairs, *_other_differences(first, second, {*ours, *theirs})]
 
 
@@ -190,14 +190,15 @@ def _other_differences(
     pairs = []
     names = [name for name, *_ in differences(ours["mechanism"], theirs["mechanism"])]
     if unlisted := [name for name in dict.fromkeys(names) if name not in keys]:
-        kinds = [scene.mechanism.linkage().name for scene in (first, second)]
-        pairs.append(SettingPair("mechanism", *kinds, f"in {', '.join(unlisted)}"))
+        before, after = (one.mechanism.linkage().name for one in (first, second))
+        text = f"in {', '.join(unlisted)}"
+        pairs.append(SettingPair("mechanism", before, after, text))
     if ours["surfaces"] != theirs["surfaces"]:
-        words = [
+        before, after = (
             scene.origins.get("surfaces", "measured") if scene.surfaces else "round"
             for scene in (first, second)
-        ]
-        pairs.append(SettingPair("surfaces", *words, "initial surfaces"))
+        )
+        pairs.append(SettingPair("surfaces", before, after, "initial surfaces"))
     return pairs
 
 

@@ -25,13 +25,12 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     if bottom_of(scene.ideal) is not None:
         text = f"Between the lowest and the highest position of {scene.output}, without clearance."
         result.append(exact("Stroke", scene.stroke, "m", text))
-    nominal = numbers.readable(60.0 / scene.mechanism.period)
+    rate = 60.0 / scene.mechanism.period
+    nominal = numbers.readable(rate)
     speed = leader_speed(scene, stage)
     if speed is None:
         text = "Prescribed by the drives."
-        rate = Estimate(*[60.0 / scene.mechanism.period] * 3)
-        number = KeyNumber("Strokes a minute", nominal, "", text, estimate=rate)
-        return [*result, number]
+        return [*result, exact("Strokes a minute", rate, "", text)]
     text = f"Reached by the motor, on average; nominal: {nominal}."
     reached = measured("Strokes a minute", speed.stroke_rate.scaled(60.0), "", text)
     return [*result, reached._replace(value=reached.value.rstrip())]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.results import frames
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, SWEEP, read_toml, scene_from
 from presswear.scene.scene import Scene
@@ -33,13 +34,14 @@ from presswear.sweeps.parameters import (
     parse_group,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, not_installed, unknown
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked, check_fields, make
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 MAX_ROWS = 1_000_000
 MAX_REPLICATES = 10_000
@@ -371,9 +373,24 @@ class Table:
         return text.getvalue()
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return the table as a data frame, a row for each run."""
-        try:
-            import pandas
-        except ImportError:
-            raise not_installed("a data frame", "pandas", "sweep") from None
-        return pandas.DataFrame(self.columns())
+        """Return the table as a data frame, a row for each run; needs pandas.
+
+        ``attrs["units"]`` holds the units of parameters and responses.
+        """
+        return frames.frame(self.columns(), self._units())
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the responses over the parameters and the replicates; needs xarray.
+
+        Points of a grid fill an array with a dimension for each parameter. Others, such
+        as those of a sample, have the dimension ``row``.
+        """
+        names = [column.key for column in self.parameters]
+        return frames.data_set(self.columns(), self._units(), [*names, "replicate"])
+
+    def _units(self) -> dict[str, str]:
+        """Return the units of parameters and responses by column."""
+        columns = (*self.parameters, *self.responses)
+        units = {column.key: column.unit for column in columns}
+        halves = {f"{one.key}_half_width": one.unit for one in self.responses}
+        return units | halves

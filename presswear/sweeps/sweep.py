@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
+from html import escape
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -46,6 +47,10 @@ from presswear.tools.serialize import (
     typed,
     write_json,
 )
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 FILE = "sweep.json"
 PARTS = "parts"
@@ -133,6 +138,32 @@ class Sweep:
         return text + (
             f"; {len(errors)} failed, the first: {errors[0]}" if errors else ""
         )
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the rows as a data frame; see ``Table.to_pandas``."""
+        return self.table.to_pandas()
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return the responses over the parameters; see ``Table.to_xarray``."""
+        return self.table.to_xarray()
+
+    def __repr__(self) -> str:
+        """Return parameters, responses and the number of rows in one line."""
+        table = self.table
+        varied, responses = (
+            ", ".join(column.key for column in columns)
+            for columns in (table.parameters, table.responses)
+        )
+        return printable(f"<Sweep: {responses} over {varied}, {self.summary}>")
+
+    def _repr_html_(self) -> str:
+        """Return the first rows for a notebook."""
+        head, *rows = (
+            "".join(f"<td>{escape(cell)}</td>" for cell in line)
+            for line in self.table.texts(SHOWN_ROWS)
+        )
+        body = "".join(f"<tr>{row}</tr>" for row in (head, *rows))
+        return f"<p><b>{escape(self.summary)}</b></p><table>{body}</table>"
 
     def __str__(self) -> str:
         lines = self.table.texts(SHOWN_ROWS)

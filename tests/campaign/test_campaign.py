@@ -78,7 +78,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     is_by_bin = memory.scene.conventions.wear_distribution == "bin"
     assert table[5:] == ([remark] if is_by_bin else [])
     peak = disk.stages[1].joints["A"].statistics.peak_force
-    assert disk.table().loc["first wear", "joints.A.peak_force"] == peak
+    assert disk.to_pandas().loc["first wear", "joints.A.peak_force"] == peak
     assert "completed, 1 cycle\n" in repr(disk.stage("first wear"))
     for index in (7, "x"):
         stored = r"it has 0 to 1 \(no wear, first wear\)"

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -146,8 +147,9 @@ def test_sentences_name_the_best_certain_change() -> None:
     assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
     assert second == "peak force: no change of a single joint is certain to improve it"
     assert third == "materials: no listed pair wears less than the present one"
-    life, force = found.draw().sheet.axes
-    (bar,), (still,) = life.patches, force.patches  # they start at 1
+    life, force = (axes.patches for axes in found.draw().sheet.axes)
+    bar: Any = life[0]
+    still: Any = force[0]
     assert (bar.get_x(), bar.get_width()) == (1.0, pytest.approx(1.0))
     assert (still.get_x(), still.get_width()) == (1.0, pytest.approx(0.0))
     now = replace(found, present={FORCE: "241 N"})
