@@ -1,6 +1,7 @@
 """The press of the reference values: it blanks with 100 kN at 60 strokes a minute."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,13 @@ SHEET = pw.Blanking(
     force=100e3, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
 )
 GUIDE = pw.Guide("guide", "slide", direction=UP)
+
+
+def upright_crank(**more: Any) -> pw.SliderCrank:
+    """Return the press as a slider-crank with more settings."""
+    sizes = {"crank_length": 0.04, "rod_length": 0.6, "speed": 2.0 * math.pi}
+    masses = {"crank_mass": 60.0, "rod_mass": 50.0, "slider_mass": 300.0}
+    return pw.SliderCrank(**sizes, **masses, **more)
 
 
 def upright_press(
@@ -44,6 +52,14 @@ def upright_press(
     return pw.assemble(bodies, joints, drives, "slide", {"rod": -UP})
 
 
+def from_the_top(engine: Engine, scene: pw.Scene, turns: float, cycles: int = 1) -> Run:
+    """Run a scene from its ideal motion at the start, over cycles of so many turns."""
+    motion = scene.ideal.at(np.zeros(1))
+    start = Start(motion.position[0], motion.velocity[0])
+    plan = Plan(turns, cycles)
+    return engine.for_cycle(1.0).simulate(scene.linkage(), start, plan)
+
+
 def blanked(
     engine: Engine, linkage: Linkage, turns: float, **bearings: pw.Bearing
 ) -> Run:
@@ -51,8 +67,6 @@ def blanked(
     scene = pw.Scene(
         linkage, process=SHEET, bearings=bearings or pw.Bearing(), cycles=1
     )
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(turns, 1))
+    run = from_the_top(engine, scene, turns)
     assert run.status == "completed", run.message
     return run

@@ -621,24 +621,6 @@ def test_readings_of_a_stored_life(
     assert "readings.csv: it has no rows" in render_report(pw.load(folder))
 
 
-@pytest.mark.slow
-def test_life_of_a_chaotic_motion_is_inversely_proportional_to_the_wear_coefficient() -> (
-    None
-):
-    """A power of two changes no digit of the surfaces."""
-    limits = pw.Life(until="A.depth > 8 um", max_cycles=40)
-    settings: dict[str, Any] = {
-        "conventions": "refined",
-        "wear_updates": 1,
-        "cycles": 1,
-    }
-    settings |= {"replicates": 2, "tolerance": 1.0, "engine": "dae", "life": limits}
-    scene = pw.scenes.wear_times(**settings)
-    plain, faster = (life_of_scene(with_wear(scene, factor)) for factor in (1.0, 16.0))
-    assert 16.0 * faster.strokes == pytest.approx(plain.strokes, rel=1e-12, abs=0.0)
-    assert plain.refinements[0].cycles == faster.refinements[0].cycles
-
-
 @pytest.mark.parametrize(
     ("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")]
 )

@@ -1,5 +1,6 @@
 """Runs and linkages that tests of engines share."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,14 @@ def residual(run: Run) -> float:
         for name in ("energy_residual", "drive_exchange")
     )
     return abs(missing) / exchanged
+
+
+def step_response(omega: float, ratio: float, time: float) -> float:
+    """Return the place of a damped oscillator that is let go at 1 from rest."""
+    damped = omega * math.sqrt(1.0 - ratio**2)
+    phase = damped * time
+    decay = math.exp(-ratio * omega * time)
+    return decay * (math.cos(phase) + ratio * omega / damped * math.sin(phase))
 
 
 def in_all_coordinates(

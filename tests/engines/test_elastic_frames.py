@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from upright_press import SHEET, UP, blanked, upright_press
+from runs import step_response
+from upright_press import SHEET, UP, blanked, from_the_top, upright_press
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -60,11 +61,7 @@ def test_a_block_rings_along_its_guide(engine: Engine) -> None:
     start = Start(np.array([0.3, 0.2, 0.0]) + 1e-3 * along, np.zeros(3))
     run = engine.for_cycle(duration).simulate(sprung(), start, Plan(duration, 1))
     assert run.status == "completed", run.message
-    damped = OMEGA * math.sqrt(1.0 - RATIO**2)
-    decay = math.exp(-RATIO * OMEGA * duration)
-    phase = damped * duration
-    ratio = RATIO * OMEGA / damped
-    exact = 1e-3 * decay * (math.cos(phase) + ratio * math.sin(phase))
+    exact = 1e-3 * step_response(OMEGA, RATIO, duration)
     error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
     place = float(along @ (run.end.position - [0.3, 0.2, 0.0]))
     assert place == pytest.approx(exact, abs=error * 1e-3)
@@ -143,12 +140,9 @@ def test_a_punch_that_turns_back_inside_the_work() -> None:
     scene = pw.Scene(
         upright_press(frame=frame), process=replace(SHEET, height=2e-3), cycles=1
     )
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    engine = InHouse(integration_tolerance=1e-10).for_cycle(1.0)
-    run = engine.simulate(scene.linkage(), start, Plan(1.0, 1))
+    run = from_the_top(InHouse(integration_tolerance=1e-10), scene, 1.0)
     assert run.status == "completed", run.message
-    lowest = motion.position[0, 10] + run.recorder.series("displacement").min()
+    lowest = -0.56 + run.recorder.series("displacement").min()
     depth = scene.bottom + 2e-3 - lowest
     assert 1.1e-3 < depth < 1.4e-3
     area = 100e3 * (depth - 0.5 * SHEET.rise)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import residual, run_scene
+from runs import residual, run_scene, step_response
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -50,11 +50,7 @@ def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
     duration = 0.05
     start = Start(np.array([1e-3, 0.0, 0.3]), np.array([0.0, 0.0, 2.0]))
     run = simulated(engine, linkage, start, duration)
-    damped = OMEGA * math.sqrt(1.0 - RATIO**2)
-    decay = math.exp(-RATIO * OMEGA * duration)
-    phase = damped * duration
-    ratio = RATIO * OMEGA / damped
-    exact = 1e-3 * decay * (math.cos(phase) + ratio * math.sin(phase))
+    exact = 1e-3 * step_response(OMEGA, RATIO, duration)
     error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
     assert run.end.position[0] == pytest.approx(exact, abs=error * 1e-3)
     # The forces act through the middle of e, half a stretch from the mass centre.

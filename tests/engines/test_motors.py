@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from upright_press import SHEET, blanked, upright_press
+from upright_press import SHEET, blanked, from_the_top, upright_press
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -32,9 +32,7 @@ LINE = pw.Motor(20.0, slip=0.08, breakdown=None, ratio=24, inertia=0.25)
 INERTIA = 0.5 + 24.0**2 * 0.25
 
 
-# Turns of the press after half a second, and where its speed is least in the third
-HALF_A_SECOND = 0.5043521534677609
-LEAST = 2.8357
+HALF_A_SECOND = 0.5043521534677609  # turns of the press
 
 
 def cranks(*motors: pw.Motor, limit: float | None = None) -> Linkage:
@@ -72,6 +70,12 @@ def turned(
 def within(engine: Engine) -> float:
     """Allowed error, part of the greatest angle or speed."""
     return {"dae": 1e-9, "exudyn-tree": 1e-7}.get(engine.word, 1e-5)
+
+
+def impulse_response(omega: float, ratio: float, time: float) -> float:
+    """Return the place of a damped oscillator of 1 kg behind a blow of 1 N s, m."""
+    damped = omega * math.sqrt(1.0 - ratio**2)
+    return math.exp(-ratio * omega * time) * math.sin(damped * time) / damped
 
 
 @in_every_engine
@@ -113,9 +117,7 @@ def test_a_servo_swings_about_the_motion_of_its_drive(engine: Engine) -> None:
     omega = math.sqrt(stiffness / 0.5)
     servo = pw.Motor(stiffness=stiffness, damping=2.0 * ratio * omega * 0.5)
     (angle,), _, _ = turned(engine, cranks(servo), duration, 0.0)
-    damped = omega * math.sqrt(1.0 - ratio**2)
-    lag = TURN / damped * math.exp(-ratio * omega * duration)
-    lag *= math.sin(damped * duration)
+    lag = TURN * impulse_response(omega, ratio, duration)
     error = 1e-4 if isinstance(engine, ExudynJoints) else within(engine)
     assert angle == pytest.approx(TURN * duration - lag, abs=error * TURN)
 
@@ -126,9 +128,7 @@ def test_steps_of_bodies_and_joints_resolve_a_stiff_servo() -> None:
     servo = pw.Motor(stiffness=0.5 * omega**2, damping=2.0 * ratio * omega * 0.5)
     engine = ExudynJoints(free_step=1e-3)
     (angle,), _, _ = turned(engine, cranks(servo), duration, 0.0)
-    damped = omega * math.sqrt(1.0 - ratio**2)
-    lag = TURN / damped * math.exp(-ratio * omega * duration)
-    lag *= math.sin(damped * duration)
+    lag = TURN * impulse_response(omega, ratio, duration)
     assert angle == pytest.approx(TURN * duration - lag, abs=1e-2 * TURN / omega)
 
 
@@ -198,10 +198,7 @@ def test_least_speed_of_a_press_in_its_third_turn() -> None:
     It is 7e-8 of the speed above that of the reference; with steps of 5 us it is 5e-8 below it.
     """
     scene = pw.Scene(upright_press(LINE), process=SHEET, cycles=3)
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    engine = InHouse(integration_tolerance=1e-10).for_cycle(1.0)
-    run = engine.simulate(scene.linkage(), start, Plan(1.0, 3))
+    run = from_the_top(InHouse(integration_tolerance=1e-10), scene, 1.0, 3)
     least = run.recorder.each_cycle("leader_speed_min")[2]
     assert least == pytest.approx(6.1626362685, rel=1e-7)
 
@@ -219,20 +216,6 @@ def test_a_press_starts_at_its_settled_speed() -> None:
     assert third == pytest.approx(second, rel=1e-5)
 
 
-def test_the_least_speed_of_a_press_in_its_third_turn() -> None:
-    """M2: the speed is least while the slide rises, where a parabola finds it.
-
-    A second simulator with one coordinate finds it by a search in its dense output. A
-    sample every 1 ms lies up to 3.5e-7 rad/s higher.
-    """
-    engine = InHouse(integration_tolerance=1e-10)
-    beside = 1e-3 * np.array([-1.0, 0.0, 1.0])
-    speeds = [pressed(engine, LEAST + turns).end.velocity[2] for turns in beside]
-    bend, slope, speed = np.polyfit(beside, speeds, 2)
-    least = speed - 0.25 * slope**2 / bend
-    assert least == pytest.approx(6.16263599352, abs=1e-10)
-
-
 def test_a_press_without_a_flywheel() -> None:
     """Three turns of the second simulator: the motor alone carries the work."""
     motor = pw.Motor(20.0, slip=0.08, breakdown=None, ratio=24)
@@ -243,21 +226,12 @@ def test_a_press_without_a_flywheel() -> None:
 STALLED_AT, STALLED_IN = 243.2832512595, 0.4600432550  # degrees and mm in the work
 
 
-@pytest.mark.parametrize(
-    "engine",
-    [
-        InHouse(integration_tolerance=1e-10),
-        pytest.param(ExudynJoints(), marks=pytest.mark.slow),
-    ],
-    ids=("dae", "exudyn-joints"),
-)
+@PRESS_ENGINES
 def test_a_motor_without_a_flywheel_stalls_in_the_work(engine: Engine) -> None:
     """Its slip grows beyond breakdown; angle and depth are those of the second simulator."""
     motor = pw.Motor(20.0, slip=0.08, breakdown=2.75, ratio=24)
     scene = pw.Scene(upright_press(motor), process=SHEET, cycles=1)
-    motion = scene.ideal.at(np.zeros(1))
-    start = Start(motion.position[0], motion.velocity[0])
-    run = engine.for_cycle(1.0).simulate(scene.linkage(), start, Plan(1.0, 1))
+    run = from_the_top(engine, scene, 1.0)
     assert run.status == "failed"
     words = run.message.partition("the motor stalls at an angle of ")[2].split()
     assert float(words[0]) == pytest.approx(STALLED_AT, abs=0.1)

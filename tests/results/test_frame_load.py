@@ -1,10 +1,12 @@
 """Loads of an elastic frame: closed forms of a slow stop, reverse force, texts of the report."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from upright_press import SHEET, upright_crank
 
 import presswear as pw
 from presswear.results.export import table_of
@@ -16,19 +18,12 @@ from presswear.show.stage_tables import stage_tables
 FRAME = 0.5e9
 STOP = 2e9
 WEIGHT = 9.81 * 1010.0
+SNAPPING = replace(SHEET, snap=2e-5)
 
 
 def pressed(process: Any, bearings: Any = None, **frame: Any) -> pw.Result:
     """Run an upright slider-crank of 410 kg for a stroke, on a crown of 600 kg."""
-    crank = pw.SliderCrank(
-        crank_length=0.04,
-        rod_length=0.6,
-        crank_mass=60.0,
-        rod_mass=50.0,
-        slider_mass=300.0,
-        speed=2.0 * math.pi,
-        **frame,
-    )
+    crank = upright_crank(**frame)
     joints = {"joints": "none"} if bearings is None else {"bearings": bearings}
     return pw.run(pw.Scene(crank, process=process, cycles=2, **joints))
 
@@ -56,10 +51,7 @@ def test_a_stop_stretches_the_frame() -> None:
 
 def test_the_frame_swings_back_after_a_fracture() -> None:
     """To the other side by the force at the fracture, less half a period of damping."""
-    sheet = pw.Blanking(
-        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=2e-5
-    )
-    result = on_frame(sheet, damping=0.05)
+    result = on_frame(SNAPPING, damping=0.05)
     stage = result.stages[0]
     strokes = result.strokes(0)
     (load,) = frame_loads(result.scene, stage).values()
@@ -86,10 +78,7 @@ def test_a_reverse_force_above_10_percent_is_warned_of(
     damping: float, excessive: bool
 ) -> None:
     """The force of the spring is the greatest where the frame has it most stretched."""
-    sheet = pw.Blanking(
-        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=2e-5
-    )
-    result = on_frame(sheet, damping)
+    result = on_frame(SNAPPING, damping)
     stage = result.stages[0]
     # The second of two strokes that begin at the top; the sheet breaks once.
     late = stage.time >= 0.5
@@ -106,11 +95,8 @@ def test_a_reverse_force_above_10_percent_is_warned_of(
 
 def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
     """F - m (g + a), with the acceleration of the slide; the damper takes little."""
-    sheet = pw.Blanking(
-        force=1e5, height=5e-3, thickness=3e-3, plateau=0.4, rise=2e-4, snap=1.5e-4
-    )
     pin = pw.Bearing(clearance=0.0, stiffness=FRAME, damping_ratio=0.02)
-    result = pressed(sheet, bearings={"B": pin})
+    result = pressed(SHEET, bearings={"B": pin})
     stage = result.stages[0]
     (forces,) = result.elastic_pin_forces(0).values()
     process = result.process_force(0)

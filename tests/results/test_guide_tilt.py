@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Console
+from upright_press import upright_crank
 
 import presswear as pw
 from presswear.cli.run_observer import RunObserver
@@ -35,16 +36,7 @@ OFFSET = 0.06
 
 def press(offset: float = OFFSET, friction: float = 0.1) -> pw.Scene:
     """Upright press of 100 kN that cuts beside the middle of its slide."""
-    crank = pw.SliderCrank(
-        crank_length=0.04,
-        rod_length=0.6,
-        crank_mass=60.0,
-        rod_mass=50.0,
-        slider_mass=300.0,
-        speed=2.0 * math.pi,
-        guide_length=L,
-        guide_width=0.3,
-    )
+    crank = upright_crank(guide_length=L, guide_width=0.3)
     bearing = pw.Bearing(C, width=0.1, friction=friction, restitution=0.8)
     sheet = pw.Blanking(
         force=FORCE, height=5e-3, thickness=3e-3, rise=0.2e-3, snap=0.15e-3
