@@ -192,15 +192,15 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "noise"),
-    [(DEPTH, 0.5), (DEPTH, 1.5), (DRIFT, 0.5), (DEPTH, 1e-9)],
+    ("limit", "noise", "lives"),
+    [(DEPTH, 0.5, 50), (DEPTH, 1.5, 50), (DRIFT, 0.5, 20), (DEPTH, 1e-9, 20)],
     ids=["depth", "wild", "drift", "exact"],
 )
-def test_intervals_cover_the_life(limit: Limit, noise: float) -> None:
-    """At least 45 of 50 intervals hold the exact life."""
+def test_intervals_cover_the_life(limit: Limit, noise: float, lives: int) -> None:
+    """At least nine of ten intervals hold the exact life."""
     covered = 0
     errors = []
-    for seed in range(50):
+    for seed in range(lives):
         draw = np.random.default_rng(seed)
         rate = 10.0 ** draw.uniform(-13, -9)
         fresh = draw.uniform(0.0, 10.0)
@@ -208,7 +208,7 @@ def test_intervals_cover_the_life(limit: Limit, noise: float) -> None:
         life, _ = life_of(problem(limit), wear)
         covered += abs(math.log(life.strokes / wear.life_until(5e-5))) <= life.error
         errors.append(life.error)
-    assert covered >= 45
+    assert covered >= 0.9 * lives
     assert np.median(errors) < 0.1
 
 
@@ -299,7 +299,7 @@ def estimates(limit: Limit, seed: int) -> list[float]:
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
 def test_cycles_left_are_estimated(limit: Limit) -> None:
     """Most estimates are right within a factor of 1.5."""
-    ratios = [ratio for seed in range(12) for ratio in estimates(limit, seed)]
+    ratios = [ratio for seed in range(4) for ratio in estimates(limit, seed)]
     assert np.mean([1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]) > 0.5
 
 
