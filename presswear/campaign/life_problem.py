@@ -18,7 +18,9 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
         pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
     )
     limits = scene.life_limits
-    services = life.services(scene.loose_pins)
+    services = life.services(
+        scene.loose_pins, [guide.name for guide in scene.worn_guides]
+    )
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
 

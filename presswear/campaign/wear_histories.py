@@ -28,7 +28,7 @@ from presswear.campaign.refinement import (
 from presswear.campaign.replicates import RunSpec, worn_out
 from presswear.campaign.service_life import BlockPlan, LifeProblem, run_refinements
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.physics.running_in import archard_depth, running_in_of
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES
@@ -223,10 +223,13 @@ class WearHistories:
     def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
         depth = last.depth.copy()
         joints = self.runner.scene.linkage().clearances
-        k = [joint.name for joint in joints].index(service.joint)
-        bushing = depth[:, k, 0, : joints[k].bins]
-        half_turn = joints[k].bins // 2
-        bushing[...] = np.roll(bushing, half_turn, axis=1) if service.is_turned else 0.0
+        for k, joint in enumerate(joints):
+            owner = joint.guide.name if isinstance(joint, GuideCorner) else joint.name
+            if owner != service.joint:
+                continue
+            worn = depth[:, k, 0, : joint.bins]
+            turned = np.roll(worn, joint.bins // 2, axis=1)
+            worn[...] = turned if service.is_turned else 0.0
         interval = last.interval + 1
         return replace(
             last,

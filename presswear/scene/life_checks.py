@@ -40,7 +40,7 @@ def check_life(
         raise InputError(
             f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
         )
-    services = [service.words for service in life.services(tuple(pins))]
+    services = [service.words for service in life.services(tuple(pins), tuple(walls))]
     if life.quick == "on":
         _check_quick_life(limits, services, pins, wear_updates)
     _check_reach(limits, pins, walls, conventions.contact)

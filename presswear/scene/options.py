@@ -158,16 +158,21 @@ class Limit:
 
 @dataclass(frozen=True)
 class Service:
-    """Bushing that is replaced, or turned by half a turn, after a number of strokes."""
+    """Bushing that is replaced, or turned by half a turn, after a number of strokes.
+
+    Or both walls of a guide that are replaced.
+    """
 
     joint: str
     strokes: float
     is_turned: bool
+    is_guide: bool = False
 
     @property
     def words(self) -> str:
         """Description."""
-        return f"bushing of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
+        part = "walls" if self.is_guide else "bushing"
+        return f"{part} of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
 
 
 # names of limits that stand for another one, as the settings of a bearing are called
@@ -196,7 +201,9 @@ class Life(Checked):
         5e7, "", 1.0, 1e15, "chosen", "largest number of strokes that is simulated"
     )
     replaced: str = free_text(
-        "", "'A@2e6, C@4e6'", "bushings to replace after so many strokes"
+        "",
+        "'A@2e6, C@4e6'",
+        "bushings, or walls of a guide, to replace after so many strokes",
     )
     turned: str = free_text(
         "", "'A@2e6'", "bushings to turn by half after so many strokes"
@@ -238,9 +245,12 @@ class Life(Checked):
                 limits.append(Limit(name, one, value, new))
         return tuple(limits)
 
-    def services(self, joints: Sequence[str]) -> tuple[Service, ...]:
-        """Return the services of bushings, in the order of strokes; raise InputError."""
+    def services(
+        self, pins: Sequence[str], guides: Sequence[str]
+    ) -> tuple[Service, ...]:
+        """Return the services of bushings and walls, in the order of strokes; raise InputError."""
         services = []
+        joints = (*pins, *guides)
         for key, text in (("replaced", self.replaced), ("turned", self.turned)):
             for part in filter(None, map(str.strip, text.split(","))):
                 joint, sign, strokes = map(str.strip, part.partition("@"))
@@ -256,7 +266,12 @@ class Life(Checked):
                     raise InputError(
                         f"{label}: allowed is below at_most = {self.at_most:g}"
                     )
-                services.append(Service(joint, at, key == "turned"))
+                is_turned, is_guide = key == "turned", joint in guides
+                if is_turned and is_guide:
+                    raise InputError(
+                        f"{label}: the walls of a guide can be replaced only"
+                    )
+                services.append(Service(joint, at, is_turned, is_guide))
         return tuple(sorted(services, key=lambda service: service.strokes))
 
 

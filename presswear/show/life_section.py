@@ -93,6 +93,7 @@ def _pin_that_ends(result: Result, life: LifeResult) -> str:
         life.ended != "limit"
         or name != "depth"
         or joint not in serviced
+        or joint not in result.scene.loose_pins
         or not is_whole
     ):
         return ""

@@ -417,7 +417,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         Service("A", 2e6, False),
         Service("B", 4e6, False),
     ]
-    assert list(life.services(tuple(JOINTS))) == expected
+    assert list(life.services(tuple(JOINTS), ())) == expected
 
 
 @pytest.mark.parametrize(
@@ -434,7 +434,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         ({"until": "A.clearance > 0.9 x new"}, "until: radial_clearance"),
         ({"until": "A.clearance > 2.5 new"}, "VALUE x new is expected, such as 2.5 x"),
         ({"until": "A.clearance > 1 mm 2 x new"}, "VALUE x new is expected"),
-        ({"until": "A.play > 1 mm"}, "known are clearance, depth"),
+        ({"until": "A.play > 1 mm"}, "The radial play of a pin is its clearance"),
         ({"until": "A.depth > 2 x new"}, "'x new' is allowed for clearance, radial_c"),
         (
             {"replaced": "A2e6"},
@@ -448,7 +448,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
 def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
     life = pw.Life(**settings)
     with pytest.raises(pw.InputError, match=message):
-        life.limits(JOINTS, {}) and life.services(tuple(JOINTS))
+        life.limits(JOINTS, {}) and life.services(tuple(JOINTS), ())
 
 
 def test_scenes_without_a_life_are_refused() -> None:

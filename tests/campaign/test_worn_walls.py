@@ -127,6 +127,31 @@ def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
     assert "worn depth of the left wall in the stage" in report
 
 
+def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> None:
+    """The life is the strokes up to the replacement, and those of a life without it."""
+    life = pw.Life(until="guide.depth > 6 um", replaced="guide@2e4")
+    settings = {"wear_updates": 1, "tolerance": 0.2, "cycles": 3, "replicates": 2}
+    scene = pw.scenes.press_off_centre(life=life, **settings)
+    worn = pw.run(scene, tmp_path / "life", jobs=1)
+    assert worn.life is not None
+    walls = result.stages[0].statistics.walls["guide"].values()
+    rate = max(wall.depth_per_cycle.mean for wall in walls)
+    assert worn.life.strokes == pytest.approx(2e4 + 6e-6 / rate, rel=0.1)
+    assert worn.life.services == ("walls of guide replaced after 2e+04 strokes",)
+    strokes, depth = worn.life.curves["strokes"], worn.life.curves["guide.depth"][:, 0]
+    before, after = depth[strokes == 2e4]
+    assert before == pytest.approx(2e4 * rate, rel=0.1)
+    assert after == 0.0
+    assert "walls of guide replaced" in worn.report().read_text()
+    for text, message in (
+        ("guide@2e4", "the walls of a guide can be replaced only"),
+        ("guid@2e4", "did you mean guide"),
+    ):
+        wrong = pw.Life(until="guide.depth > 6 um", turned=text)
+        with pytest.raises(pw.InputError, match=message):
+            pw.scenes.press_off_centre(life=wrong, **settings)
+
+
 @pytest.mark.parametrize("place", [0, 300, 599])
 def test_a_tilt_between_worn_walls_has_a_closed_form(place: int) -> None:
     """The front of the slide lies at a trench of one wall, its back at one of the second."""

@@ -115,13 +115,15 @@ def _draw_marks(
 
 
 def services_done(result: Result) -> list[Service]:
-    """Return the services of bushings during the simulated life."""
+    """Return the services during the simulated life."""
     settings = result.scene.life
     life = result.life
     if settings is None or life is None or not life.curves:
         return []
     last = float(life.curves["strokes"][-1])
-    services = settings.services(result.scene.loose_pins)
+    scene = result.scene
+    guides = [guide.name for guide in scene.worn_guides]
+    services = settings.services(scene.loose_pins, guides)
     return [service for service in services if service.strokes <= last]
 
 
