@@ -34,7 +34,7 @@ MIN_BLOCK = 2  # cycles in the shortest load block
 # blocks after which a limit that seems exceeded when new counts as exceeded
 MIN_BLOCKS_FOR_REFUSAL = 16
 MAX_ORDER = 3  # of a polynomial through samples
-# part of the cycles up to a crossing, by which samples reach beyond it
+# Samples must reach beyond a crossing by this part of the cycles up to the crossing
 MARGIN = 0.1
 MIN_BLOCKS = 4  # blocks before samples can have exceeded a limit
 
@@ -144,7 +144,9 @@ class Refinement:
             values = self._pseudo_values(
                 lambda chosen: np.log(self.crossing(limits, chosen))
             )
-        return (half_width(values) or 0.0) if np.isfinite(values).all() else math.inf
+        if not np.isfinite(values).all():
+            return math.inf
+        return half_width(values) or 0.0
 
     def cycles_until(self, strokes: float) -> float:
         """Return the cycles of each history after the first block, up to some strokes."""
@@ -179,20 +181,20 @@ Refinements = Sequence[Refinement]
 
 
 def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
-    """Return the values of a polynomial through samples at the ends of the blocks.
+    """Return a quantity of a stroke at the ends of the blocks, shape (blocks,).
 
-    It is a polynomial of the depth that is worn off.
+    It is a polynomial of the mean worn depth, fitted to the means of the blocks.
     """
     strokes = np.array([block.strokes for block in blocks])
     rates = np.array([block.rate for block in blocks[1:]])
     # A service interval starts with its new state, not with the end of its first block.
-    change = np.append(0.0, np.cumsum(rates * np.diff(strokes)))
-    scale = float(change[-1]) or 1.0
+    worn = np.append(0.0, np.cumsum(rates * np.diff(strokes)))
+    scale = float(worn[-1]) or 1.0
     has_cycles = np.array([block.cycles > 0 for block in blocks])
     counts = np.array([block.cycles for block in blocks if block.cycles], dtype=float)
     # A sample belongs to the surfaces at the start of its cycle.
-    back = np.diff(change, prepend=0.0)[has_cycles] * 0.5 * (1.0 + 1.0 / counts)
-    places = (change[has_cycles] - back) / scale
+    to_middle = 0.5 * (1.0 + 1.0 / counts) * np.diff(worn, prepend=0.0)[has_cycles]
+    places = (worn[has_cycles] - to_middle) / scale
     rows = np.array([block.samples[key] for block in blocks if block.cycles])
     weights = np.sqrt(counts)[:, np.newaxis]
     # The order is the one that best predicts one history from the others.
@@ -209,4 +211,4 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     curve = np.polynomial.Polynomial.fit(
         places, mean, order, domain=[0.0, 1.0], w=weights[:, 0]
     )
-    return np.asarray(curve(change / scale))
+    return np.asarray(curve(worn / scale))

@@ -1,4 +1,4 @@
-"""``presswear dynamics settle``: final motions, half-life of the rattle, least kick."""
+"""``presswear dynamics settle``: motions on which a scene comes to rest."""
 
 import argparse
 
@@ -9,7 +9,7 @@ from presswear.cli.dynamics import requested_scene
 
 
 def settle(arguments: argparse.Namespace, console: Console) -> int:
-    """Run a scene from spread starts; print and store on which motions it comes to rest."""
+    """Run a scene from different initial states; print and store its final motions."""
     from presswear.analysis.bifurcation import Parameter
     from presswear.analysis.final_motions import Watch
     from presswear.analysis.settle import check, compute

@@ -1,4 +1,4 @@
-"""Parts that both Exudyn engines share: the callbacks of a step, the solve, how it ends."""
+"""Solver of Exudyn for both Exudyn engines: functions of each step, the solve, its end."""
 
 import math
 import time as clock
@@ -23,42 +23,45 @@ exu = exudyn_module()
 END_TOLERANCE = 1e-10
 # Part of the expected time to the end of a section that its first step takes at most
 FIRST_PART = 0.5
-# Exudyn's end of a section that ends at an angle, longest steps; it lies far behind
+# End time for a section that ends at an angle, in longest steps: PostStep ends it earlier
 MOST_STEPS = 10**9
-STEP_SAFETY = 0.9  # Exudyn's own factor behind the step that an error of DOPRI5 allows
+# Factor by which Exudyn shortens the step that the error of DOPRI5 allows
+STEP_SAFETY = 0.9
 _PROGRESS_STEPS = 512
 
 
 class StuckError(RuntimeError):
-    """Raised inside Exudyn where it repeats a step for ever."""
+    """A step that Exudyn would repeat without end."""
 
 
 @dataclass
 class Solver:
-    """Exudyn's solver in one run, made anew for every cycle.
+    """Exudyn's solver in one run; each cycle is a new solve.
 
-    With error control Exudyn has chosen its next step before it calls PostStep.  The
-    step that contacts allow is therefore applied in PreStep, to the step and to the
-    time it will end at. A step that is repeated because of its error is Exudyn's own to
-    shorten.
+    With error control Exudyn chooses its next step before it calls PostStep. The step
+    that contacts allow is therefore applied in PreStep: it limits the step and sets the
+    time at which the step ends. A step that is repeated because of its error is
+    shortened by Exudyn only.
     """
 
     recorder: Recorder
     plan: Plan
-    # next step, s, from the time of an accepted one; NaN: broken
+    # records the step that ends at a time, s; returns the next step, s, or NaN if the
+    # state is not finite
     accept: Callable[[float], float]
     kind: Any  # exudyn.DynamicSolverType
     settings: Any
     longest: float  # step, s
-    remedy: str  # what may help where the solver gives up
+    remedy: str  # advice if the solver gives up
     counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
-    # Over all cycles so far: accepted steps (``steps``), those counts, and the wall
-    # time, s; the time of the last accepted step, and the next step as the contacts
-    # allow it (``following``) and as the solver proposes it, s
+    # Over all cycles so far: accepted steps (``steps``), repeated ones (``sent_back``),
+    # ``counts``, and the wall time, s. Also the time of the last accepted step
+    # (``time``), and the next step that contacts allow (``following``) and that the
+    # solver proposes (``proposed``), s
     sums: dict[str, float] = field(init=False)
     _end: float = 0.0  # of the present section, s; nominal with a leader
-    # the present section ends at an angle of the leader; reading it takes as long as a
-    # stage
+    # The present section ends at an angle of the leader. Stored here, because reading it
+    # from the recorder takes as long as a stage of the method.
     _ends_by_angle: bool = False
     _has_ended: bool = False  # the cycle ran to its end
     _is_broken: bool = False
@@ -93,7 +96,8 @@ class Solver:
             system.SetPreStepUserFunction(self._pre_step)
         system.SetPostStepUserFunction(self._post_step)
 
-    def _take(self, step: float) -> None:
+    def _limit_next(self, step: float) -> None:
+        """Limit the next step, s."""
         if self.kind == exu.DynamicSolverType.DOPRI5:
             self._limit = step
         else:
@@ -109,29 +113,31 @@ class Solver:
         return True
 
     def _post_step(self, system: Any, t: float) -> bool:
-        """Account for a step and hand on the next; False ends the solve."""
-        sums, plan = self.sums, self.plan
+        """Record a step and limit the next one; return False to end the solve."""
+        sums = self.sums
+        plan = self.plan
         try:
             iteration = self._iteration
             if iteration is None:
                 iteration = self._iteration = system.sys["dynamicSolver"].it
                 if self.time > 0.0:
-                    # Exudyn shows the state that a cycle starts from; it is accounted
-                    # for.
-                    self._take(min(sums["following"], self._first_step(t)))
+                    # The first call of a cycle shows its initial state, which the last
+                    # cycle has recorded.
+                    self._limit_next(min(sums["following"], self._first_step(t)))
                     return True
                 sums["steps"] -= 1.0
             following = self.accept(t)
             sums["time"] = t
             sums["steps"] += 1.0
-            self._is_broken = following != following
+            self._is_broken = math.isnan(following)
             if self._is_broken:
                 return False
             if self._is_at_end(t):
                 self._has_ended = True
-                sums["following"], sums["proposed"] = following, iteration.maxStepSize
-                # Exudyn tells the step that error control takes next only behind
-                # PostStep.
+                sums["following"] = following
+                sums["proposed"] = iteration.maxStepSize
+                # Exudyn computes the next step of error control after PostStep, so that
+                # it is computed here, too.
                 if iteration.automaticStepSizeError > 0.0:
                     factor = iteration.automaticStepSizeError ** (-1.0 / 5.0)
                     proposed = STEP_SAFETY * iteration.currentStepSize * factor
@@ -139,13 +145,13 @@ class Solver:
                 return False
             if not self._ends_by_angle:
                 following = min(following, self._end - t)
-            self._take(following)
+            self._limit_next(following)
             if sums["steps"] % _PROGRESS_STEPS == 0:
                 plan.advanced(self.recorder)
                 self._finding = self._judge(t)
                 return self._finding is None
         except BaseException as error:
-            self.error = error
+            self.error = error  # raised after the solve, because Exudyn would wrap it
             return False
         return True
 
@@ -177,24 +183,26 @@ class Solver:
         return stalled or self._progress.judge(int(self.sums["steps"]), t)
 
     def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
-        """Run from the present state up to the end of a cycle; return what went wrong.
+        """Run from the present state up to the end of a section; return what went wrong.
 
-        Exudyn does not say which step it would take behind its own end: that lies
-        further off, and PostStep ends the solve.
+        The end time of Exudyn lies after that of the section, and PostStep ends the
+        solve: a step that Exudyn cuts at its own end time is no measure for the next.
 
         Parameters
         ----------
         live : mapping of str to ndarray
-            Live arrays that the solver begins from, by the names that Exudyn gives
-            them.
+            Live arrays of the initial state, by their names in Exudyn.
         end : float
             End of the section, s; with a leader its nominal time.
         """
-        self._end, self._has_ended, self._iteration = end, False, None
+        self._end = end
+        self._has_ended = False
+        self._iteration = None
         self._ends_by_angle = self.recorder.ends_by_angle
-        data, initial = system.systemData, exu.ConfigurationType.Initial
+        initial = exu.ConfigurationType.Initial
         for name, values in live.items():
-            getattr(data, f"Set{name}")(np.array(values), initial)
+            set_values = getattr(system.systemData, f"Set{name}")
+            set_values(np.array(values), initial)
         integration = self.settings.timeIntegration
         steps = MOST_STEPS
         if not self._ends_by_angle:
@@ -248,19 +256,20 @@ def settings_of(longest: float, shortest: float) -> Any:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
-    # its timers take a sixteenth of an explicit step
+    # the timers take a sixteenth of the time of an explicit step
     settings.show.computationTime = False
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest
-    integration.startTime, integration.endTime = 0.0, longest
+    integration.startTime = 0.0
+    integration.endTime = longest
     integration.numberOfSteps = 1
     return settings
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Exudyn's banners and log files off; errors and interrupts arrive as exceptions."""
+    """Suppress messages and log files of Exudyn; raise errors and interrupts as exceptions."""
     console = exu.config.printToConsole
     log = exu.special.exceptions.writeErrorsToLogFile
     exu.config.printToConsole = False
@@ -268,7 +277,7 @@ def quiet() -> Iterator[None]:
     try:
         yield
     except exu.ExudynError as error:
-        # An interrupt that arrives inside a user function comes wrapped.
+        # Exudyn wraps an interrupt inside a user function.
         if "KeyboardInterrupt" in str(error):
             raise KeyboardInterrupt from None
         raise

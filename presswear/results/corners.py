@@ -21,10 +21,11 @@ def tilt_series(stage: StageResult, guide: Guide) -> Array:
 
 
 def corner_paths(stage: StageResult, guide: Guide) -> dict[str, Array]:
-    """Return the way of each corner across the guide, m, from its place in the middle."""
+    """Return the displacement of each corner across the guide, m, shape (n,), by its name."""
     return {corner: _across(stage, guide, corner) for corner in CORNERS}
 
 
 def _across(stage: StageResult, guide: Guide, corner: str) -> Array:
+    """Return the displacement of a corner across the guide, from the middle, m."""
     normal = np.array([-math.sin(guide.direction), math.cos(guide.direction)])
     return np.asarray(stage.joints[f"{guide.name} {corner}"].eccentricity @ normal)

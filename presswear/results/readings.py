@@ -39,10 +39,10 @@ class Reading:
         check_type("quantity", self.quantity, str)
         if self.quantity not in QUANTITIES.values():
             raise unknown("quantity of a reading", self.quantity, QUANTITIES.values())
-        size = Quantity(FOLLOWED[self.quantity].unit)
-        meanings = {"strokes": _STROKES, "value": size}
+        of_value = Quantity(FOLLOWED[self.quantity].unit)
+        meanings = {"strokes": _STROKES, "value": of_value}
         if self.error is not None:
-            meanings["error"] = replace(size, low=0.0, open_low=True)
+            meanings["error"] = replace(of_value, low=0.0, open_low=True)
         for name, meaning in meanings.items():
             number = meaning.convert(f"{name} of {self.joint}", getattr(self, name))
             object.__setattr__(self, name, float(number))
@@ -73,8 +73,8 @@ def read_readings(file: str | Path) -> tuple[Reading, ...]:
     """
     names, rows = read_table(Path(file), HEADER)
     column = next((name for name in names if name in QUANTITIES), "")
-    needed = {"joint", "strokes", column}
-    if not column or {*names} - {"error"} != needed or len({*names}) < len(names):
+    needed = ["joint", "strokes", column]
+    if not column or sorted(names) not in (sorted(needed), sorted([*needed, "error"])):
         columns = f"{file}: columns {', '.join(names)}"
         kinds = ", ".join(QUANTITIES)
         raise InputError(
@@ -91,11 +91,11 @@ def read_readings(file: str | Path) -> tuple[Reading, ...]:
 
 def _reading(row: dict[str, str], column: str) -> Reading:
     quantity = QUANTITIES[column]
-    length = Quantity(FOLLOWED[quantity].unit)
+    meaning = Quantity(FOLLOWED[quantity].unit)
     strokes = parse_quantity("strokes", row["strokes"], _STROKES)
-    value = parse_quantity(column, row[column], length)
+    value = parse_quantity(column, row[column], meaning)
     text = row.get("error", "")
-    error = float(parse_quantity("error", text, length)) if text else None
+    error = float(parse_quantity("error", text, meaning)) if text else None
     return Reading(row["joint"], float(strokes), quantity, float(value), error)
 
 

@@ -4,7 +4,7 @@ On disk ``result.json`` holds the scene, the provenance, the statistics and the 
 of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 class _Stages(tuple[StageResult, ...]):
-    """Stages of a result; an error tells which there are."""
+    """Stages of a result; the error for an unknown stage names the stages that exist."""
 
     def __getitem__(self, index: Any) -> Any:
         try:
@@ -62,7 +62,20 @@ class _Stages(tuple[StageResult, ...]):
 
 
 def _range_of(stages: tuple[StageResult, ...]) -> str:
-    return " to ".join(dict.fromkeys(["0", f"{len(stages) - 1}"])) if stages else "none"
+    """Return the numbers of the stages, such as ``0 to 2``."""
+    if not stages:
+        return "none"
+    return "0" if len(stages) == 1 else f"0 to {len(stages) - 1}"
+
+
+_HEAD = (
+    "stage",
+    "cycles",
+    "ended",
+    "joint",
+    "largest force (N)",
+    "worn per million strokes (mm³)",
+)
 
 
 @dataclass(frozen=True)
@@ -72,7 +85,7 @@ class Result:
     scene: Scene
     stages: tuple[StageResult, ...]
     status: str  # completed, unconverged, failed, interrupted or running
-    message: str  # reason why it is not completed, or nothing
+    message: str  # reason why it is not completed; empty if it is completed
     provenance: Mapping[str, Any]  # versions, revision, machine and date
     wall_s: float
     path: Path | None = None  # its folder; None: in memory only
@@ -155,38 +168,50 @@ class Result:
 
     def __str__(self) -> str:
         """Return a table of the stages, and sentences on deep contacts and rough surfaces."""
-        names = self.scene.clearance_joints
-        rows = [["stage", "cycles", "ended", "joint", "largest force (N)"]]
-        rows[0].append("worn per million strokes (mm³)")
-        for stage in self.stages:
-            row = [self.stage_name(stage.index) if names else "computed"]
-            row += [str(stage.statistics.cycles), stage.message or stage.status]
-            for name in stage.statistics.joints or [""]:
-                joint = stage.statistics.joints.get(name)
-                if joint:
-                    volume = joint.wear_volume.mean / stage.cycles_per_update
-                    volume = 0.0 if joint.is_unworn else volume
-                    if name not in self.scene.loose_pins:  # corner of a slide
-                        volume = self._wall_volume(name, joint)
-                    row += [name, readable(joint.peak_force)]
-                    row += [readable(1e15 * volume)]
-                rows.append([*row, *[""] * (len(rows[0]) - len(row))])
-                row = ["", "", ""]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         ending = f": {self.message}" if self.message else ""
         where = f", in {self.path}" if self.path else ""
-        first = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
-        first += [] if self.life is None else [f"{self.life}"]
+        lines = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
+        if self.life is not None:
+            lines.append(f"{self.life}")
+        rows = [list(_HEAD), *self._table_rows()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        for row in rows:
+            lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
         remark = self.scene.bin_remark
-        lines += [f"worn volume: {remark}"] if remark else []
+        if remark:
+            lines.append(f"worn volume: {remark}")
         lines += contact_warnings(self.scene, self.stages)
-        return printable("\n".join([*first, *lines]))
+        return printable("\n".join(lines))
 
-    def _wall_volume(self, corner: str, joint: JointStatistics) -> float:
-        """Return the volume that a corner wears off its wall in a cycle, m^3."""
-        materials = self.scene.bearing(corner).materials
-        return materials.wear_coefficient * joint.load_distance_per_cycle.mean
+    def _table_rows(self) -> Iterator[list[str]]:
+        """Yield a row for each joint of each stage; the first of a stage describes the stage."""
+        has_clearance = bool(self.scene.clearance_joints)
+        for stage in self.stages:
+            name = self.stage_name(stage.index) if has_clearance else "computed"
+            ended = stage.message or stage.status
+            stage_cells = [name, str(stage.statistics.cycles), ended]
+            if not stage.statistics.joints:
+                yield [*stage_cells, "", "", ""]
+            for joint_name, joint in stage.statistics.joints.items():
+                volume = 1e15 * self._worn_volume(joint_name, joint, stage)
+                yield [
+                    *stage_cells,
+                    joint_name,
+                    readable(joint.peak_force),
+                    readable(volume),
+                ]
+                stage_cells = ["", "", ""]
+
+    def _worn_volume(
+        self, name: str, joint: JointStatistics, stage: StageResult
+    ) -> float:
+        """Return the volume that a pin, or the corner of a slide, wears off in a cycle, m^3."""
+        if name not in self.scene.loose_pins:
+            materials = self.scene.bearing(name).materials
+            return materials.wear_coefficient * joint.load_distance_per_cycle.mean
+        if joint.is_unworn:
+            return 0.0
+        return joint.wear_volume.mean / stage.cycles_per_update
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.
@@ -253,32 +278,40 @@ def load(path: str | Path, trust: bool = False) -> Result:
     joints = tuple(joint.name for joint in linkage.clearances)
     for stage in stored.stages:
         name, film = files_of(stage.index)
-        most = most_stage_bytes(scene, linkage, stage)
-        arrays = read_numbers(path / name, stored.files[name], most)
+        most_bytes = most_stage_bytes(scene, linkage, stage)
+        arrays = read_numbers(path / name, stored.files[name], most_bytes)
         check_stage(arrays, scene, linkage)
         check_numbers(arrays, scene, stage)
         read_checked(path / film, stored.files[film], most_film_bytes(linkage))
-        read = partial(_film, path / film, stored.files[film], linkage)
-        stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
+        read_film = partial(_film, path / film, stored.files[film], linkage)
+        stages.append(
+            replace(stage, arrays=arrays, joint_names=joints, read_film=read_film)
+        )
     life = stored.life
     if life is not None and life.ended not in WITHOUT_CURVES:
         curves = read_numbers(path / LIFE, stored.files[LIFE], CURVE_BYTES)
-        check_shapes(
-            curves, dict.fromkeys(curves, ("strokes", 3)) | {"strokes": ("strokes",)}
-        )
+        shapes: dict[str, tuple[str | int, ...]] = dict.fromkeys(curves, ("strokes", 3))
+        shapes["strokes"] = ("strokes",)
+        check_shapes(curves, shapes)
         life = replace(life, curves=curves)
-    ended = stored.status, stored.message, stored.provenance, stored.wall_s
-    return Result(scene, tuple(stages), *ended, path, life)
+    return Result(
+        scene,
+        tuple(stages),
+        status=stored.status,
+        message=stored.message,
+        provenance=stored.provenance,
+        wall_s=stored.wall_s,
+        path=path,
+        life=life,
+    )
 
 
 def _film(file: Path, digest: str, linkage: Linkage) -> Film:
     arrays = read_numbers(file, digest, most_film_bytes(linkage))
     joints = tuple(joint.name for joint in linkage.clearances)
-    check_shapes(
-        arrays,
-        dict.fromkeys(arrays, ("frames",))
-        | {"position": ("frames", 3 * len(linkage.bodies))},
-    )
+    shapes: dict[str, tuple[str | int, ...]] = dict.fromkeys(arrays, ("frames",))
+    shapes["position"] = ("frames", 3 * len(linkage.bodies))
+    check_shapes(arrays, shapes)
     try:
         return Film.from_arrays(arrays, len(linkage.bodies), joints)
     except ValueError as error:
@@ -286,16 +319,16 @@ def _film(file: Path, digest: str, linkage: Linkage) -> Film:
 
 
 def unfinished(result: Result) -> str:
-    """Return a sentence on a stored run that is unfinished, or nothing."""
+    """Return a sentence on a stored run that is unfinished, or an empty text."""
     if result.status in FINISHED or result.path is None:
         return ""
     process = holder(result.path)
-    how = (
-        "interrupted"
-        if result.status == "interrupted"
-        else "killed, or stopped by an error"
-    )
-    how = f"{process} is writing to it" if process else how
+    if process:
+        how = f"{process} is writing to it"
+    elif result.status == "interrupted":
+        how = "interrupted"
+    else:
+        how = "killed, or stopped by an error"
     stages = f"{len(result.stages)} of {result.scene.wear_updates + 1} stages"
     if result.life is not None and result.life.ended == PRELIMINARY:
         stages = f"a preliminary life and {stages}"

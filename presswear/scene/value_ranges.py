@@ -12,18 +12,29 @@ from presswear.tools.quantities import (
 )
 
 _MAX_VALUES = 1_000_000  # of a range
-_DIGITS = 12  # of the values of a range: those of a finer range meet them
+# Significant digits of the values of a range. Equal values of a coarse and of a fine
+# range are then equal to the last bit.
+_DIGITS = 12
+# FIRST:LAST:COUNT UNIT:log UNIT; both units and the logarithm can be left out
 _RANGE = re.compile(
-    r"\s*([^:]+?)\s*:\s*([^:]+?)\s*:\s*([0-9]{1,8})(?: ([^:]+?))?\s*(?::\s*(log)(?: ([^:]+))?\s*)?$"
+    r"\s*(?P<first>[^:]+?)\s*:\s*(?P<last>[^:]+?)\s*:\s*(?P<count>[0-9]{1,8})"
+    r"(?: (?P<unit>[^:]+?))?\s*"
+    r"(?::\s*(?P<log>log)(?: (?P<unit_after_log>[^:]+))?\s*)?$"
 )
 
 
 def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     """Return the values of a list or a range, SI, in the order in which they are typed.
 
-    A list is as ``0.02,0.05,0.1``. A range has both ends and a number of values, in
-    equal steps as ``2pi:12pi:200 rad/s``, or in equal ratios as
-    ``1e8N/m:1e10N/m:5:log``. InputError with the key.
+    Examples of a list are ``0.02,0.05,0.1`` and ``2 mm,3 mm``. A range has both ends and
+    a number of values, in equal steps, such as ``2pi:12pi:200 rad/s``, or in equal
+    ratios, such as ``1e8N/m:1e10N/m:5:log``. A fit with its diameter and a number of
+    values, such as ``110 H8/f7:5``, is the range of its clearances.
+
+    Raises
+    ------
+    InputError
+        With the key, for a text of another form and for a value out of range.
     """
     fit_text, _, count_text = text.rpartition(":")
     if fit := fit_of(fit_text):
@@ -33,36 +44,36 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
                 "such as 110 H8/f7:5"
             )
         least, largest = clearances_of(fit, fit.diameter)
-        return values_of(key, f"{least!r} m:{largest!r} m:{count_text}", meaning)
-    if ":" not in text:
-        return [
-            float(parse_quantity(key, part.strip(), meaning))
-            for part in text.split(",")
-        ]
+        text = f"{least!r} m:{largest!r} m:{count_text}"
+    if ":" in text:
+        return _values_of_range(key, text, meaning)
+    return [
+        float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")
+    ]
+
+
+def _values_of_range(key: str, text: str, meaning: Quantity) -> list[float]:
+    """Return the values of a range, SI."""
     match = _RANGE.match(text)
     if match is None:
         raise InputError(
             f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected"
         )
-    low, high, count, unit, log, unit_behind = match.groups("")
-    if not 2 <= int(count) <= _MAX_VALUES:
+    count = int(match["count"])
+    if not 2 <= count <= _MAX_VALUES:
         raise InputError(
             f"{key} = {text}: a number of values from 2 to {_MAX_VALUES} is expected"
         )
-    first, final = (
-        float(parse_quantity(key, f"{end} {unit or unit_behind}".strip(), meaning))
-        for end in (low, high)
-    )
-    if first == final:
+    unit = match["unit"] or match["unit_after_log"] or ""
+    first = float(parse_quantity(key, f"{match['first']} {unit}".strip(), meaning))
+    last = float(parse_quantity(key, f"{match['last']} {unit}".strip(), meaning))
+    if first == last:
         raise InputError(f"{key} = {text}: two ends that differ are expected")
-    if log and min(first, final) <= 0.0:
+    if match["log"] and min(first, last) <= 0.0:
         raise InputError(f"{key} = {text}: equal ratios need ends above 0")
-    space = np.geomspace if log else np.linspace
-    values = [
-        float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(count))
-    ]
+    space = np.geomspace if match["log"] else np.linspace
+    values = [float(f"{value:.{_DIGITS}g}") for value in space(first, last, count)]
     for value in values:
-        meaning.check(
-            key, int(value) if meaning.whole and value.is_integer() else value
-        )
+        is_whole = meaning.whole and value.is_integer()
+        meaning.check(key, int(value) if is_whole else value)
     return values

@@ -36,22 +36,28 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     at = key_of_greatest(forces)
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     where = "" if last is first else " of the last stage"
-    text = f"At joint {at}: greatest force in a stroke, on average. Largest of all strokes{where}: "
-    text += f"{largest}. Impacts are included"
-    is_rigid = not scene.linkage().elastic_joints
-    text += "; a real frame bends and makes them smaller." if is_rigid else "."
+    sentences = [
+        f"At joint {at}: greatest force in a stroke, on average.",
+        f"Largest of all strokes{where}: {largest}.",
+    ]
+    if scene.linkage().elastic_joints:
+        sentences.append("Impacts are included.")
+    else:
+        sentences.append(
+            "Impacts are included; a real frame bends and makes them smaller."
+        )
     ideal = 0.0
     if not scene.has_untrusted_loads:
         ideal = float(abs(ideal_forces(scene)[1][at]).max())
-        text += f" With {IDEAL}: {numbers.quantity_text(ideal, 'N')}."
+        sentences.append(f"With {IDEAL}: {numbers.quantity_text(ideal, 'N')}.")
     if last is not first and at in first.statistics.joints:
         new = _peak_forces_text(first, at)
         strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
-        text += f" Before the wear of {strokes} strokes: {new}."
+        sentences.append(f"Before the wear of {strokes} strokes: {new}.")
     settling = last.statistics.settling
     if settling and not needs_warning(settling):
-        text += f" {sentence_of(settling)}."
-    peak = measured("Peak joint force", forces[at], "N", text)
+        sentences.append(f"{sentence_of(settling)}.")
+    peak = measured("Peak joint force", forces[at], "N", " ".join(sentences))
     if settling and settling.is_mixture:
         note = reason_without_interval(last)
         peak = peak._replace(value=_peak_forces_text(last, at), interval="", note=note)
@@ -76,7 +82,8 @@ def bearing_loads(scene: Scene, stage: StageResult) -> dict[str, dict[str, Estim
         if (
             scene.conventions.slip == "sliding"
             and bearing.materials.wear_coefficient > 0.0
-            and not bearing.has_film  # whose load distance is that of asperities
+            # With a film the load distance is that of asperities only.
+            and not bearing.has_film
         ):
             rate = per_area / period_in(scene, stage)
             loads["pv_limit"][name] = joint.load_distance_per_cycle.scaled(rate)

@@ -90,7 +90,7 @@ class Plan:
             raise InputError(
                 f"the plan has {rows} rows; at most {MAX_ROWS} are allowed"
             )
-        _ = self.example
+        _ = self.example  # raises if no scene of the plan can run
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
@@ -109,11 +109,15 @@ class Plan:
 
     @cached_property
     def _varied(self) -> tuple[Group, ...]:
-        # A process or a mechanism has keys of its own, so words are read first.
-        read: dict[str, Group] = {}
-        for text in sorted(self.vary, key=lambda text: "." in text.partition("=")[0]):
-            read[text] = parse_group(_with_words(self.scene, read.values()), text)
-        return tuple(read[text] for text in self.vary)
+        # A key with a dot, such as process.force, exists only with a kind of process. Keys
+        # without a dot, such as process, are therefore read first.
+        without_dot = [text for text in self.vary if "." not in text.partition("=")[0]]
+        with_dot = [text for text in self.vary if text not in without_dot]
+        groups: dict[str, Group] = {}
+        for text in (*without_dot, *with_dot):
+            scene = _with_words(self.scene, groups.values())
+            groups[text] = parse_group(scene, text)
+        return tuple(groups[text] for text in self.vary)
 
     @cached_property
     def _sampled(self) -> list[tuple[Column, Distribution]]:
@@ -182,23 +186,19 @@ class Plan:
 
     @property
     def remark(self) -> str:
-        """Reason why the rows have no wear updates although the scene has some; else nothing."""
-        if (
-            self.scene.wear_updates == self.example.wear_updates
-            or self.example.wear_updates > 0
-        ):
+        """Reason why the rows have no wear updates although the scene has some; else empty."""
+        if self.scene.wear_updates == 0 or self.example.wear_updates > 0:
             return ""
         return "no wear updates: set cycles_per_update, so that all rows wear by equal strokes"
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
         base, values = self._base
-        pairs = self.settings(
-            row
-        ).items()  # a row may set a value that the scene has already
-        return json.dumps(
-            [base, {k: v for k, v in pairs if (k, v) not in values}], sort_keys=True
-        )
+        changes = {}
+        for key, value in self.settings(row).items():
+            if (key, value) not in values:  # else the scene has this value already
+                changes[key] = value
+        return json.dumps([base, changes], sort_keys=True)
 
     @cached_property
     def _base(self) -> tuple[str, list[tuple[str, Any]]]:
@@ -367,9 +367,7 @@ class Table:
         writer.writerow(columns)
         text.write(f"# units: {','.join(map(str.rstrip, names))}\n")
         for row in zip(*columns.values(), strict=True):
-            cells = (int(cell) if isinstance(cell, bool) else cell for cell in row)
-            # NaN differs
-            writer.writerow(["" if cell != cell else cell for cell in cells])
+            writer.writerow([_csv_cell(value) for value in row])
         return text.getvalue()
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -394,3 +392,10 @@ class Table:
         units = {column.key: column.unit for column in columns}
         halves = {f"{one.key}_half_width": one.unit for one in self.responses}
         return units | halves
+
+
+def _csv_cell(value: Any) -> Any:
+    """Return a value as it is written to CSV: 0 or 1 for a truth value, empty for NaN."""
+    if isinstance(value, bool):
+        return int(value)
+    return "" if isinstance(value, float) and math.isnan(value) else value

@@ -98,16 +98,21 @@ def dependent_joint(
 
 
 def _problem(
-    state: int, constraints: Constraints, rubs: bool, time: float, q: Array, v: Array
+    status: int,
+    constraints: Constraints,
+    has_friction: bool,
+    time: float,
+    q: Array,
+    v: Array,
 ) -> Finding:
-    """Return the finding for a march that has failed.
+    """Return the finding for an integration that has failed.
 
-    A joint near a singular position is named. ``rubs`` is true if a rigid joint has
-    friction.
+    A joint near a singular position is named. ``has_friction`` is true if a rigid joint
+    has friction.
     """
-    if state != STUCK:
+    if status != STUCK:
         what = "the state is no longer finite"
-        if rubs:
+        if has_friction:
             what += (
                 "; friction in rigid joints blocks motion where mu r exceeds "
                 "the levers of forces"
@@ -178,13 +183,14 @@ class _Solver:
         packed = self.records.packed
         self.constraints = constraints_of(linkage)
         check_start(self.constraints, start)
-        tree = (
-            None if settings.takes_all_coordinates else write_equations(linkage, packed)
-        )
-        self.is_tree = isinstance(tree, Equations)
-        self.equations = (
-            tree if isinstance(tree, Equations) else write_body_forces(linkage, packed)
-        )
+        tree: Equations | str = "all coordinates are requested"
+        if not settings.takes_all_coordinates:
+            tree = write_equations(linkage, packed)  # a reason if it cannot be written
+        self.is_tree = not isinstance(tree, str)
+        if isinstance(tree, str):
+            self.equations = write_body_forces(linkage, packed)
+        else:
+            self.equations = tree
         contacts = np.zeros(len(packed.joints), CONTACT)
         self.model = model_of(
             linkage, self.equations, packed, self.records.onset, contacts
@@ -223,17 +229,18 @@ class _Solver:
 
     def _bind_kernels(self) -> None:
         """Bind the kernels of the integration method to this system."""
-        settings, packed = self.settings, self.records.packed
+        settings = self.settings
+        packed = self.records.packed
         stabilized = (
             () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
         )
         system = system_of(packed, self.equations, self.model, *stabilized)
-        rest = self.records, self.control, self.steps
+        state = self.records, self.control, self.steps
         if settings.has_equal_steps:
-            run = Integration(system, None, 4, *rest, last=3)
+            run = Integration(system, None, 4, *state, last=3)
         else:
             tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
-            run = Integration(system, tableau, None, *rest, last=tableau.b.size)
+            run = Integration(system, tableau, None, *state, last=tableau.b.size)
         packed_run = pack_arguments(run)
         march = march_fixed if settings.has_equal_steps else march_controlled
         self._kernel = bind(march, packed_run)
@@ -274,8 +281,8 @@ class _Solver:
         if message:
             return Finding("energy", message, time, "", made_remedy(packed, REMEDY))
         if status in (BROKEN, STUCK):
-            rubs = bool(self.linkage.rubbing_pins)
-            return _problem(status, self.constraints, rubs, *self.motion())
+            has_friction = bool(self.linkage.rubbing_pins)
+            return _problem(status, self.constraints, has_friction, *self.motion())
         stalled = check_motor(self.recorder, time)
         return stalled or self.progress.judge(int(self.control["steps"][0]), time)
 
@@ -314,10 +321,12 @@ class _Solver:
 
     def diagnostics(self) -> dict[str, float | int | str]:
         """Return sentences on the model and on its solver, counts and times."""
-        control, names = self.control[0], ("steps", "events", "evaluations")
+        control = self.control[0]
         return {
-            **self._words(),
-            **{name: int(control[name]) for name in names},
+            **self._descriptions(),
+            "steps": int(control["steps"]),
+            "events": int(control["events"]),
+            "evaluations": int(control["evaluations"]),
             "steps_sent_back": int(control["rejected"]),
             "constraint_error_m": float(control["position_error"]),
             "constraint_velocity_error_m_s": float(control["velocity_error"]),
@@ -325,13 +334,14 @@ class _Solver:
             "wall_solve_s": self.sums["solve"],
         }
 
-    def _words(self) -> dict[str, str]:
+    def _descriptions(self) -> dict[str, str]:
         """Return sentences on the model that was built and on its solver."""
-        settings, linkage = self.settings, self.linkage
+        settings = self.settings
+        linkage = self.linkage
         steps = f"RK4 at equal steps of {settings.step:g} s"
         if not settings.has_equal_steps:
             method = settings.integrator.upper()
-            steps = f"{method} at tolerance {settings.tolerance:g}, touches located"
+            steps = f"{method} at tolerance {settings.tolerance:g}, touchdowns located"
         if self.is_tree:
             chain = self.equations.chain
             names = listed([link.body.name for link in chain.free])
@@ -339,10 +349,8 @@ class _Solver:
             model = described(linkage, words, prescribed_of(linkage))
             return {"model": model, "solver": f"in-house, {steps}"}
         words = f"{len(linkage.bodies)} bodies, {self.constraints.rows} constraints"
-        solver = (
-            f"in-house, Lagrange multipliers, {steps}, Baumgarte {settings.alpha:g}"
-        )
-        solver += (
-            f"/{settings.beta:g}{', projected' if settings.projection == 'on' else ''}"
-        )
+        factors = f"{settings.alpha:g}/{settings.beta:g}"
+        solver = f"in-house, Lagrange multipliers, {steps}, Baumgarte {factors}"
+        if settings.projection == "on":
+            solver += ", projected"
         return {"model": described(linkage, words), "solver": solver}

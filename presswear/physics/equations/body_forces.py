@@ -13,7 +13,7 @@ from presswear.tools.packing import pack_arguments
 
 
 class BodyForces:
-    """Written forces of a linkage as a function of Python.
+    """Forces on all bodies of a linkage as a Python function; it calls the written forces.
 
     Attributes
     ----------

@@ -29,24 +29,26 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(count, 0.6 + 1.9 * count)
     marks: dict[str, str] = {}
     nominal = _RPM * abs(leader.speed)
-    for stage, full in zip(shown, moving, strict=True):
-        speed = nominal * full.data.nominal_rate
-        cut = nominal * stage.data.nominal_rate
-        stage.pen.draw(panels[0], stage.data.time, cut)
-        marks |= mark_moments(panels[0], result, (stage, full), speed, window)
+    for stage, whole_stage in zip(shown, moving, strict=True):
+        speed = nominal * stage.data.nominal_rate
+        stage.pen.draw(panels[0], stage.data.time, speed)
+        speed = nominal * whole_stage.data.nominal_rate
+        marks |= mark_moments(panels[0], result, (stage, whole_stage), speed, window)
     panels[0].axhline(nominal, **_NOMINAL.line_style)
     panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
     for axes, drive in zip(panels[1:], driven, strict=True):
         column = linkage.drives.index(drive)
         sense = math.copysign(1.0, drive.mean_speed)
         for stage in shown:
-            torque = stage.data.arrays["drive_torque"][:, column]
-            stage.pen.draw(axes, stage.data.time, sense * torque)
+            driving_torque = sense * stage.data.arrays["drive_torque"][:, column]
+            stage.pen.draw(axes, stage.data.time, driving_torque)
         _draw_rated(axes, drive)
         style.label_values(axes, f"torque on {drive.body}\n", "N m")
     window.label(panels, zones)
     has_rated = any(drive.motor and drive.motor.has_slip for drive in driven)
-    pens = [*(stage.pen for stage in shown), _NOMINAL, *[_RATED] * has_rated]
+    pens = [*(stage.pen for stage in shown), _NOMINAL]
+    if has_rated:
+        pens.append(_RATED)
     slowest = float((100.0 * shown[-1].data.nominal_rate).min())
     content = {"window": window, "marks": marks.values(), "slowest": slowest}
     content |= {"leader": leader, "has_torque": has_torque, "has_rated": has_rated}
