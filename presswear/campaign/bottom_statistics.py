@@ -17,9 +17,9 @@ from presswear.results.stage_statistics import BottomStatistics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-# part of the scatter of bottom dead centre, within which the ideal motion dwells
+# The ideal motion dwells while it stays within this part of the scatter of its bottom
 SHARP = 0.01
-STILL = 1e-9  # part of the stroke, by which round-off moves an ideal slider at rest
+STILL = 1e-9  # round-off of the place of an ideal slider at rest, part of the stroke
 
 
 def bottom_statistics(
@@ -35,10 +35,8 @@ def bottom_statistics(
     ideal = bottom_of(scene.ideal)
     if ideal is None:
         return None
-    finished, alone = (
-        [run for run in runs if len(run.cycles) > ideal.first]
-        for runs in (recorders, alone)
-    )
+    finished = [run for run in recorders if len(run.cycles) > ideal.first]
+    alone = [run for run in alone if len(run.cycles) > ideal.first]
     if not finished:
         return None
     heights = [run.each_cycle("bottom_height") for run in finished]
@@ -47,17 +45,15 @@ def bottom_statistics(
     scatter = spread(heights)
     span, count = mean_range(heights)
     scatter_size = 0.0 if scatter is None else scatter.mean
-    rest = STILL * ideal.stroke
-    dwell = dwell_of(scene.ideal, max(SHARP * scatter_size, rest))
+    round_off = STILL * ideal.stroke
+    dwell = dwell_of(scene.ideal, max(SHARP * scatter_size, round_off))
     delay = angle = delay_scatter = None
-    delays, alone_delays = (
-        [ideal.delay(run.each_cycle("bottom_time")) for run in runs]
-        for runs in (finished, alone)
-    )
+    delays = [ideal.delay(run.each_cycle("bottom_time")) for run in finished]
+    alone_delays = [ideal.delay(run.each_cycle("bottom_time")) for run in alone]
     every_delay = np.concatenate(
         [after_startup(rows) for rows in (*delays, *alone_delays)]
     )
-    equal = equal_bottoms(ideal, every_delay, max(scatter_size, rest))
+    equal = equal_bottoms(ideal, every_delay, max(scatter_size, round_off))
     if dwell < DWELL * ideal.period and not equal:
         delay = pooled(delays, alone_delays)[0]
         delay_scatter = spread(delays)

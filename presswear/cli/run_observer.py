@@ -69,7 +69,8 @@ class RunObserver(Observer):
         done = progress.whole
         share = progress.estimate or progress.whole
         if self._start is None:
-            self._start, self._compiled = share, clock.perf_counter() - self._printed
+            self._start = share
+            self._compiled = clock.perf_counter() - self._printed
         fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
         self._bar.update(self._task, description=text, completed=done, **fields)
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
@@ -117,10 +118,11 @@ class RunObserver(Observer):
                 volumes[f"{side} wall of {guide}"] = rate
         lines += _largest("mean peak force", "N", forces)
         settling = stage.statistics.settling
-        lines += [] if settling is None else [f"  motion: {state_of(settling)}"]
-        wear = _largest("wear per 10⁶ strokes", "m^3", volumes)
+        if settling is not None:
+            lines.append(f"  motion: {state_of(settling)}")
         remark = self._scene.bin_remark
-        lines += [f"{line} ({remark})" if remark else line for line in wear]
+        for line in _largest("wear per 10⁶ strokes", "m^3", volumes):
+            lines.append(f"{line} ({remark})" if remark else line)
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
 

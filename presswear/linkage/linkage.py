@@ -41,7 +41,9 @@ from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked, checked_arguments, make, plain
 
+# Parts of a linkage that are tables of a file
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")
+# Fields that ``released`` sets and ``assemble`` does not take
 _RELEASED = "elastic_pins", "elastic_guides", "is_turned_by_motors"
 
 
@@ -69,10 +71,10 @@ class Linkage(Checked):
     springs: tuple[AnySpring, ...] = ()
     loads: tuple[AnyLoad, ...] = ()
     clearances: tuple[ClearanceJoint, ...] = ()
-    # that stretch; see ``released``
+    # pins and guides that stretch; only in a linkage that is ``released``
     elastic_pins: tuple[Revolute, ...] = ()
     elastic_guides: tuple[Guide, ...] = ()
-    # True where motors turn their bodies; see ``released``
+    # motors turn their bodies, so that drives with a motor prescribe nothing
     is_turned_by_motors: bool = False
 
     def changed(self, **changes: Any) -> "Linkage":
@@ -286,20 +288,17 @@ class Linkage(Checked):
     @property
     def phase(self) -> str:
         """Name of the angle that goes through a whole turn in a cycle."""
-        turn = 2.0 * math.pi / self.period
-        cranks = [
-            d
-            for d in self.drives
-            if not d.repeats and abs(abs(d.speed) / turn - 1.0) < 1e-9
-        ]
-        return "crank angle" if cranks else "phase of the cycle"
+        one_turn = 2.0 * math.pi / self.period  # speed of a turn in a cycle, rad/s
+        for drive in self.drives:
+            if not drive.repeats and abs(abs(drive.speed) / one_turn - 1.0) < 1e-9:
+                return "crank angle"
+        return "phase of the cycle"
 
     @property
     def run_up_time(self) -> float:
-        """Time in which it runs up, s; with a motor the nominal time."""
-        if self.leader is not None:
-            return self.run_up * self.period
-        return 2.0 * self.run_up * self.period if self.run_up else 0.0
+        """Time in which the linkage runs up from rest, s; with a motor the nominal time."""
+        duration = self.run_up * self.period if self.run_up else 0.0
+        return duration if self.leader is not None else 2.0 * duration
 
     def index(self, body: str) -> int:
         """Return the position of a body in ``bodies``."""
@@ -366,8 +365,8 @@ def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
     is_default = output is None or (isinstance(output, str) and not output)
     end = getattr(rows[-1], "name", "") if is_default else output
     tables = rows, joints, drives, springs, loads
-    convert: Any = Parts  # takes texts for numbers
-    parts: Parts = convert(
+    make_parts: Any = Parts  # Any, because it also takes numbers as texts with units
+    parts: Parts = make_parts(
         end, name, direction, dict(guess), cycle, run_up, gravity, *tables
     )
     placing = Placing(parts)
@@ -421,21 +420,19 @@ def _parts_of(linkage: Linkage) -> Parts:
         if isinstance(part, Attachment):
             if part.body == GROUND:
                 return part.x, part.y
-            points = {"centre": (0.0, 0.0)} | dict(
-                linkage.bodies[linkage.index(part.body)].points
-            )
-            names = [
-                name for name, place in points.items() if place == (part.x, part.y)
-            ]
-            return f"{part.body}.{names[0]}" if names else part
+            body = linkage.bodies[linkage.index(part.body)]
+            points = {"centre": (0.0, 0.0)} | dict(body.points)
+            for name, place in points.items():
+                if place == (part.x, part.y):
+                    return f"{part.body}.{name}"
+            return part
         if isinstance(part, Revolute):
             ends = named(part.first), named(part.second)
             return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
         if not isinstance(part, AnySpring | Force | Drive | Follow):
             return part
-        return type(part)(
-            **{item.name: named(getattr(part, item.name)) for item in fields(part)}
-        )
+        values = {item.name: named(getattr(part, item.name)) for item in fields(part)}
+        return type(part)(**values)
 
     return Parts(
         named(linkage.output),
@@ -461,7 +458,6 @@ def place_of(
 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:
-    """Return a linkage from what ``as_plain`` returned or a file has; messages name the place."""
-    return make(
-        place, assemble, {key: value for key, value in data.items() if key != "kind"}
-    )
+    """Return a linkage from plain data, as of ``as_plain``; messages begin with ``place``."""
+    arguments = {key: value for key, value in data.items() if key != "kind"}
+    return make(place, assemble, arguments)

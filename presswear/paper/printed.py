@@ -1,4 +1,4 @@
-"""Numbers that the paper prints in sections 5.3 and 5.4, and trends that it claims there and in 6.
+"""Numbers printed in sections 5.3 and 5.4 of the paper, and its claims on trends.
 
 Numbers are in ``printed.toml``; misprints are kept and described. Claims are in
 ``claims.toml`` as comparisons of quantities; its head explains how they are written.
@@ -46,7 +46,7 @@ class Printed:
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Places to compare with: section 5.4.2 does not say before or after which wear."""
+        """Places to compare with: two in section 5.4.2, which does not say after which wear."""
         if self.section != "5.4.2":
             return (self.place,)
         return tuple(Place(self.place.setting, k, self.place.joint) for k in (0, 1))
@@ -56,24 +56,25 @@ def _misprint(names: list[str]) -> str:
     return "; ".join(_DATA["misprints"][name] for name in names)
 
 
-PRINTED: tuple[Printed, ...] = (
-    *(
-        Printed(section, figure, Place(setting, wear_updates, joint), *number)
-        for section, figure, setting, wear_updates, joint, depth, angle, names in _DATA[
-            "depths"
-        ]
-        for number in (("depth", depth, _misprint(names)), ("angle", radians(angle)))
-    ),
-    *(
-        Printed(
-            section, figure, Place(setting, k, joint), quantity, value, _misprint(names)
-        )
-        for section, figure, setting, first, joint, quantity, values, names in _DATA[
-            "peaks"
-        ]
-        for k, value in enumerate(values, first)
-    ),
-)
+def _printed_depths() -> Iterator[Printed]:
+    """Yield the printed depths and their angles."""
+    for row in _DATA["depths"]:
+        section, figure, setting, wear_updates, joint, depth, angle, names = row
+        place = Place(setting, wear_updates, joint)
+        yield Printed(section, figure, place, "depth", depth, _misprint(names))
+        yield Printed(section, figure, place, "angle", radians(angle))
+
+
+def _printed_peaks() -> Iterator[Printed]:
+    """Yield the printed peaks of successive stages."""
+    for row in _DATA["peaks"]:
+        section, figure, setting, first, joint, quantity, values, names = row
+        for wear_updates, value in enumerate(values, first):
+            place = Place(setting, wear_updates, joint)
+            yield Printed(section, figure, place, quantity, value, _misprint(names))
+
+
+PRINTED: tuple[Printed, ...] = (*_printed_depths(), *_printed_peaks())
 
 # places whose printed depth has probably lost a power of ten
 LOST_FACTOR = _misprint(["lost_factor"])
@@ -146,32 +147,54 @@ def wrapped_angle(angle: float) -> float:
 def comparisons(text: str) -> Iterator[Comparison]:
     """Yield the comparisons of a text such as ``depth more wear A,C 1,2``."""
     quantity, expected, kind, *words = text.split()
-    sides: list[tuple[list[Place], list[Place]]] = []  # numerators and denominators
-    if kind in (
-        "joints",
-        "growth",
-    ):  # joint A over joint C, at one stage or from one to another
-        for word in words:
-            stages = (stage.split(":") for stage in word.split(">"))
-            (a, c), *last = (
-                [Place(name, int(k), joint) for joint in "AC"] for name, k in stages
-            )
-            sides.append(([last[0][0], c], [a, last[0][1]]) if last else ([a], [c]))
+    if kind == "joints":
+        sides = _between_joints(words)
+    elif kind == "growth":
+        sides = _between_growths(words)
     else:
-        joints, numbers, setting = (*words, WEAR)[:3]
-        updates = [int(number) for number in numbers.split(",")]
-        if kind == "wear":
-            steps = [((setting, i), (setting, k)) for i, k in pairwise(updates)]
-        else:
-            lower, higher = _SETTINGS[kind]
-            steps = [((lower, k), (higher, k)) for k in updates]
-        for joint in [""] if joints == "slider" else joints.split(","):
-            sides += [
-                ([Place(*second, joint)], [Place(*first, joint)])
-                for first, second in steps
-            ]
+        sides = _between_settings(kind, *words)
     for over, under in sides:
         yield Comparison(quantity, tuple(over), tuple(under), cast(Expected, expected))
+
+
+_Sides = Iterator[tuple[list[Place], list[Place]]]  # numerators and denominators
+
+
+def _place(word: str, joint: str) -> Place:
+    """Return the place of a joint in a stage such as ``wear:1``."""
+    setting, wear_updates = word.split(":")
+    return Place(setting, int(wear_updates), joint)
+
+
+def _between_joints(stages: list[str]) -> _Sides:
+    """Yield joint A over joint C in each stage."""
+    for stage in stages:
+        yield [_place(stage, "A")], [_place(stage, "C")]
+
+
+def _between_growths(pairs: list[str]) -> _Sides:
+    """Yield the growth at A over that at C, from one stage to another, ``wear:1>wear:2``."""
+    for pair in pairs:
+        first, last = pair.split(">")
+        yield (
+            [_place(last, "A"), _place(first, "C")],
+            [_place(first, "A"), _place(last, "C")],
+        )
+
+
+def _between_settings(
+    kind: str, joints: str, numbers: str, setting: str = WEAR
+) -> _Sides:
+    """Yield successive wears of a setting, or the higher over the lower of two settings."""
+    updates = [int(number) for number in numbers.split(",")]
+    if kind == "wear":
+        steps = [((setting, i), (setting, k)) for i, k in pairwise(updates)]
+    else:
+        lower, higher = _SETTINGS[kind]
+        steps = [((lower, k), (higher, k)) for k in updates]
+    for joint in [""] if joints == "slider" else joints.split(","):
+        for first, second in steps:
+            yield [Place(*second, joint)], [Place(*first, joint)]
 
 
 CLAIMS = tuple(

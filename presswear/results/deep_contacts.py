@@ -9,7 +9,6 @@ from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.results.stage import StageResult
 from presswear.scene.pin_joints import elastic_law, normal_stiffness
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.numbers import quantity_text, readable
 from presswear.tools.user_function import UserFunction
@@ -28,18 +27,13 @@ def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float
     """Return the largest recorded penetration of each joint over its clearance."""
     ratios = {}
     for name in scene.loose_pins:
-        arrays = [stage.arrays for stage in stages if not stage.failed]
-        depths = [
-            one[f"{name}_penetration"].max(initial=0.0)
-            for one in arrays
-            if _has(one, name)
-        ]
-        ratios[name] = float(max(depths, default=0.0)) / scene.bearing(name).clearance
+        deepest = 0.0
+        for stage in stages:
+            penetration = stage.arrays.get(f"{name}_penetration")
+            if penetration is not None and not stage.failed:
+                deepest = max(deepest, float(penetration.max(initial=0.0)))
+        ratios[name] = deepest / scene.bearing(name).clearance
     return ratios
-
-
-def _has(arrays: Mapping[str, Array], joint: str) -> bool:
-    return f"{joint}_penetration" in arrays
 
 
 def forces_by_law(
@@ -67,21 +61,25 @@ def forces_by_law(
     used = records[elastic_law(bearing, conventions.contact)]
     prescribed = min(prescribed, force)
     energy = _energy(used, _depth_of(used, force), prescribed)
-    return {
-        law: elastic_of(one, _depth_of(one, prescribed, energy))[0]
-        for law, one in records.items()
-    }
+    forces = {}
+    for law, record in records.items():
+        depth = _depth_of(record, prescribed, energy)
+        forces[law] = elastic_of(record, depth)[0]
+    return forces
 
 
 def _energy(law: Records, depth: float, force: float) -> float:
     """Return the elastic energy at a depth, m, minus that at a force, N, and its work, J."""
     start = _depth_of(law, force)
-    energies = [elastic_of(law, each)[1] for each in (start, depth)]
-    return energies[1] - energies[0] - force * (depth - start)
+    stored = elastic_of(law, depth)[1] - elastic_of(law, start)[1]
+    return stored - force * (depth - start)
 
 
 def _depth_of(law: Records, force: float, energy: float = 0.0) -> float:
-    """Return the penetration, m, at a force, N, or where an energy, J, has pressed from there."""
+    """Return the penetration, m, at a force, N, or where an energy, J, has pressed from there.
+
+    Bisection goes on to the last bit.
+    """
     start = _depth_of(law, force) if energy > 0.0 else 0.0
 
     def is_below(depth: float) -> bool:
@@ -89,11 +87,18 @@ def _depth_of(law: Records, force: float, energy: float = 0.0) -> float:
             return _energy(law, depth, force) < energy
         return elastic_of(law, depth)[0] < force
 
-    low, high = start, start + float(law["clearance"])
+    low = start
+    high = start + float(law["clearance"])
     while is_below(high):
-        low, high = high, 2.0 * high
-    while low < (middle := 0.5 * (low + high)) < high:
-        low, high = (middle, high) if is_below(middle) else (low, middle)
+        low = high
+        high = 2.0 * high
+    middle = 0.5 * (low + high)
+    while low < middle < high:
+        if is_below(middle):
+            low = middle
+        else:
+            high = middle
+        middle = 0.5 * (low + high)
     return high
 
 
@@ -102,7 +107,7 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
 
     At an angle x from the line of centres the surfaces overlap by e cos(x) - c, with
     the eccentricity e and the clearance c. The cosine of half the arc of contact is
-    c / (c + penetration). Joints of which the same is to be said share a sentence.
+    c / (c + penetration). Oiled joints share a sentence, and dry joints another one.
     """
     deep = {
         name: ratio
@@ -143,16 +148,12 @@ def _dry_contacts(
         "made for small contacts; here bottom dead centre under load may be wrong, forces less so."
     )
     last = next(one for one in reversed(stages) if not one.failed)
-    peaks = [
-        words
-        for name in deep
-        if name in last.statistics.joints
-        and (
-            words := _forces_by_law_text(
-                scene, name, last.statistics.joints[name].peak_force_per_cycle.mean
-            )
-        )
-    ]
+    peaks = []
+    for name in deep:
+        if name in last.statistics.joints:
+            force = last.statistics.joints[name].peak_force_per_cycle.mean
+            peaks.append(_forces_by_law_text(scene, name, force))
+    peaks = [words for words in peaks if words]
     if peaks:
         text += " Peak forces, and those of an impact of the same elastic energy by other laws: "
         text += f"{'; '.join(peaks)}. A load that prescribes the force gives the same by all."
@@ -166,7 +167,10 @@ def _depth(scene: Scene, joint: str, ratio: float) -> str:
 
 
 def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:
-    """Return the peak force of a joint by each elastic law, that of the run first."""
+    """Return the peak force of a joint by each elastic law, that of the run first.
+
+    Empty if the laws cannot be compared; see ``forces_by_law``.
+    """
     forces = forces_by_law(scene, joint, force)
     if not forces:
         return ""

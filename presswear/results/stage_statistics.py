@@ -52,8 +52,9 @@ class BottomStatistics:
     delay: Estimate | None = None
     delay_angle: Estimate | None = None  # rad
     delay_standard_deviation: Estimate | None = None
-    # Times in the cycle of bottoms of an ideal stroke that differ by less than the
-    # scatter, or of which different strokes reach different ones; empty: one bottom
+    # Times in the cycle of the bottoms of an ideal stroke with several bottoms: their
+    # heights differ by less than the scatter, or strokes are lowest at different ones.
+    # Empty if there is one bottom
     equal_bottoms: tuple[float, ...] = ()
 
 

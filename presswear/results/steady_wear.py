@@ -70,9 +70,10 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
     halves = np.sqrt(np.diag(covariance))
     life = None
     if slope > 0.0 and not math.isinf(limit):
-        left = float(limit - new - intercept)
-        low, high = _fieller(left, float(slope), covariance)
-        life = Estimate(scale * left / float(slope), scale * low, scale * high, count)
+        remaining = float(limit - new - intercept)
+        low, high = _fieller(remaining, float(slope), covariance)
+        value = scale * remaining / float(slope)
+        life = Estimate(value, scale * low, scale * high, count)
     return SteadyWear(
         Estimate.symmetric(float(intercept), float(halves[0]), count),
         Estimate.symmetric(float(slope) / scale, float(halves[1]) / scale, count),
@@ -80,15 +81,15 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
     )
 
 
-def _fieller(left: float, slope: float, covariance: Array) -> tuple[float, float]:
-    """Return the places x at which left - slope x is as large as its half width.
+def _fieller(remaining: float, slope: float, covariance: Array) -> tuple[float, float]:
+    """Return the values x at which remaining - slope x is as large as its half width.
 
-    ``covariance`` of intercept and slope is that of the half widths. The upper place is
-    infinite where the slope does not differ from zero.
+    ``covariance`` of intercept and slope is that of the half widths. The upper value is
+    infinite if the slope does not differ from zero.
     """
     quadratic = slope**2 - covariance[1, 1]
-    linear = -2.0 * (left * slope + covariance[0, 1])
-    constant = left**2 - covariance[0, 0]
+    linear = -2.0 * (remaining * slope + covariance[0, 1])
+    constant = remaining**2 - covariance[0, 0]
     root = math.sqrt(max(linear**2 - 4.0 * quadratic * constant, 0.0))
     if quadratic <= 0.0:
         return 0.0, math.inf
@@ -110,7 +111,7 @@ def course_exponent(shape: Shape, observed: Observed) -> CourseExponent | None:
         return None
     last = float(observed.strokes.max())
     relative = np.log(np.where(worn, observed.strokes, last) / last)
-    # Readings when new stay there.
+    # A reading when new remains at 0 strokes whatever the exponent.
     powers = np.where(worn, relative, -np.inf)
     start = float(np.log(shape.strokes_until(observed.values.max()) / last))
     roots = np.sqrt(observed.weights)

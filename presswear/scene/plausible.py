@@ -1,33 +1,29 @@
-"""Warnings about numbers that machines hardly have, such as a mass in g that was written as kg."""
+"""Warnings about numbers that machines rarely have, such as a mass in g written as kg."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
-from operator import attrgetter
 
 from presswear.linkage.elements import Body
 from presswear.linkage.laws import NARROWEST, OILED_CLEARANCE, WIDEST
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.process import Process
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import quantity_text, readable
 
-_MASS = attrgetter("mass")
 STEEL = 7850.0  # density, kg/m^3
 # Lowest and highest usual value of each quantity, and its SI unit
 USUAL = {
     "length": (0.0, 10.0, "m"),
     "mass ratio": (0.0, 1e3, ""),
-    "gyration": (
-        0.03,
-        30.0,
-        "",
-    ),  # 0.29 of a bar; a flywheel on a small eccentric is far above
+    # 0.29 of a bar; a flywheel on a small eccentric is far above
+    "gyration": (0.03, 30.0, ""),
     "relative clearance": (1e-5, 0.1, ""),  # 1e-3 of a new bearing; 0.053 in the paper
     "speed": (0.0, 2000.0, "rad/s"),
     "stress": (0.0, 300e6, "Pa"),  # a structural steel yields
     "viscosity": (1e-3, 0.9, "Pa s"),  # water at 20 °C; ISO VG 1000 at 40 °C
-    # beyond them the film of oil is not that of the formulas
+    # The formulas of the oil film hold between these values.
     "oiled clearance": (1e-5, OILED_CLEARANCE, ""),
     "oiled width": (NARROWEST, WIDEST, ""),
     "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
@@ -35,7 +31,7 @@ USUAL = {
 
 
 def unusual(key: str, value: float, words: str) -> list[str]:
-    """Return a sentence on an SI value outside its usual range, else nothing."""
+    """Return a sentence on an SI value outside its usual range; empty inside the range."""
     low, high, _ = USUAL[key]
     if low <= value <= high:
         return []
@@ -43,9 +39,9 @@ def unusual(key: str, value: float, words: str) -> list[str]:
 
 
 def unusual_joints(key: str, values: Mapping[str, float], words: str) -> list[str]:
-    """Return sentences on SI values of joints outside their usual range, one for each side of it.
+    """Return sentences on SI values of joints below and above their usual range.
 
-    ``words`` have the place ``{joints}``.
+    ``words`` contain ``{joints}`` where the names of the joints are to be.
     """
     low, high, _ = USUAL[key]
     below = {name: value for name, value in values.items() if value < low}
@@ -82,17 +78,7 @@ def doubts(scene: Scene) -> list[str]:
             "the forces without clearance are those of smallest norm"
         )
     lines += _unused_limit(scene)
-    heavy = max(linkage.bodies, key=_MASS)
-    light = min(linkage.bodies, key=_MASS)
-    words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
-    lines += unusual("mass ratio", heavy.mass / light.mass, words)
-    for body in linkage.bodies:
-        length = _length(linkage, body)
-        lines += unusual("length", length, f"the distance of the joints of {body.name}")
-        if length and body.inertia:
-            ratio = math.sqrt(body.inertia / body.mass) / length
-            words = f"the radius of gyration of {body.name}, divided by the distance of its joints,"
-            lines += unusual("gyration", ratio, words)
+    lines += _body_doubts(linkage)
     for drive in linkage.drives:
         lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
     bearings = {name: scene.bearing(name) for name in scene.loose_pins}
@@ -102,20 +88,41 @@ def doubts(scene: Scene) -> list[str]:
     }
     words = "the clearance of {joints}, divided by the radius of the bearing,"
     lines += unusual_joints("relative clearance", relative, words)
-    lines += _oil_doubts(
-        {name: one for name, one in bearings.items() if one.viscosity is not None}
-    )
+    lines += _oil_doubts(bearings)
     if scene.process is not None:
-        # The body that is too light for the force of the process, as a bar.
-        force = max(force for _, force in scene.process.curve)
-        body = max(linkage.bodies, key=lambda one: _length(linkage, one) / one.mass)
-        stress = force * STEEL * _length(linkage, body) / body.mass
-        words = (
-            f"the mean stress in a steel bar of the length and mass of {body.name}, "
-        )
-        words += f"{readable(body.mass)} kg, under the process force of {quantity_text(force, 'N')}"
-        lines += unusual("stress", stress, words)
+        lines += _stress_doubts(linkage, scene.process)
     return lines
+
+
+def _body_doubts(linkage: Linkage) -> list[str]:
+    """Return sentences on masses, lengths and inertias that are not plausible."""
+    heavy = max(linkage.bodies, key=lambda body: body.mass)
+    light = min(linkage.bodies, key=lambda body: body.mass)
+    words = f"the mass of {heavy.name}, {readable(heavy.mass)} kg, divided by that of {light.name}"
+    lines = unusual("mass ratio", heavy.mass / light.mass, words)
+    for body in linkage.bodies:
+        length = _length(linkage, body)
+        lines += unusual("length", length, f"the distance of the joints of {body.name}")
+        if length and body.inertia:
+            ratio = math.sqrt(body.inertia / body.mass) / length
+            words = f"the radius of gyration of {body.name}, divided by the distance of its joints,"
+            lines += unusual("gyration", ratio, words)
+    return lines
+
+
+def _stress_doubts(linkage: Linkage, process: Process) -> list[str]:
+    """Return a sentence if the force of a process is too large for the thinnest body.
+
+    A body is taken as a steel bar of its length and mass.
+    """
+    force = max(force for _, force in process.curve)
+    thinnest = max(linkage.bodies, key=lambda body: _length(linkage, body) / body.mass)
+    section = thinnest.mass / (STEEL * _length(linkage, thinnest))
+    words = (
+        f"the mean stress in a steel bar of the length and mass of {thinnest.name}, "
+        f"{readable(thinnest.mass)} kg, under the process force of {quantity_text(force, 'N')}"
+    )
+    return unusual("stress", force / section, words)
 
 
 def _unused_limit(scene: Scene) -> list[str]:
@@ -131,7 +138,8 @@ def _unused_limit(scene: Scene) -> list[str]:
 
 
 def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
-    """Return sentences on numbers of oiled joints for which no film is known."""
+    """Return sentences on numbers of oiled joints for which no formula of a film holds."""
+    oiled = {name: one for name, one in bearings.items() if one.viscosity is not None}
     numbers: tuple[tuple[str, Callable[[Bearing], float], str], ...] = (
         ("viscosity", lambda one: one.viscosity or 0.0, "the viscosity of {joints}"),
         (
@@ -147,7 +155,7 @@ def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
     )
     lines = list[str]()
     for key, value_of, words in numbers:
-        values = {name: value_of(bearing) for name, bearing in bearings.items()}
+        values = {name: value_of(bearing) for name, bearing in oiled.items()}
         lines += unusual_joints(key, values, words)
     return lines
 

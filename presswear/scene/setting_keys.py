@@ -61,48 +61,47 @@ def radial_name(key: str) -> str:
 
 
 def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> InputError:
+    """Return the error for a key that a scene does not have, with the closest advice.
+
+    ``first`` is the part of a key before its last dot: a joint, or a part such as
+    ``process``.
+    """
     first, _, last = name_of_key(key).rpartition(".")
     if last in DOUBLED:
         of_what = "diametral clearance" if last == DIAMETRAL else "diameter"
         return InputError(f"{key}: use {radial_name(key)}, which is half the {of_what}")
     if first in (MOTOR, SERVO) and first not in allowed:
-        drives = (
-            f"; specify the {MOTOR} of a drive in mechanism.drives"
-            if isinstance(scene.mechanism, Linkage)
-            else ""
-        )
-        return InputError(
-            f"{key}: mechanism {scene.mechanism.kind} has no {first}{drives}"
-        )
+        advice = ""
+        if isinstance(scene.mechanism, Linkage):
+            advice = f"; specify the {MOTOR} of a drive in mechanism.drives"
+        kind = scene.mechanism.kind
+        return InputError(f"{key}: mechanism {kind} has no {first}{advice}")
     if not first and last in SINGLE:
         joint = scene.mechanism.linkage().revolutes[-1].name
         return InputError(f"{key}: name the joint, for example {joint}.{last}")
     part = allowed.get(first)
     if part is not None and part.value == NONE:
-        kinds = ", ".join(
-            name for name in cast(Choice, part.meaning).words if name != NONE
-        )
-        return InputError(f"{key}: {first} = {NONE}; it needs {first} = {kinds}")
+        kinds = [word for word in cast(Choice, part.meaning).words if word != NONE]
+        needed = f"it needs {first} = {', '.join(kinds)}"
+        return InputError(f"{key}: {first} = {NONE}; {needed}")
     if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
         return InputError(
             f"{key}: joint {first} has no clearance; joints = {scene.joints}"
         )
-    inner = [
-        name.rpartition(".")[2] for name in allowed if name.startswith(f"{first}.")
-    ]
+    is_joint = first in scene.bearing_joints
+    inner = [name[len(first) + 1 :] for name in allowed if name.startswith(f"{first}.")]
     if part is not None and inner:
         return unknown(f"key of {first}", last, inner)
-    if (
-        first not in scene.bearing_joints
-        and part is None
-        and last in vars(scene.bearings)
-    ):
+    if part is None and not is_joint and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
-    names = [
-        name for name in allowed if name.rpartition(".")[0] not in scene.bearing_joints
-    ]
-    if first in scene.bearing_joints:
+    if is_joint:
         names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
+    else:
+        names = [
+            name
+            for name in allowed
+            if name.rpartition(".")[0] not in scene.bearing_joints
+        ]
     if absent := not_modelled(key):
         return InputError(f"unknown key {shown(key)}. {absent}")
     hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])

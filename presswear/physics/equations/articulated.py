@@ -121,7 +121,7 @@ class Articulated:
         self.mass = self.mass.plus(mass)
         self.is_leaf = False
         if not self.link.is_guided or self.link.is_on_moving_guide:
-            coupling = mass.times(arm.swept(ONE))
+            coupling = mass.times(arm.rotated_at(ONE))
             coupling = self.text.let_vector(
                 f"{child.prefix}_coupling_on_{self.prefix}", coupling
             )
@@ -138,7 +138,7 @@ class Articulated:
         self.is_leaf = False
         if link.is_guided and not link.is_on_moving_guide:
             return
-        swept = arm.swept(ONE)
+        swept = arm.rotated_at(ONE)
         coupling = child.mass.times(swept).plus(child.coupling)
         name = f"{slide.prefix}_coupling_on_{self.prefix}"
         coupling = self.text.let_vector(name, coupling)
@@ -279,7 +279,7 @@ class Articulated:
         text, prefix, link = self.text, self.prefix, self.link
         parent = link.parent
         assert parent is not None
-        carried = parent.acceleration.plus(link.from_parent.swept(parent.alpha))
+        carried = parent.acceleration.plus(link.from_parent.rotated_at(parent.alpha))
         carried = text.let_vector(
             f"{prefix}_carried", carried.plus(self.acceleration_at_rest)
         )

@@ -165,7 +165,7 @@ def _place(text: Text, chain: Chain, link: Link) -> None:
         hinge = link.parent.arm(text, link.branch.before, link.joint)
         arm = link.arm(text, link.branch.end, link.joint)
         position = link.parent.position.plus(hinge).minus(arm)
-        velocity = link.parent.velocity_at(hinge).minus(arm.swept(link.omega))
+        velocity = link.parent.velocity_at(hinge).minus(arm.rotated_at(link.omega))
     link.position = text.let_vector(prefix, position)
     link.velocity = text.let_vector(f"{prefix}_v", velocity)
 
@@ -205,7 +205,7 @@ def sliding_acceleration(text: Text, size: int, link: Link) -> Vector:
     parent = link.parent
     assert parent is not None
     speed = f"y[{size + link.coordinate}]"
-    sideways = link.guide.swept(parent.omega).times(product("2.0", speed))
+    sideways = link.guide.rotated_at(parent.omega).times(product("2.0", speed))
     inwards = link.from_parent.times(square(parent.omega))
     return text.let_vector(f"{link.prefix}_a_at_rest", sideways.minus(inwards))
 
@@ -215,7 +215,7 @@ def hinge_acceleration(text: Text, link: Link) -> Vector:
     parent = link.parent
     assert parent is not None
     hinge = parent.arm(text, link.branch.before, link.joint)
-    turning = hinge.swept(parent.alpha).minus(hinge.times(square(parent.omega)))
+    turning = hinge.rotated_at(parent.alpha).minus(hinge.times(square(parent.omega)))
     return text.let_vector(
         f"{parent.prefix}_{link.joint}_a", parent.acceleration.plus(turning)
     )
@@ -232,6 +232,6 @@ def _accelerate(text: Text, link: Link) -> None:
         link.acceleration = link.guide.times(link.acceleration_along)
         return
     arm = link.arm(text, link.branch.end, link.joint)
-    turning = centripetal(link, arm).minus(arm.swept(link.alpha))
+    turning = centripetal(link, arm).minus(arm.rotated_at(link.alpha))
     acceleration = hinge_acceleration(text, link).plus(turning)
     link.acceleration = text.let_vector(f"{link.prefix}_a", acceleration)

@@ -92,7 +92,7 @@ class Link:
 
     def velocity_at(self, arm: Vector) -> Vector:
         """Return the velocity of the end of an arm."""
-        return self.velocity.plus(arm.swept(self.omega))
+        return self.velocity.plus(arm.rotated_at(self.omega))
 
     def add_force(self, arm: Vector, force: Vector) -> None:
         """Add a force at the end of an arm to those on the body."""

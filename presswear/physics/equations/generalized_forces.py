@@ -23,11 +23,12 @@ class _Transmitted:
 def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
     """Write the forces on the coordinates of a tree, from a place in ``out``."""
     text.comment("forces on the coordinates")
-    # accelerations of the hinges of whole branches, by body
-    carried: dict[str, Vector] = {}
+    # by body, acceleration of the hinge from which its branch hangs
+    hinges: dict[str, Vector] = {}
     transmitted: dict[str, _Transmitted] = {}
     for link in chain.free:
-        acceleration = carried[link.prefix] = _branch_acceleration(text, link, carried)
+        acceleration = _branch_acceleration(text, link, hinges)
+        hinges[link.prefix] = acceleration
         transmitted[link.prefix] = _Transmitted([*link.forces], [*link.moments])
         if acceleration != Vector():
             mass = text.parameter(f"{link.prefix}_mass", link.body.mass)
@@ -36,13 +37,13 @@ def write_generalized_forces(text: Text, chain: Chain, first: int) -> None:
         _write_force(text, link, transmitted, first + link.coordinate)
 
 
-def _branch_acceleration(text: Text, link: Link, carried: dict[str, Vector]) -> Vector:
+def _branch_acceleration(text: Text, link: Link, hinges: dict[str, Vector]) -> Vector:
     """Write the acceleration of the hinge from which the branch of a body hangs."""
     parent = link.parent
     if parent is None or parent.index < 0:
         return Vector()
     if not parent.is_prescribed:
-        return carried[parent.prefix]
+        return hinges[parent.prefix]
     return hinge_acceleration(text, link)
 
 
@@ -50,7 +51,8 @@ def _write_force(
     text: Text, link: Link, transmitted: dict[str, _Transmitted], place: int
 ) -> None:
     """Write the forces on the coordinates of a body, and pass them on to what it hangs from."""
-    prefix, parent = link.prefix, link.parent
+    prefix = link.prefix
+    parent = link.parent
     force = text.let_vector(
         f"{prefix}_transmitted", Vector().plus(*transmitted[prefix].forces)
     )
@@ -76,5 +78,5 @@ def _write_force(
     if parent is not None and parent.prefix in transmitted:
         hinge = parent.arm(text, link.branch.before, link.joint)
         transmitted[parent.prefix].forces.append(force)
-        # The angle counts from that of the parent, which turns the body, too.
+        # The coordinate is the angle relative to the parent: the parent turns the body, too.
         transmitted[parent.prefix].moments += hinge.cross(force), about_hinge

@@ -63,7 +63,8 @@ def product(*factors: str) -> str:
     """Return a product."""
     if ZERO in factors:
         return ZERO
-    sign, words = "", list[str]()
+    sign = ""
+    words = list[str]()
     for factor in factors:
         word = f"({factor})" if is_sum(factor) else factor
         if word.startswith("-"):
@@ -103,7 +104,7 @@ class Vector(NamedTuple):
         """Return the product with a number."""
         return Vector(product(factor, self.x), product(factor, self.y))
 
-    def swept(self, omega: str) -> "Vector":
+    def rotated_at(self, omega: str) -> "Vector":
         """Return the cross product of an angular velocity and this vector."""
         return Vector(negative(product(omega, self.y)), product(omega, self.x))
 
@@ -132,21 +133,28 @@ class Text:
         self._depth = 1
 
     def prefix(self, name: str) -> str:
-        """Return the beginning of the names of variables of a body or joint."""
+        """Return the beginning of the names of variables of a body or joint.
+
+        It is the name with underscores. If another prefix is similar, it is the name
+        without underscores, and then with a number.
+        """
         word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "part"
         word = f"body_{word}" if word[0].isdigit() else word
         plain = word.replace("_", "")
-        names = chain((word, plain), (f"{plain}{k}" for k in count(2)))
-        prefix = next(name for name in names if self._is_new(name))
+        candidates = chain((word, plain), (f"{plain}{k}" for k in count(2)))
+        prefix = next(one for one in candidates if self._is_new(one))
         self._prefixes.add(prefix)
         return prefix
 
     def _is_new(self, word: str) -> bool:
-        """Return whether no other prefix, with an underscore, begins with a word or vice versa."""
-        parts = word.split("_")
-        beginnings = {"_".join(parts[: k + 1]) for k in range(len(parts))}
-        longer = any(used.startswith(f"{word}_") for used in self._prefixes)
-        return not (longer or beginnings & self._prefixes)
+        """Return whether a prefix is new, and no prefix is another one with more words.
+
+        ``rod`` and ``rod_3`` exclude each other: ``rod_3_x`` could belong to both.
+        """
+        return not any(
+            word == used or word.startswith(f"{used}_") or used.startswith(f"{word}_")
+            for used in self._prefixes
+        )
 
     def write(self, line: str) -> None:
         """Append a line."""

@@ -358,7 +358,7 @@ class ContactText:
         if self.joint.friction.coefficient > 0.0:
             friction_force = self.name("friction_force")
             text.write(f"{friction_force} = {self.friction.force(normal_force)}")
-            on_pin = on_pin.plus(normal.swept(friction_force))
+            on_pin = on_pin.plus(normal.rotated_at(friction_force))
         force = Vector(self.name("force_x"), self.name("force_y"))
         text.write(f"{force.x} = {on_pin.x}")
         text.write(f"{force.y} = {on_pin.y}")

@@ -38,7 +38,8 @@ FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 THINNEST = 1e-6
 # Gap over the clearance, at least, of a pin that starts pressed into its bearing
 THINNEST_AT_START = 1e-3
-SCALE = 1e-3  # change of a place on the film that matters, over the clearance
+# Smallest change of the place on the film that matters, over the clearance
+SCALE = 1e-3
 
 
 class OiledBearing(NamedTuple):
@@ -51,7 +52,7 @@ class OiledBearing(NamedTuple):
 
 
 @compiled
-def borne_by_asperities(
+def asperity_force(
     eccentricity: float, half_chord: float, bearing: OiledBearing
 ) -> float:
     """Return the force of asperities, N, at a place of the pin on the rigid film, m.
@@ -97,7 +98,7 @@ def film_rate(
         nx, ny = x / eccentricity, y / eccentricity
     elif size > 0.0:
         nx, ny = -force[0] / size, -force[1] / size
-    rough = borne_by_asperities(eccentricity, half_chord, bearing)
+    rough = asperity_force(eccentricity, half_chord, bearing)
     gap = max(1.0 - eccentricity / bearing.clearance, THINNEST)
     along = force[0] * nx + force[1] * ny + rough
     across = force[1] * nx - force[0] * ny
@@ -177,7 +178,8 @@ class OiledContact:
 
     def write(self, page: Page) -> None:
         """Write the rate of e_f, the forces on both bodies, powers, and the dose of wear."""
-        text, joint = page.text, self.joint
+        text = page.text
+        joint = self.joint
         prefix = text.prefix(joint.name)
         text.comment(f"{joint.name}: oiled pin of {joint.pin.body}")
         place, _ = page.chain.relative_motion(text, (joint.bearing, joint.pin), prefix)
@@ -187,9 +189,14 @@ class OiledContact:
         pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
         speeds = text.let(f"{prefix}_speeds", total(pin.omega, bearing.omega))
         clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
-        vectors = f"({film.x}, {film.y}), ({force.x}, {force.y})"
-        chord = f"chord_of({prefix}_stretch, {clearance})"
-        call = f"film_rate({vectors}, {speeds}, {chord}, {self._bearing(page, prefix)})"
+        arguments = (
+            f"({film.x}, {film.y})",
+            f"({force.x}, {force.y})",
+            speeds,
+            f"chord_of({prefix}_stretch, {clearance})",
+            self._bearing(page, prefix),
+        )
+        call = f"film_rate({', '.join(arguments)})"
         rates = Vector(f"{prefix}_film_rate_x", f"{prefix}_film_rate_y")
         text.write(f"{rates.x}, {rates.y}, {prefix}_rough = {call}")
         for i, rate in zip(axes, rates, strict=True):
@@ -205,17 +212,15 @@ class OiledContact:
 
     def _declare_film(self, page: Page, prefix: str) -> list[int]:
         """Declare the place on the film; return the places of its coordinates in ``y``."""
-        joint, linkage = self.joint, page.chain.linkage
-        return [
-            page.add_state(
-                State(
-                    f"{prefix}_film_{axis}",
-                    SCALE * joint.clearance,
-                    at_start=partial(start_on_film, linkage, joint, i),
-                )
+        places = []
+        for i, axis in enumerate("xy"):
+            state = State(
+                name=f"{prefix}_film_{axis}",
+                scale=SCALE * self.joint.clearance,
+                at_start=partial(start_on_film, page.chain.linkage, self.joint, i),
             )
-            for i, axis in enumerate("xy")
-        ]
+            places.append(page.add_state(state))
+        return places
 
     def _write_elastic(self, page: Page, prefix: str, stretch: Vector) -> Vector:
         """Write the elastic force on the pin, against the stretch of the contact."""
@@ -252,19 +257,15 @@ class OiledContact:
             joint.clearance,
             oil.viscosity,
         )
+        text = page.text
+        ratio = text.parameter(f"{prefix}_width_ratio", film.width_ratio)
+        film_size = text.parameter(f"{prefix}_film_size", oil.films * film.size)
+        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
         size = oil.asperity_pressure * joint.width * joint.bearing_radius
-        numbers = {
-            "width_ratio": film.width_ratio,
-            "film_size": oil.films * film.size,
-            "clearance": joint.clearance,
-            "asperity_size": size,
-            "roughness": oil.roughness,
-        }
-        names = [
-            page.text.parameter(f"{prefix}_{word}", number)
-            for word, number in numbers.items()
-        ]
-        return f"OiledBearing(OilFilm({names[0]}, {names[1]}), {', '.join(names[2:])})"
+        asperity_size = text.parameter(f"{prefix}_asperity_size", size)
+        roughness = text.parameter(f"{prefix}_roughness", oil.roughness)
+        film_text = f"OilFilm({ratio}, {film_size})"
+        return f"OiledBearing({film_text}, {clearance}, {asperity_size}, {roughness})"
 
     def _write_friction(self, page: Page, prefix: str, square: str) -> tuple[str, str]:
         """Write shear and friction of asperities.
@@ -307,9 +308,9 @@ class OiledContact:
     ) -> None:
         """Write the contact for the recorder: the eccentricity is that on the rigid film.
 
-        ``loss`` is the power that oil and asperities take, W.
-        Asperities bear where the film is least, over the arc of the elastic contact. As
-        in a dry joint, its length follows from the clearance and the penetration.
+        ``loss`` is the power that oil and asperities take, W. Asperities bear where the
+        film is least, over the arc of the elastic contact. As in a dry joint, the length
+        of the arc follows from the clearance and the penetration.
         """
         text, joint = page.text, self.joint
         size = f"{prefix}_stretch"

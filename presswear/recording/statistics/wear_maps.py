@@ -11,7 +11,7 @@ from presswear.recording.statistics.correlated_samples import STARTUP_CYCLES
 from presswear.recording.statistics.estimate import MIN_SAMPLES
 from presswear.tools.arrays import Array, State
 
-MAX_BATCHES = 32  # of wear maps; with more, two neighbours become one
+MAX_BATCHES = 32  # of wear maps; then each two neighbours are added to one batch
 MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as it is
 MAX_WIDTH = 0.1  # of a turn, of the widest Gaussian that smooths a map
 WIDTHS = 64  # of Gaussians to choose from
@@ -53,11 +53,9 @@ class MapBatches:
     @property
     def sampled(self) -> Array:
         """Depth of all samples, m."""
-        return (
-            np.asarray(self._sums.sum(axis=0))
-            if self.cycles > STARTUP_CYCLES
-            else self._last
-        )
+        if self.cycles <= STARTUP_CYCLES:
+            return self._last
+        return np.asarray(self._sums.sum(axis=0))
 
     @property
     def batches(self) -> Array:
@@ -67,9 +65,8 @@ class MapBatches:
 
     def since(self, cycle: int) -> "MapBatches":
         """Return the maps without the batches that begin in the first cycles."""
-        skipped = min(
-            -(-cycle // self.size), max(self.cycles - STARTUP_CYCLES, 0) // self.size
-        )
+        full = max(self.cycles - STARTUP_CYCLES, 0) // self.size
+        skipped = min(math.ceil(cycle / self.size), full)
         later = MapBatches(self.shape, self.cycles - skipped * self.size, self.size)
         later._last[...] = self._last
         later._sums[: MAX_BATCHES - skipped] = self._sums[skipped:]
@@ -86,7 +83,8 @@ class MapBatches:
         maps = MapBatches(
             state["last"].shape, *(int(number) for number in state["filed"])
         )
-        maps._last[...], maps._sums[...] = state["last"], state["sums"]
+        maps._last[...] = state["last"]
+        maps._sums[...] = state["sums"]
         return maps
 
 
@@ -129,15 +127,18 @@ def smoothed(maps: Array, widths: Array, bins: Sequence[int]) -> Array:
 
 @cache
 def _smoothings(bins: int) -> tuple[Array, Array]:
-    """Return widths of Gaussians, in bins, and which part of each harmonic of a map each leaves."""
+    """Return widths of Gaussians, in bins, and their frequency responses, (widths, bins).
+
+    The response is the factor by which a Gaussian multiplies each harmonic of a map.
+    """
     widths = np.geomspace(MIN_WIDTH, MAX_WIDTH * bins, WIDTHS)
     peak = np.zeros((1, 2, bins))
     peak[0, 0, 0] = 1.0
-    left = [
-        np.fft.fft(smoothed(peak, np.full((1, 2), w), [bins])[0, 0]).real
-        for w in widths
-    ]
-    return widths, np.array(left)
+    responses = []
+    for width in widths:
+        result = smoothed(peak, np.full((1, 2), width), [bins])
+        responses.append(np.fft.fft(result[0, 0]).real)
+    return widths, np.array(responses)
 
 
 def smoothing_widths(
@@ -147,8 +148,8 @@ def smoothing_widths(
 
     Mallows' criterion (Some comments on C_p, Technometrics 15, 4, 1973) estimates the
     mean square error of the smoothed map without bias.  The variance of the Gaussian is
-    half of that at which the estimate is least: the peak is flattened half as much, at
-    a few parts in a hundred more error.
+    half of that at which the estimate is least. This flattens the peak half as much and
+    increases the error by a few per cent.
 
     Parameters
     ----------
@@ -168,18 +169,18 @@ def smoothing_widths(
     mean = np.tensordot(share, maps, 1)
     volume = maps.sum(axis=-1, keepdims=True)
     whole = mean.sum(axis=-1, keepdims=True)
-    # Only noise of the shape counts: the volume of a map is kept as it is.
+    # Smoothing conserves the volume of a map, so that only noise of its shape counts.
     off = maps - mean * np.divide(
         volume, whole, out=np.zeros_like(volume), where=whole > 0.0
     )
     scale = weights.sum() / (len(maps) - 1) / cycles
     for k, count in enumerate(bins):
-        widths, left = _smoothings(count)
+        widths, response = _smoothings(count)
         for side in range(2):
             power = np.abs(np.fft.fft(depth[k, side, :count])) ** 2
             noise = scale * share @ np.abs(np.fft.fft(off[:, k, side, :count])) ** 2
-            risk = (1.0 - left) ** 2 @ power + 2.0 * left @ noise
-            result[k, side] = max(math.sqrt(0.5) * widths[risk.argmin()], MIN_WIDTH)
+            error = (1.0 - response) ** 2 @ power + 2.0 * response @ noise
+            result[k, side] = max(math.sqrt(0.5) * widths[error.argmin()], MIN_WIDTH)
     return result
 
 
@@ -215,7 +216,7 @@ def map_errors(maps: Array, weights: Array) -> Array:
     ----------
     maps : ndarray, shape (n, joints, 2, bins)
     weights : ndarray, shape (n,)
-        Cycles in each map; its variance goes as one over them.
+        Cycles in each map; the variance of a map is proportional to one over them.
     """
     if len(maps) < MIN_SAMPLES:
         return np.full(maps.shape[1], math.inf)
