@@ -41,9 +41,8 @@ from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
 
-Branch = np.recarray[
-    Any, Any
-]  # rows of ``run_value`` in the order of the runs, with attributes
+# Rows of ``run_value`` in the order of the runs; their fields are attributes
+Branch = np.recarray[Any, Any]
 InitialState = Callable[[Scene], Start]
 
 # periodic pins within 6e-4 of the clearance of those at 1e-9
@@ -77,9 +76,8 @@ class Parameter:
         if len(values) < 2:
             raise InputError(f"over {text}: needs at least two different values")
         for value in (values[0], values[-1]):
-            changed(
-                scene, {key: value}
-            ).check()  # raises if the scene does not allow the value
+            # Raises if the scene does not allow the value.
+            changed(scene, {key: value}).check()
         return Parameter(key, tuple(values), meaning.unit)
 
 
@@ -109,10 +107,8 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
     position = end.position.copy()
     turns = np.round((position[2::3] - ideal.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
-    clearance, before = (
-        np.array([joint.clearance for joint in each.clearances])
-        for each in (linkage, previous)
-    )
+    clearance = np.array([joint.clearance for joint in linkage.clearances])
+    before = np.array([joint.clearance for joint in previous.clearances])
     ratio = (clearance / before)[:, np.newaxis]
     pins = len(clearance) - len(linkage.corners)
     target = eccentricities(linkage, position) * ratio[:pins]
@@ -132,8 +128,8 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
 
     ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``,
     shape (2,): largest Lyapunov exponent and half width of its interval, 1/s; ``end``,
-    shape (2, 3 bodies): positions and velocities at the end. If the run fails, all
-    numbers are NaN and the end is ``ideal``. So are numbers not computed.
+    shape (2, 3 bodies): positions and velocities at the end. Numbers that are not
+    computed are NaN. If the run fails, all numbers are NaN and the end is ``ideal``.
     """
     linkage = scene.linkage()
     period = scene.mechanism.period
@@ -151,16 +147,13 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         row["end"] = ideal.position, ideal.velocity
         return row
     row["end"] = run.end.position, run.end.velocity
-    columns = [
-        len(SECTION_NAMES)
-        + len(SECTION_JOINT_NAMES) * joint
-        + SECTION_JOINT_NAMES.index(name)
-        for joint in range(joints)
-        for name in ("eccentricity_x", "eccentricity_y")
-    ]
-    row["pins"] = run.recorder.sections[-cycles.stored :, :, columns].reshape(
-        row["pins"].shape
-    )
+    columns = []
+    for joint in range(joints):
+        first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint
+        columns.append(first + SECTION_JOINT_NAMES.index("eccentricity_x"))
+        columns.append(first + SECTION_JOINT_NAMES.index("eccentricity_y"))
+    pins = run.recorder.sections[-cycles.stored :, :, columns]
+    row["pins"] = pins.reshape(row["pins"].shape)
     if cycles.exponent:
         further = continued(linkage, linkage, run.end, start)
         with suppress(RunFailed):
@@ -216,13 +209,12 @@ class Diagram:
         for row in self.branches[direction]:
             scene = changed(self.scene, {self.parameter.key: float(row.value)})
             scales = [scene.bearing(name).clearance for name in scene.clearance_joints]
-            states = (row.pins / np.array(scales)[:, np.newaxis]).reshape(
-                len(row.pins), -1
-            )
-            is_failed = np.isnan(states).any()
-            periods.append(
-                None if is_failed else periodicity(states, np.ones(states.shape[1]))
-            )
+            states = row.pins / np.array(scales)[:, np.newaxis]
+            states = states.reshape(len(row.pins), -1)
+            if np.isnan(states).any():
+                periods.append(None)
+            else:
+                periods.append(periodicity(states, np.ones(states.shape[1])))
         return periods
 
     def summary(self) -> list[str]:

@@ -6,7 +6,6 @@ beside it. The start-up cycles are left out, if enough other ones ran.
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 
@@ -50,8 +49,6 @@ from presswear.results.stage_statistics import (
     StageStatistics,
 )
 from presswear.scene.scene import Scene
-
-_OUTPUTS = "displacement_max", "velocity_max", "acceleration_max"
 
 
 def stage_result(
@@ -103,10 +100,8 @@ def _statistics(
     """Return the statistics of a stage; only its cycles if they are not finite."""
     # After the first stage each replicate has its surfaces, and is one sample.
     independent = ensemble.alone.recorders if index > 0 else ()
-    recorders, alone = (
-        [run for run in runs if len(run.cycles)]
-        for runs in (ensemble.together.recorders, independent)
-    )
+    recorders = [run for run in ensemble.together.recorders if len(run.cycles)]
+    alone = [run for run in independent if len(run.cycles)]
     count = sum(len(run.cycles) for run in ensemble.recorders[: ensemble.replicates])
     if not recorders:
         return StageStatistics(cycles=0)
@@ -116,13 +111,17 @@ def _statistics(
     are_high = any(surface is not None and surface.are_high for surface in surfaces)
     is_mixture = settling is not None and settling.is_mixture
     mean_peak = mean_without_interval if is_mixture or are_high else mean_over_cycles
-    output: dict[str, Any] = {name: largest_value(recorders, name) for name in _OUTPUTS}
-    output["velocity_min"] = -largest_value(recorders, "velocity_min", sign=-1.0)
-    output |= {
-        f"{name}_per_cycle": mean_peak(recorders, alone, name) for name in _OUTPUTS
-    }
-    magnitude = "acceleration_max_per_cycle"
-    output[magnitude] = output[magnitude].positive
+    output = OutputStatistics(
+        displacement_max=largest_value(recorders, "displacement_max"),
+        velocity_min=-largest_value(recorders, "velocity_min", sign=-1.0),
+        velocity_max=largest_value(recorders, "velocity_max"),
+        acceleration_max=largest_value(recorders, "acceleration_max"),
+        displacement_max_per_cycle=mean_peak(recorders, alone, "displacement_max"),
+        velocity_max_per_cycle=mean_peak(recorders, alone, "velocity_max"),
+        acceleration_max_per_cycle=mean_peak(
+            recorders, alone, "acceleration_max"
+        ).positive,
+    )
     created_energy = float(diagnostics.get("contact_made_J", 0.0))
     dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + created_energy
     dissipated += float(diagnostics.get("friction_loss_J", 0.0))
@@ -132,7 +131,7 @@ def _statistics(
             recorders, alone, "contact_made"
         ).positive,
         drive_work_per_cycle=mean_drive_work(recorders, alone),
-        output=OutputStatistics(**output),
+        output=output,
         joints={
             joint.name: _joint_statistics(
                 joint, k, recorders, alone, wear, mean_peak, surfaces[k]
@@ -168,7 +167,7 @@ def _joint_statistics(
     mean_peak: Mean,
     bumps: Bumps | None,
 ) -> JointStatistics:
-    """Return the statistics of a joint, of the number ``k``.
+    """Return the statistics of joint number ``k``.
 
     The wear of a wall, by both of its corners, is in the statistics of the walls.
     """
@@ -183,11 +182,18 @@ def _joint_statistics(
     contacts = int(counters["contacts"].sum())
     columns = JOINT_CYCLE if joint.oil is None else (*JOINT_CYCLE, *FILM_CYCLE)
     means = declared_means(mean_peak, recorders, alone, columns, k)
-    half = None
+    half_width = None
     if len(maps) > 1:
         volumes = np.array([worn_volume(joint, depth) for depth in maps])
-        off = volume - float(np.average(volumes, weights=wear.weights))
-        half = math.hypot(half_width_of_runs(wear.series(volumes)) or 0.0, off)
+        # The wear that is applied may differ from the mean of the maps.
+        change = volume - float(np.average(volumes, weights=wear.weights))
+        half_width = half_width_of_runs(wear.series(volumes)) or 0.0
+        half_width = math.hypot(half_width, change)
+    step_error = None
+    if coarser is not None:
+        step_error = STEP_SAFETY * abs(worn_volume(joint, coarser) - volume)
+    deepest = wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2))
+    closed_time = means["closed_time"].mean
     error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
     return JointStatistics(
         peak_force=largest_value(recorders, "force_max", k),
@@ -196,19 +202,14 @@ def _joint_statistics(
         contacts_per_cycle=mean_peak(recorders, alone, "contacts", k).positive,
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
-        contact_time_fraction=means["closed_time"].mean
-        / mean_cycle_time(recorders, alone),
+        contact_time_fraction=closed_time / mean_cycle_time(recorders, alone),
         load_distance_per_cycle=mean_over_cycles(
             recorders, alone, "load_distance", k
         ).positive,
-        wear_volume=Estimate.symmetric(volume, half, len(maps)).positive,
-        wear_volume_step_error=None
-        if coarser is None
-        else STEP_SAFETY * abs(worn_volume(joint, coarser) - volume),
+        wear_volume=Estimate.symmetric(volume, half_width, len(maps)).positive,
+        wear_volume_step_error=step_error,
         wear_map_error=error if math.isfinite(error) else None,
-        wear_depth_max_by_replicate=tuple(
-            wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2)).tolist()
-        ),
+        wear_depth_max_by_replicate=tuple(deepest.tolist()),
         wear_peaks={} if wear.is_frozen or is_corner else wear_peaks_of(joint, k, wear),
         bumps=bumps,
         means=means,

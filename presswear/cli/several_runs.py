@@ -3,16 +3,12 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
 from presswear.tools.processes import check_stopped
-
-if TYPE_CHECKING:
-    pass
 
 
 @contextmanager

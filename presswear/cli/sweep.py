@@ -110,7 +110,7 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
-    """Return the sweep of the options, or without options the one in the folder."""
+    """Return the sweep of the options; without options that of the folder."""
     from presswear.sweeps.plan import Plan, SweepFile, read_sweep
     from presswear.sweeps.responses import request
     from presswear.sweeps.sweep import FILE, Sweep, load_sweep
@@ -143,15 +143,17 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     options = {name: getattr(arguments, name) for name in SETTINGS}
     settings = terminal.merge_options(terminal.parse_settings(arguments.set), options)
     plan = Plan(
-        changed(scene, settings),
-        tuple(arguments.vary or file.vary),
-        arguments.sample or file.sample,
-        tuple(arguments.range or file.ranges),
-        arguments.replicates or file.replicates,
-        file.seed if arguments.seed is None else arguments.seed,
+        scene=changed(scene, settings),
+        vary=tuple(arguments.vary or file.vary),
+        sample=arguments.sample or file.sample,
+        ranges=tuple(arguments.range or file.ranges),
+        replicates=arguments.replicates or file.replicates,
+        seed=file.seed if arguments.seed is None else arguments.seed,
     )
-    listed = ",".join(arguments.response or file.responses)
-    requested = request(plan.example, listed.split(",") if listed else [])
+    names_of_responses: list[str] = []
+    for text in arguments.response or file.responses:
+        names_of_responses += text.split(",")
+    requested = request(plan.example, names_of_responses)
     folder = arguments.out or terminal.free_folder(f"{scene.name}-sweep")
     limits = tuple(arguments.limit or file.limits)
     return Sweep(plan, requested, folder, arguments.keep or file.keep, limits)

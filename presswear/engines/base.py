@@ -104,7 +104,7 @@ class Plan:
     by_clock: bool = False
 
     def time_of(self, cycles: float) -> float:
-        """Return the nominal time at which so many cycles have been made, s."""
+        """Return the nominal time after a number of cycles, s."""
         return self.run_up + self.cycle * cycles
 
     @property
@@ -137,7 +137,7 @@ class Run:
 
     @property
     def message(self) -> str:
-        """A line on what went wrong, or nothing."""
+        """Reason of a failure in a line; empty if the run did not fail."""
         return self.finding.words if self.finding else ""
 
 
@@ -148,35 +148,21 @@ def with_velocity(linkage: Linkage, position: Array, velocity: Array) -> Start:
 
 
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
-    """Return the empty recorder of a run, the branches of its loads those of the start.
+    """Return the empty recorder of a run; the modes of its loads are those of the start.
 
-    InputError where a spring has no direction in the start.
+    InputError if a spring has no direction in the start.
     """
     check_springs(linkage, start.position)
-    count, drives, cycle = len(linkage.clearances), len(linkage.drives), plan.cycle
+    count = len(linkage.clearances)
+    drives = len(linkage.drives)
+    has_leader = linkage.leader is not None
     counters = np.zeros(count, COUNTERS)
     counters["fewest_steps"] = np.iinfo(np.int64).max
-    output, point = np.zeros(1, OUTPUT), linkage.output
-    output["room"] = np.iinfo(np.int64).max
-    rows_per_cycle = _rows_per_cycle(linkage, plan)
-    output["interval"] = cycle / rows_per_cycle
-    output["force_step"] = FORCE_STEP
-    output["index"] = 3 * linkage.index(point.body)
-    output["cos"], output["sin"] = math.cos(point.direction), math.sin(point.direction)
-    output["x"], output["y"] = point.x, point.y
-    place = place_of(linkage, point.attachment, start.position.tolist())
-    output["start"] = output["cos"] * place[0] + output["sin"] * place[1]
-    first, end = plan.stroke or (0.0, cycle)
-    output["velocity"] = output["bottom"] = math.inf
-    output["period"], output["stroke_length"] = cycle, end - first
-    # A cycle may end a rounding before its time; the first stroke holds the very start.
-    output["stroke_end"] = plan.run_up + end - STROKE_NOISE * cycle
-    output["stroke_begin"] = plan.run_up + max(first, 0.0) - STROKE_NOISE * cycle
-    rows = plan.recorded_cycles + math.ceil(plan.run_up / cycle)
-    rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
-    shape, has_leader = map_shape(linkage.clearances), linkage.leader is not None
+    rows = _series_rows(linkage, plan)
     columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
-    film, sampler = empty_film(len(linkage.bodies), count, cycle)
+    columns += LEADER_SERIES_COUNT * has_leader
+    shape = map_shape(linkage.clearances)
+    film, sampler = empty_film(len(linkage.bodies), count, plan.cycle)
     moved = linkage.drives if has_leader else ()
     angle_indices = np.array(
         [3 * linkage.index(one.body) + 2 for one in moved], np.int64
@@ -191,8 +177,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         stored_contacts=np.empty(
             (count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT
         ),
-        output=output,
-        series=np.empty((rows, columns + LEADER_SERIES_COUNT * has_leader)),
+        output=_output_of(linkage, start, plan),
+        series=np.empty((rows, columns)),
         film=film,
         sampler=sampler,
         nominal=nominal_of(linkage),
@@ -219,6 +205,42 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     return Recorder(records, MapBatches(shape), len(plan.sections))
 
 
+def _output_of(linkage: Linkage, start: Start, plan: Plan) -> Records:
+    """Return the record of OUTPUT at the start of a run."""
+    output = np.zeros(1, OUTPUT)
+    point = linkage.output
+    output["room"] = np.iinfo(np.int64).max
+    output["interval"] = plan.cycle / _rows_per_cycle(linkage, plan)
+    output["force_step"] = FORCE_STEP
+    output["index"] = 3 * linkage.index(point.body)
+    output["cos"] = math.cos(point.direction)
+    output["sin"] = math.sin(point.direction)
+    output["x"] = point.x
+    output["y"] = point.y
+    x, y = place_of(linkage, point.attachment, start.position.tolist())
+    output["start"] = math.cos(point.direction) * x + math.sin(point.direction) * y
+    output["velocity"] = math.inf
+    output["bottom"] = math.inf
+    first, end = plan.stroke or (0.0, plan.cycle)
+    output["period"] = plan.cycle
+    output["stroke_length"] = end - first
+    # A cycle may end a rounding error before its time. The first stroke contains the
+    # start of the run.
+    noise = STROKE_NOISE * plan.cycle
+    output["stroke_end"] = plan.run_up + end - noise
+    output["stroke_begin"] = plan.run_up + max(first, 0.0) - noise
+    return output
+
+
+def _series_rows(linkage: Linkage, plan: Plan) -> int:
+    """Return the largest number of rows of the series."""
+    cycles = plan.recorded_cycles + math.ceil(plan.run_up / plan.cycle)
+    per_cycle = ROWS_AT_MOST
+    if not linkage.clearances:
+        per_cycle = 2 * _rows_per_cycle(linkage, plan)
+    return min(cycles * per_cycle, ROWS_IN_ALL)
+
+
 def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:
     """Return the rows of a series in a cycle, at least; more for frames that swing fast."""
     periods = [period_on(linkage, guide) for guide in linkage.elastic_guides]
@@ -227,7 +249,7 @@ def _rows_per_cycle(linkage: Linkage, plan: Plan) -> int:
 
 
 def _film_columns(linkage: Linkage) -> NDArray[np.int64]:
-    """Return the first columns of the films in a cycle's row, by joint; -1 without a film."""
+    """Return the first column of each joint's film in the row of a cycle; -1 without a film."""
     is_oiled = np.array([joint.oil is not None for joint in linkage.clearances], bool)
     first = first_film_column(len(linkage.clearances), linkage.leader is not None)
     films = np.cumsum(is_oiled) - 1

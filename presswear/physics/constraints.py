@@ -2,8 +2,8 @@
 
 Equations 14 to 16 of the paper for any linkage: two rows for a revolute joint or a
 guide, three for a guide with a spring, one for a drive. With the diagonal mass matrix M
-equation 18 reduces to S lambda = r with S = Phi_q M^-1 Phi_q^T. With the multipliers a
-state is moved onto the constraints.
+equation 18 reduces to S lambda = r with S = Phi_q M^-1 Phi_q^T. The multipliers lambda
+also project a state on the constraints.
 """
 
 import math
@@ -80,7 +80,8 @@ def evaluate_constraints(
                 rate_y += sign * (v[b + 1] + spin * px)
                 centripetal_x += sign * (spin * spin * px)
                 centripetal_y += sign * (spin * spin * py)
-                jacobian[row, b], jacobian[row, b + 1] = sign * nx, sign * ny
+                jacobian[row, b] = sign * nx
+                jacobian[row, b + 1] = sign * ny
                 jacobian[row, b + 2] = sign * (px * ny - py * nx)
                 px += q[b]
                 py += q[b + 1]
@@ -96,7 +97,8 @@ def evaluate_constraints(
             jacobian[row, c.second + 2] += along
             gamma[row] += spin * (spin * phi[row] - 2.0 * (rate_y * nx - rate_x * ny))
         if c.turns:
-            phi[row], phi_t[row] = q[c.first + 2] - c.target, v[c.first + 2]
+            phi[row] = q[c.first + 2] - c.target
+            phi_t[row] = v[c.first + 2]
             jacobian[row, c.first + 2] = 1.0
             if c.second >= 0:
                 phi[row] -= q[c.second + 2]
@@ -226,10 +228,19 @@ class Constraints:
 
     def system(self, mass: Array) -> ConstraintSystem:
         """Return the constraints for the kernels; ``mass`` is the diagonal, shape (3 bodies,)."""
-        rows, bodies = self.rows, mass.size
-        vectors = tuple(np.zeros((5, rows)))
-        working = *vectors, np.zeros((rows, bodies)), np.zeros((rows, rows))
-        return ConstraintSystem(self.records, self.motions, 1.0 / mass, *working)
+        rows = self.rows
+        return ConstraintSystem(
+            records=self.records,
+            motions=self.motions,
+            inverse_mass=1.0 / mass,
+            phi=np.zeros(rows),
+            phi_t=np.zeros(rows),
+            gamma=np.zeros(rows),
+            right=np.zeros(rows),
+            multipliers=np.zeros(rows),
+            jacobian=np.zeros((rows, mass.size)),
+            matrix=np.zeros((rows, rows)),
+        )
 
     def evaluate(
         self, t: float, q: Array, v: Array
@@ -242,18 +253,21 @@ class Constraints:
 
 def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
-    motions, rows = motions_of(linkage), Rows(linkage)
+    rows = Rows(linkage)
     records = np.zeros(len(rows.names), CONSTRAINT)
-    for end, body, (places, x, y, _) in zip(
-        "12", ("first", "second"), rows.ends, strict=True
-    ):
-        records[body] = np.where(places < 0, -1, 3 * places)
-        records["x" + end], records["y" + end] = x, y
-    records["normal_x"], records["normal_y"] = rows.normal.T
+    (first, x1, y1, _), (second, x2, y2, _) = rows.ends
+    records["first"] = np.where(first < 0, -1, 3 * first)
+    records["second"] = np.where(second < 0, -1, 3 * second)
+    records["x1"] = x1
+    records["y1"] = y1
+    records["x2"] = x2
+    records["y2"] = y2
+    records["normal_x"] = rows.normal[:, 0]
+    records["normal_y"] = rows.normal[:, 1]
     records["rotates"][rows.turning] = True
     records["turns"] = rows.turn
     records["target"] = rows.target
     records["drive"] = -1
     drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
     records["drive"][len(records) - len(drives) :] = drives
-    return Constraints(records, motions, rows.names)
+    return Constraints(records, motions_of(linkage), rows.names)

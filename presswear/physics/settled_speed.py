@@ -14,12 +14,10 @@ from presswear.physics.inverse_dynamics import load_corners, needed_torques
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
-_INSTANTS = (
-    2880  # of the cycle over which a torque is averaged, without corners of loads
-)
-_INSTANTS_BEFORE = (
-    360  # of the cycle before, through which the modes of loads are followed
-)
+# Instants of the cycle over which a torque is averaged, without corners of loads
+_INSTANTS = 2880
+# Instants of the cycle before, through which the modes of loads are followed
+_INSTANTS_BEFORE = 360
 
 
 def settled_rate(

@@ -79,12 +79,13 @@ def _load_of(
     stiffness = guide.stiffness or 0.0
     load = stiffness * stretch + carried_weight(linkage, guide)
     rows = [_forces_of(time, load, stroke) for stroke in strokes]
-    greatest, back = np.array(rows).T
+    greatest, reverse = np.array(rows).T
+    is_loaded = greatest > 0.0
     return FrameLoad(
-        mean_of_strokes(greatest),
-        mean_of_strokes(greatest / stiffness),
-        mean_of_strokes(back),
-        mean_of_strokes(back[greatest > 0.0] / greatest[greatest > 0.0]),
+        force=mean_of_strokes(greatest),
+        stretch=mean_of_strokes(greatest / stiffness),
+        reverse_force=mean_of_strokes(reverse),
+        reverse_fraction=mean_of_strokes(reverse[is_loaded] / greatest[is_loaded]),
     )
 
 

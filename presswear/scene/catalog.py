@@ -21,7 +21,7 @@ from presswear.scene.setting_list import DEFAULT, IN_FILE
 from presswear.scene.settings import changed
 from presswear.tools.errors import unknown
 
-_MAX_CHANGES = 4  # changes in a title; of more, the last place counts the rest
+_MAX_CHANGES = 4  # changes in a title; if there are more, the last counts the rest
 
 Make = Callable[..., Scene]
 
@@ -164,10 +164,21 @@ two_point = _named(
     cycles=10,
 )
 
+# Settings of the press whose work is off centre, all assumed
 _OFF_CENTRE = (
-    *("crank_length", "rod_length", "crank_mass", "rod_mass", "slider_mass"),
-    *("crank_inertia", "speed", "guide_length", "guide_width"),
-    *("clearance", "width", "friction", "restitution"),
+    "crank_length",
+    "rod_length",
+    "crank_mass",
+    "rod_mass",
+    "slider_mass",
+    "crank_inertia",
+    "speed",
+    "guide_length",
+    "guide_width",
+    "clearance",
+    "width",
+    "friction",
+    "restitution",
 )
 # 60 strokes a minute; the slide in gibs of 100 mm.
 press_off_centre = _named(
@@ -199,11 +210,19 @@ press_off_centre = _named(
     origins=dict.fromkeys(_OFF_CENTRE, "assumed"),
 )
 
-_KNOWN = (
-    *("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution"),
-    *("exponent", "crank_inertia", "rod_inertia", "slide_angle"),
+# Settings of the slider-crank that the literature states
+_OF_LITERATURE = (
+    "bearing_radius",
+    "clearance",
+    "youngs_modulus",
+    "poisson_ratio",
+    "restitution",
+    "exponent",
+    "crank_inertia",
+    "rod_inertia",
+    "slide_angle",
 )
-# As Flores studied it.  The literature takes the stiffness with R_i - R_j.
+# Flores' slider-crank. The literature computes the stiffness with R_i - R_j.
 slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
@@ -214,7 +233,7 @@ slider_crank = _named(
     joints="B",
     wear_updates=0,
     cycles=10,
-    origins=dict.fromkeys(_KNOWN, LITERATURE)
+    origins=dict.fromkeys(_OF_LITERATURE, LITERATURE)
     | dict.fromkeys(
         ("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed"
     ),
@@ -224,9 +243,8 @@ slider_crank = _named(
 def __getattr__(name: str) -> Any:
     """Raise AttributeError with the nearest scene, or all of them."""
     makes = [entry.make for entry in SCENES.values()]
-    raise AttributeError(
-        str(unknown("scene", name, [k for k, v in globals().items() if v in makes]))
-    )
+    functions = [key for key, value in globals().items() if value in makes]
+    raise AttributeError(f"{unknown('scene', name, functions)}")
 
 
 def scene_named(name: str) -> Scene:
@@ -263,8 +281,9 @@ def title_of(scene: Scene) -> str:
     is_named = scene.name != Scene.name
     title = scene.title or (scene.name if is_named else scene.mechanism.linkage().name)
     titles = [entry.title for entry in SCENES.values()]
-    has_title = named_scene(scene) is not None and title not in titles
-    return title if has_title else _with_changes(title, scene)
+    if named_scene(scene) is not None and title not in titles:
+        return title  # the user has replaced the title of the named scene
+    return _with_changes(title, scene)
 
 
 def name_of(scene: Scene) -> str:
@@ -288,5 +307,6 @@ def _with_changes(first: str, scene: Scene) -> str:
         return first
     texts = list(map(str, changes))
     if len(texts) > _MAX_CHANGES:
-        texts[_MAX_CHANGES - 1 :] = [f"{len(texts) - _MAX_CHANGES + 1} more"]
+        shown = _MAX_CHANGES - 1
+        texts[shown:] = [f"{len(texts) - shown} more"]
     return f"{first}, changed: {', '.join(texts)}"

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -39,8 +39,9 @@ PRESSES = ("eccentric-press", "knuckle-press", "link-drive")
 """Examples of heavy presses, with bearings, a process and limits of their own."""
 EXAMPLES = tuple(dict.fromkeys((*MECHANISMS, *PRESSES, POINTS)))  # of files
 _COMMENT = 34  # width of an example file before its comments
-_OPEN = re.compile(r"^(\w+) =$", re.MULTILINE)  # a line that gets the default
-_OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)  # of a line that is switched off
+_OPEN = re.compile(r"^(\w+) =$", re.MULTILINE)  # a line that gets the default value
+# the # of a value or a table that is commented out
+_OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
 _HEADING = re.compile(r"^#?\[+(\w+)", re.MULTILINE)  # of a table, also one switched off
 _KIND = re.compile(r'^kind = "(.+?)"', re.MULTILINE)  # of a mechanism, the first kind
 
@@ -54,8 +55,12 @@ def example_file(kind: str) -> str:
         raise InputError(f"name the kind of mechanism: {', '.join(EXAMPLES)}")
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
-    text = _with_defaults(_joined(kind))
-    scene = _scene_of(tomllib.loads(_OFF.sub("", text)), Path(kind))
+    return _with_comments(_with_defaults(_joined(kind)), Path(kind))
+
+
+def _with_comments(text: str, file: Path) -> str:
+    """Return the text of an example file with the meaning of each value behind it."""
+    scene = _scene_of(tomllib.loads(_OFF.sub("", text)), file)
     meanings = {setting.key: setting.meaning for setting in settings_of(scene)}
     meanings |= DOUBLED_MEANINGS
     lines = []
@@ -66,12 +71,8 @@ def example_file(kind: str) -> str:
         key = line.lstrip("#").partition(" = ")[0]
         if table in _PARTS:
             key = table if key == "kind" else f"{table}.{key}"
-        meaning = meanings.get(key)
-        explained = "" if meaning is None else meaning.text
-        if isinstance(meaning, Choice):
-            words = " | ".join(word for word in meaning.words if word != NONE)
-            explained = explained.partition(";")[0] + (f" ({words})" if words else "")
-        lines.append(f"{line:{_COMMENT}}  # {explained}" if explained else line)
+        comment = _comment_on(meanings.get(key))
+        lines.append(f"{line:{_COMMENT}}  # {comment}" if comment else line)
     return "\n".join([*lines, ""])
 
 
@@ -109,6 +110,17 @@ def _class_in(text: str) -> type[Parametric] | None:
     """Return the class of the mechanism in a text; None if it consists of bodies."""
     kind = _KIND.search(text)
     return kind and MECHANISMS.get(kind[1])
+
+
+def _comment_on(meaning: Quantity | Choice | None) -> str:
+    """Return the meaning of a value, and the words that are allowed; empty without one."""
+    if meaning is None:
+        return ""
+    if isinstance(meaning, Choice):
+        words = " | ".join(word for word in meaning.words if word != NONE)
+        first = meaning.text.partition(";")[0]
+        return f"{first} ({words})" if words else first
+    return meaning.text
 
 
 def _toml_value(setting: Setting) -> str:
@@ -191,7 +203,10 @@ def _mechanism(data: Any, folder: Path) -> tuple[OneMechanism, Mapping[str, Any]
 
 
 def _texts(value: Any, place: str, folder: Path) -> Any:
-    """Return data with numbers as text, which needs units; user laws stand in the folder."""
+    """Return data with numbers as text, because a number in a file needs its unit.
+
+    Files of user laws are looked for in the folder.
+    """
     if isinstance(value, Mapping):
         return {
             key: _texts(one, f"{place}.{key}", folder) for key, one in value.items()
@@ -223,32 +238,39 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             raise InputError(
                 f"{table}: a kind is missing; presswear list SCENE shows the kinds"
             )
-        for key, value in data[table].items():
-            # A.clearance is a table A with a key in TOML.
-            inner = value if isinstance(value, Mapping) else {"": value}
-            for name, one in inner.items():
-                full = name_of_key(f"{key}.{name}" if name else key)
-                if table in _PARTS:
-                    full = table if full == "kind" else f"{table}.{full}"
-                if full in settings:
-                    raise InputError(
-                        f"{full} stands twice; it is allowed in one table only"
-                    )
-                if full == "kind":
-                    raise InputError(
-                        f"{table}: kind belongs to another table; is its # removed?"
-                    )
-                if isinstance(one, list) and full == "joints":
-                    one = ",".join(map(str, one))
-                if isinstance(one, list):
-                    needed = "it needs a mechanism of bodies; presswear new points writes one"
-                    raise InputError(f"{table}.{full}: {needed}")
-                if isinstance(one, bool) or not isinstance(one, str | int | float):
-                    raise InputError(
-                        f"{full} = {shown(one)}: a text or a number is expected"
-                    )
-                settings[full] = _texts(one, f"{table}.{full}", folder)
+        for name, value in _flat(data[table]):
+            key = name_of_key(name)
+            if table in _PARTS:
+                key = table if key == "kind" else f"{table}.{key}"
+            if key in settings:
+                raise InputError(f"{key} stands twice; it is allowed in one table only")
+            if key == "kind":
+                raise InputError(
+                    f"{table}: kind belongs to another table; is its # removed?"
+                )
+            if isinstance(value, list) and key == "joints":
+                value = ",".join(map(str, value))
+            _check_value(table, key, value)
+            settings[key] = _texts(value, f"{table}.{key}", folder)
     return settings
+
+
+def _flat(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield keys and values of a table; TOML reads ``A.clearance`` as a table ``A`` in it."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{key}.{name}", inner) for name, inner in value.items())
+        else:
+            yield key, value
+
+
+def _check_value(table: str, key: str, value: Any) -> None:
+    """Raise InputError unless the value of a setting is a text or a number."""
+    if isinstance(value, list):
+        needed = "it needs a mechanism of bodies; presswear new points writes one"
+        raise InputError(f"{table}.{key}: {needed}")
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise InputError(f"{key} = {shown(value)}: a text or a number is expected")
 
 
 _HEADER = "joint,side,angle (deg),depth (um)"
@@ -266,24 +288,23 @@ def read_table(file: Path, header: str) -> tuple[list[str], list[TableRow]]:
     that begin with ``#`` are comments. Values have the unit of their column. Errors
     name the file and the line, and ``header`` as an example.
     """
-    lines = [
-        (number, line)
-        for number, line in enumerate(read_text(file).splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    separator = separator_of(lines[0][1]) if lines else ","
-    table = [
-        (k, [word.strip().strip('"') for word in line.split(separator)])
-        for k, line in lines
-    ]
-    if len(table) < 2:
+    lines = []
+    for number, line in enumerate(read_text(file).splitlines(), start=1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            lines.append((number, line))
+    if len(lines) < 2:
         raise InputError(
             f"{file}: it has no rows; a header such as {header} is expected"
         )
-    (_, first), *rows = table
+    separator = separator_of(lines[0][1])
+    table = []
+    for number, line in lines:
+        words = [word.strip().strip('"') for word in line.split(separator)]
+        table.append((number, words))
+    (_, heads), *rows = table
     names = []
     units = []
-    for word in first:
+    for word in heads:
         match = _COLUMN.match(word)
         name = match[0] if match else ""
         names.append(name)
@@ -293,8 +314,9 @@ def read_table(file: Path, header: str) -> tuple[list[str], list[TableRow]]:
         if len(words) != len(names):
             fault = f"{len(words)} values for {len(names)} columns"
             raise InputError(f"{file}, line {number}: {fault}")
-        columns = zip(names, words, units, strict=True)
-        row = {n: f"{w} {u}".strip() if w else "" for n, w, u in columns}
+        row = {}
+        for name, word, unit in zip(names, words, units, strict=True):
+            row[name] = f"{word} {unit}".strip() if word else ""
         values.append((number, row))
     return names, values
 
@@ -315,15 +337,15 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
         try:
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
-            place = [
-                parse_quantity(name, row[name], one) for name, one in _MEANINGS.items()
+            point = [
+                parse_quantity(name, row[name], meaning)
+                for name, meaning in _MEANINGS.items()
             ]
-            points.setdefault(row["joint"], ([], []))[SIDES.index(row["side"])].append(
-                place
-            )
         except InputError as error:
             raise InputError(f"{file}, line {number}: {error}") from None
+        sides = points.setdefault(row["joint"], ([], []))
+        sides[SIDES.index(row["side"])].append(point)
     return {
-        name: (np.array(first), np.array(second))
-        for name, (first, second) in points.items()
+        name: (np.array(bearing), np.array(pin))
+        for name, (bearing, pin) in points.items()
     }

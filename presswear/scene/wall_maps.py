@@ -1,8 +1,10 @@
-"""Maps of the wear of walls, which reach as far as the slide in the ideal motion."""
+"""Wear maps of the walls of guides, as long as the way of the slide in the ideal motion."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+
+import numpy as np
 
 from presswear.linkage.elements import ClearanceJoint, Guide, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
@@ -41,12 +43,14 @@ def with_wall_maps(
 
 
 def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
+    """Return the map of both walls of a guide, from the places of its slide."""
     assert guide.length is not None
     x, y = ideal.position[:, ideal.rows.linkage.index(guide.body), :2].T
-    c, s = math.cos(guide.direction), math.sin(guide.direction)
-    way = c * (x - guide.x) + s * (y - guide.y)
-    length = float(way.max() - way.min()) + guide.length
-    start = float(way.min()) - 0.5 * guide.length
+    cosine = math.cos(guide.direction)
+    sine = math.sin(guide.direction)
+    place = cosine * (x - guide.x) + sine * (y - guide.y)
+    length = float(np.ptp(place)) + guide.length
+    start = float(place.min()) - 0.5 * guide.length
     return WallMap(
         coefficient, start - _MARGIN * length, (1.0 + 2.0 * _MARGIN) * length
     )

@@ -218,11 +218,11 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     if kind == "table":
         return Distribution(text.strip(), _discrete(Path(words[0]), key, meaning))
     frozen = _frozen(kind, key, meaning, *words)
-    low, high = float(frozen.cdf(meaning.low)), float(frozen.cdf(meaning.high))
-    if low + 1.0 - high > MAX_CUT:
-        part = (
-            f"{100.0 * (low + 1.0 - high):.3g} % of it lies outside the allowed range"
-        )
+    low = float(frozen.cdf(meaning.low))
+    high = float(frozen.cdf(meaning.high))
+    outside = low + (1.0 - high)
+    if outside > MAX_CUT:
+        part = f"{100.0 * outside:.3g} % of it lies outside the allowed range"
         allowed = f"{meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
         raise InputError(f"{key} = {text!r}: {part} {allowed}")
     return Distribution(text.strip(), frozen, low, high)
@@ -310,21 +310,9 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
         )
     random = np.random.default_rng(seed)
     if kind == "morris":
-        paths = np.empty((size, dimension + 1, dimension))
-        for path in paths:
-            start = random.integers(MORRIS_LEVELS, size=dimension)
-            path[:] = (start + 0.5) / MORRIS_LEVELS
-            for step, k in enumerate(random.permutation(dimension), start=1):
-                path[step:, k] += (
-                    MORRIS_JUMP if start[k] < MORRIS_LEVELS // 2 else -MORRIS_JUMP
-                )
-        return paths.reshape(-1, dimension)
+        return _morris(size, dimension, random)
     if kind == "oat":
-        steps = OAT_REACH * np.arange(1, size + 1) / size
-        around = np.concatenate([-steps[::-1], steps])[:, None]
-        return np.vstack(
-            [np.full(dimension, 0.5), 0.5 + np.kron(np.eye(dimension), around)]
-        )
+        return _one_at_a_time(size, dimension)
     from scipy.stats import qmc  # slow to import
 
     if kind == "latin":
@@ -337,8 +325,39 @@ def design(kind: str, size: int, dimension: int, seed: int) -> Array:
     points = np.asarray(qmc.Sobol(width, seed=random).random(size))
     if kind == "sobol":
         return points
-    first, second = points[:, :dimension], points[:, dimension:]
-    blocks = np.repeat(first[:, None], dimension + 2, axis=1)
-    k = np.arange(dimension)
-    blocks[:, k + 1, k] = blocks[:, -1] = second
-    return blocks.reshape(-1, dimension)
+    return _saltelli(points[:, :dimension], points[:, dimension:])
+
+
+def _morris(size: int, dimension: int, random: np.random.Generator) -> Array:
+    """Return trajectories on which each parameter changes once, in random order."""
+    paths = np.empty((size, dimension + 1, dimension))
+    for path in paths:
+        start = random.integers(MORRIS_LEVELS, size=dimension)
+        path[:] = (start + 0.5) / MORRIS_LEVELS
+        for step, k in enumerate(random.permutation(dimension), start=1):
+            is_low = start[k] < MORRIS_LEVELS // 2
+            path[step:, k] += MORRIS_JUMP if is_low else -MORRIS_JUMP
+    return paths.reshape(-1, dimension)
+
+
+def _one_at_a_time(size: int, dimension: int) -> Array:
+    """Return the middle of the cube, then each parameter alone in steps to both sides."""
+    steps = OAT_REACH * np.arange(1, size + 1) / size
+    deviations = np.concatenate([-steps[::-1], steps])
+    rows = [np.full(dimension, 0.5)]
+    for k in range(dimension):
+        for deviation in deviations:
+            row = np.full(dimension, 0.5)
+            row[k] += deviation
+            rows.append(row)
+    return np.array(rows)
+
+
+def _saltelli(first: Array, second: Array) -> Array:
+    """Return each point of A, the point with each coordinate from B in turn, and that of B."""
+    size, dimension = first.shape
+    blocks = np.repeat(first[:, np.newaxis], dimension + 2, axis=1)
+    for k in range(dimension):
+        blocks[:, k + 1, k] = second[:, k]
+    blocks[:, -1] = second
+    return blocks.reshape(size * (dimension + 2), dimension)

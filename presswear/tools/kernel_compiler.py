@@ -1,10 +1,10 @@
 """Compilers for kernels, and for functions that only kernels call.
 
-Numba optimises each function in full, together with all that it calls, and again in
-each of its callers, and makes machine code of it. A callee needs the simple passes
-only, and no machine code: its callers contain it. Most of the time goes into passes for
-what no kernel has, and into types that numba finds again for each sum and product; both
-are left out here.
+Numba optimises each function in full, together with all functions that it calls, and
+makes machine code of it. A callee needs the simple passes only and no machine code,
+because its callers contain it. Two more things save compilation time: passes for
+features that kernels do not use are left out, and the type of a sum or product of
+numbers is determined once, not at each place.
 """
 
 import operator
@@ -33,7 +33,7 @@ _FILES = (
 # machine code depends on it
 COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))
 
-# Those of numba but for closures, ``with``, generators and formulas with arrays
+# Passes of numba without those for closures, ``with``, generators and array expressions
 _PASSES = (
     untyped.TranslateByteCode,
     untyped.FixupArgs,
@@ -49,10 +49,10 @@ _PASSES = (
     typed.NativeLowering,
     typed.NoPythonBackend,
 )
-# Python stores the frames of calls in pieces of 16 kB. Nested compilations cross the
-# end of a piece 70 000 times, and each time the system gives and takes one, which is a
-# seventh of the whole time. A frame of so many words gets a piece of 2 MB, whose other
-# half has room for all that follow.
+# Words in the frame of ``_compile_core``. Python stores the frames of calls in pieces of
+# 16 kB. Nested compilations cross the end of a piece 70 000 times, and each time memory
+# is allocated and freed, which takes a seventh of the whole time. This frame needs a
+# piece of 2 MB, in which the frames of all nested calls have room.
 _FRAME = 140_000
 
 _OPERATORS = {bool, *filter(callable, vars(operator).values())}
@@ -60,8 +60,8 @@ _NUMBERS = types.Number, types.Boolean, types.Literal
 _signatures: dict[Any, Any] = {}  # of operators between numbers
 
 
-# Numba looks for this function at each use of an array, and loads all its modules where
-# there is none.
+# Numba looks for this function at each use of an array. Without it numba loads all its
+# modules.
 lower_builtin("__array__", types.Array)(
     lambda context, builder, signature, arrays: arrays[0]
 )
@@ -69,7 +69,7 @@ lower_builtin("__array__", types.Array)(
 
 @contextmanager
 def _types_found_once() -> Iterator[None]:
-    """Find the type of a sum or product of numbers once."""
+    """Determine the type of each operator between numbers once."""
     typing = cpu_target.typing_context
     find = typing.resolve_function_type
 
@@ -92,8 +92,8 @@ def _types_found_once() -> Iterator[None]:
 class KernelCompiler(Compiler):
     """Compiler of kernels with all that they call.
 
-    A signal waits: LLVM ends the process with a fault where an object of it was left
-    half made.
+    Signals are delayed during a compilation, because an interrupted compilation in LLVM
+    ends the process with a fault.
     """
 
     def __init__(self, *arguments: Any) -> None:
@@ -118,6 +118,8 @@ class KernelCompiler(Compiler):
 
 
 class _CalleeLibrary(JITCodeLibrary):
+    """Code of a callee: simple passes, no machine code."""
+
     def _optimize_final_module(self) -> None:
         manager, builder = self._codegen._module_pass_manager(
             cost="cheap",
@@ -143,8 +145,8 @@ class CalleeCompiler(KernelCompiler):
 
     def _compile_core(self) -> Any:
         code = Compiler._compile_core(self)
-        # In place of the function for Python: any built-in function of its own, which
-        # numba finds the callee by
+        # Numba finds the callee by its function for Python. There is none, and any new
+        # built-in function serves.
         key = [code].append
         code.library._ensure_finalized()
         code.target_context.insert_user_function(key, code.fndesc, [code.library])

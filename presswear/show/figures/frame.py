@@ -20,11 +20,11 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), height, is_measured=True)
     marks: dict[str, str] = {}
     for k, (guide, axes) in enumerate(zip(guides, panels, strict=True)):
-        for stage, full in zip(shown, moving, strict=True):
-            cut = 1e6 * stage.data.arrays["stretch"][:, k]
-            stretch = 1e6 * full.data.arrays["stretch"][:, k]
-            stage.pen.draw(axes, stage.data.time, cut, linewidth=0.8)
-            marks |= mark_moments(axes, result, (stage, full), stretch, window)
+        for stage, whole_stage in zip(shown, moving, strict=True):
+            stretch = 1e6 * stage.data.arrays["stretch"][:, k]
+            stage.pen.draw(axes, stage.data.time, stretch, linewidth=0.8)
+            stretch = 1e6 * whole_stage.data.arrays["stretch"][:, k]
+            marks |= mark_moments(axes, result, (stage, whole_stage), stretch, window)
         axes.set_ylabel(f"stretch of {guide.name} (µm)")
     window.label(panels, zones)
     for guide, axes in zip(guides, zones or panels, strict=True):
