@@ -32,6 +32,7 @@ def preliminary_life(
 
 
 def _finite(value: float) -> float | None:
+    """Return a number, or None for one that is not finite."""
     return value if math.isfinite(value) else None
 
 
@@ -58,11 +59,21 @@ def life_result(
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
         if last.crossing([limit]) == last.crossing(problem.limits):
-            item = life  # here coarser refinements that another limit ended count too
-        errors = _finite(item.strokes), _finite(item.sampling), _finite(item.step)
-        reached = (float(values[-1]) for values in last.band(limit.key))
+            # The same limit ends the life: all refinements count, also coarser ones
+            # that another limit ended.
+            item = life
+        value, half_width = last.band(limit.key)
         limits.append(
-            LimitResult(limit.key, limit.unit, limit.value, *errors, *reached)
+            LimitResult(
+                key=limit.key,
+                unit=limit.unit,
+                value=limit.value,
+                strokes=_finite(item.strokes),
+                sampling=_finite(item.sampling),
+                step=_finite(item.step),
+                last=float(value[-1]),
+                last_half_width=float(half_width[-1]),
+            )
         )
     stored = []
     for each in refinements:
@@ -75,19 +86,26 @@ def life_result(
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):
         value, half = last.band(key)
         curves[key] = np.column_stack([value, value - half, value + half])
-    # A life is inversely proportional to the wear coefficients, all of them high or low
-    # together.
+    # A life is inversely proportional to the wear coefficients, if all of them are high or
+    # low together.
     joints = scene.wearing_joints
-    services = problem.services[: end.interval]
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
-    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
-    errors = _finite(life.sampling), _finite(life.step), scatter
-    words = tuple(f"{each.words} after {each.strokes:.4g} strokes" for each in services)
-    strokes = life.strokes if math.isfinite(life.strokes) else end.strokes
-    details = tuple(limits), tuple(stored)
-    settled = tuple(block.settled for block in last.blocks if block.cycles)
-    result = LifeResult(ended, message, strokes, *errors, *details, (), words, curves)
-    return replace(result, settled=settled)
+    services = problem.services[: end.interval]
+    return LifeResult(
+        ended=ended,
+        message=message,
+        strokes=life.strokes if math.isfinite(life.strokes) else end.strokes,
+        sampling=_finite(life.sampling),
+        step=_finite(life.step),
+        scatter=quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
+        limits=tuple(limits),
+        refinements=tuple(stored),
+        services=tuple(
+            f"{one.words} after {one.strokes:.4g} strokes" for one in services
+        ),
+        curves=curves,
+        settled=tuple(block.settled for block in last.blocks if block.cycles),
+    )
 
 
 def unknown_life(scene: Scene, life: LifeResult) -> list[str]:

@@ -34,21 +34,16 @@ class WearRates:
         self, surfaces: str, since: float, until: float
     ) -> tuple[WearRate, ...]:
         """Return the wear rate of each joint from one number of strokes to another."""
-        volumes = {
-            key: wear for key, wear in self.wear.items() if key.endswith(".wear_volume")
-        }
-        rates = {key: wear.scaled(1.0 / self.strokes) for key, wear in volumes.items()}
-        return tuple(
-            WearRate(
-                key.partition(".")[0],
-                surfaces,
-                since,
-                until,
-                rate.mean,
-                rate.half_width or 0.0,
-            )
-            for key, rate in rates.items()
-        )
+        rates = []
+        for key, wear in self.wear.items():
+            joint, _, quantity = key.partition(".")
+            if quantity == "wear_volume":
+                rate = wear.scaled(1.0 / self.strokes)
+                half_width = rate.half_width or 0.0
+                rates.append(
+                    WearRate(joint, surfaces, since, until, rate.mean, half_width)
+                )
+        return tuple(rates)
 
 
 def rates_of(scene: Scene, stage: StageResult) -> WearRates:
@@ -107,32 +102,37 @@ def _limit(
         joint = next(
             each for each in scene.linkage().clearances if each.name == limit.joint
         )
-        value, rate = (np.array([worn_volume(joint, each)]) for each in (depth, rate))
+        value = np.array([worn_volume(joint, depth)])
+        rate = np.array([worn_volume(joint, rate)])
     level = float(value.max())
     strokes = math.inf
     if level >= limit.value:
         strokes = new.strokes * limit.value / level
     elif np.any(rate > 0.0):
-        strokes = new.strokes + float(
-            ((limit.value - value)[rate > 0.0] / rate[rate > 0.0]).min()
-        )
-    parts = min(new.strokes / strokes, 1.0), max(1.0 - new.strokes / strokes, 0.0)
-    halves = []
-    for part, each in zip(parts, (new, worn), strict=True):
-        wear = each.wear[limit.key]
-        half = wear.half_width
-        halves.append(
-            math.inf if half is None or wear.mean <= 0.0 else part * half / wear.mean
-        )
-    sampling = math.hypot(*halves)
-    last = new.wear[limit.key].half_width
-    return LimitResult(
-        limit.key,
-        limit.unit,
-        limit.value,
-        strokes if math.isfinite(strokes) else None,
-        sampling if math.isfinite(strokes) and math.isfinite(sampling) else None,
-        None,
-        level,
-        last,
+        wears = rate > 0.0
+        remaining = (limit.value - value)[wears] / rate[wears]
+        strokes = new.strokes + float(remaining.min())
+    share_of_new = min(new.strokes / strokes, 1.0)
+    sampling = math.hypot(
+        share_of_new * _relative_half_width(new, limit),
+        (1.0 - share_of_new) * _relative_half_width(worn, limit),
     )
+    is_reached = math.isfinite(strokes)
+    return LimitResult(
+        key=limit.key,
+        unit=limit.unit,
+        value=limit.value,
+        strokes=strokes if is_reached else None,
+        sampling=sampling if is_reached and math.isfinite(sampling) else None,
+        step=None,
+        last=level,
+        last_half_width=new.wear[limit.key].half_width,
+    )
+
+
+def _relative_half_width(rates: WearRates, limit: Limit) -> float:
+    """Return the half width of a wear over the wear; infinite if it is unknown."""
+    wear = rates.wear[limit.key]
+    if wear.half_width is None or wear.mean <= 0.0:
+        return math.inf
+    return wear.half_width / wear.mean

@@ -90,9 +90,9 @@ def stage_wear_of(
         by_replicate = update.added_depth[-count:]
         coarser = None if update.coarser is None else update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
-    volumes = zip(
-        *(run.batches.sum(axis=(-2, -1)).T for run in together.maps), strict=True
-    )
+    # By joint, the worn volumes of the batches of each run
+    by_run = [run.batches.sum(axis=(-2, -1)).T for run in together.maps]
+    volumes = zip(*by_run, strict=True)
     # Cycles on one surface are not samples of the motion on other surfaces. Neither are
     # the cycles of a replicate if the worn volumes of the replicates differ at a joint.
     # The samples are then the replicates.

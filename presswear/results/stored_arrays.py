@@ -71,7 +71,7 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     films = len(linkage.oiled_joints)
     columns = cycle_columns(len(joints), drives, has_leader, films)
     if has_leader:
-        arrays["clock"], arrays["nominal_rate"]
+        _require(arrays, "clock", "nominal_rate")
     shapes: dict[str, tuple[str | int, ...]] = {
         "time": ("time",),
         "clock": ("time",),
@@ -101,20 +101,28 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
         }
         for side in () if isinstance(joint, GuideCorner) else SIDES:
             series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
-            arrays[f"{joint.name}_depth_{side}"], arrays[f"{joint.name}_wear_{side}"]
+            names_of_side = f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}"
+            _require(arrays, *names_of_side)
         shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
     for guide in linkage.worn_guides:
         shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
         for name in ("depth", "wear"):
             shapes[f"{guide.name}_wall_{name}"] = (2, WALL_BINS)
-            arrays[f"{guide.name}_wall_{name}"]
+            _require(arrays, f"{guide.name}_wall_{name}")
     check_shapes(arrays, shapes)
+
+
+def _require(arrays: Arrays, *names: str) -> None:
+    """Raise the error of a missing array if one of some arrays is not stored."""
+    for name in names:
+        _ = arrays[name]
 
 
 def check_numbers(arrays: Arrays, scene: Scene, stage: StageResult) -> None:
     """Raise InputError for a number of a stage that is not finite, or a time beyond its rows.
 
-    A stage that failed may hold any numbers but its times. A recorded cycle has many rows.
+    A stage that failed may hold any numbers, except for its times. A recorded cycle has
+    many rows, so that the last time is below the period times the number of rows.
     """
     for name, values in arrays.items():
         most = math.inf
@@ -136,11 +144,13 @@ def check_shapes(arrays: Arrays, shapes: dict[str, tuple[str | int, ...]]) -> No
         if name not in arrays:
             continue
         stored = arrays[name].shape
-        wanted = tuple(
-            lengths.setdefault(size, length) if isinstance(size, str) else size
-            for size, length in zip(shape, stored, strict=False)
-        )
-        if len(stored) != len(shape) or stored != wanted:
+        expected = []
+        for size, length in zip(shape, stored, strict=False):
+            if isinstance(size, str):  # the first length of this name counts for all
+                expected.append(lengths.setdefault(size, length))
+            else:
+                expected.append(size)
+        if len(stored) != len(shape) or stored != tuple(expected):
             raise InputError(
                 f"{arrays.source}: {name} has the shape {stored}, which does not fit"
             )

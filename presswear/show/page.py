@@ -33,9 +33,9 @@ from presswear.tools.numbers import (
 )
 
 NOTHING = "–"
-# letters of a figure in a page; a figure with more is a picture of points
+# Characters of a figure in a page; a larger figure is shown as a PNG
 MAX_SVG = 200_000
-# a space is never part of a figure's data
+# Interval in parentheses, such as `` (1 to 2 %)``
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")
 
 Line = tuple[str, ...]
@@ -124,16 +124,18 @@ def column_table(
     for heading, rows in groups.items():
         for row in rows:
             values = [value_at(record, row.path) for record in records]
-            numbers = (one.mean if isinstance(one, Estimate) else one for one in values)
-            largest = max(
-                (abs(one) for one in numbers if isinstance(one, float)), default=0.0
-            )
+            largest = 0.0
+            for value in values:
+                number = value.mean if isinstance(value, Estimate) else value
+                if isinstance(number, float):
+                    largest = max(largest, abs(number))
             # A row of an SI unit is in the unit in which its largest value reads well.
             shown = replace(row, unit=unit_scale(row.unit, largest or 1.0)[1])
             cells = [shown.text(record) for record in records]
             if set(cells) - {NOTHING}:
                 filled.setdefault(heading, []).append((shown.head, *cells))
-                meanings |= {shown.head: row.meaning} if row.meaning else {}
+                if row.meaning:
+                    meanings[shown.head] = row.meaning
     lines = tuple((heading, tuple(rows)) for heading, rows in filled.items())
     return Table((corner, *names), lines, numeric, meanings) if filled else None
 
@@ -182,7 +184,7 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
             svg = _svg_of_image(image, file.read_bytes())
         return Illustration(drawing.file, drawing.title, drawing.caption, svg)
 
-    # it would take a sixth of the time: figures are full of reference cycles
+    # Figures are full of reference cycles, whose collection takes a sixth of the time.
     gc.disable()
     try:
         # An image is compressed and written while the next one is drawn.
@@ -267,8 +269,8 @@ def render_page(
 ) -> str:
     """Return a page as HTML; everything in it is escaped.
 
-    The answer and the sections, which fold, are below the first screen; another
-    template has parts of its own.
+    The answer and the sections, which fold, are below the first screen. ``content`` is
+    for the parts of another template.
     """
     environment = Environment(
         loader=PackageLoader("presswear.show"),
@@ -292,9 +294,6 @@ def render_page(
 
 def _without_breaks(value: Any) -> Any:
     """Replace the spaces in intervals so that these are not broken; markup stays as it is."""
-    is_text = type(value) is str
-    return (
-        _INTERVAL.sub(lambda match: match[0].replace(" ", "\xa0"), value)
-        if is_text
-        else value
-    )
+    if type(value) is not str:  # markup is a subclass of str
+        return value
+    return _INTERVAL.sub(lambda match: match[0].replace(" ", "\xa0"), value)

@@ -48,17 +48,13 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
         ending = endings.get(stage.status, stage.status)
         record["ending"] = f"failed: {stage.message}" if stage.failed else ending
     sound = [record for record in records if not record["stage"].failed]
-    has_table = {
-        "joints": True,
-        "bottom": True,
-        "tonnage": True,
-        "guide": bool(scene.loose_guides),
-        "motor": scene.linkage().leader is not None,
-    }
-    tables = {
-        name: result_table(name, result, sound) if has else None
-        for name, has in has_table.items()
-    }
+    names = ["joints", "bottom", "tonnage"]
+    if scene.loose_guides:
+        names.append("guide")
+    if scene.linkage().leader is not None:
+        names.append("motor")
+    tables: dict[str, Table | None] = dict.fromkeys(("guide", "motor"))
+    tables |= {name: result_table(name, result, sound) for name in names}
     tables["endings"] = line_table("endings", result, records)
     tables["diagnostics"] = result_table("diagnostics", result, records)
     return tables
@@ -174,14 +170,18 @@ def _direction(angle: Estimate) -> str:
 
     The half width of the interval has two digits.
     """
-    mean, low, high = (
-        math.degrees(end or 0.0) for end in (angle.mean, angle.low, angle.high)
-    )
-    if angle.low is None:
+    mean = math.degrees(angle.mean)
+    if angle.low is None or angle.high is None:
         return f"{mean:.1f} (too few cycles)"
+    low = math.degrees(angle.low)
+    high = math.degrees(angle.high)
     digits = max(1 - math.floor(math.log10(0.5 * (high - low))), 0)
-    texts = [f"{round(end, digits) % 360.0:.{digits}f}" for end in (mean, low, high)]
-    return f"{texts[0]} ({' to '.join(texts[1:]) if high - low < 360.0 else 'any'})"
+
+    def text(degrees: float) -> str:
+        return f"{round(degrees, digits) % 360.0:.{digits}f}"
+
+    interval = f"{text(low)} to {text(high)}" if high - low < 360.0 else "any"
+    return f"{text(mean)} ({interval})"
 
 
 def drive_table(result: Result) -> Table | None:
@@ -194,9 +194,8 @@ def drive_table(result: Result) -> Table | None:
     if scene.has_untrusted_loads:
         return None
     records: list[Record] = []
-    for name, stage in zip(
-        stage_names(result, result.stages), result.stages, strict=True
-    ):
+    names = stage_names(result, result.stages)
+    for name, stage in zip(names, result.stages, strict=True):
         if drives := drives_of(scene, stage):
             duty = {body: drive.duty for body, drive in drives.items()}
             records.append({"name": name, "duty": duty, "energy": stage.statistics})
@@ -205,9 +204,8 @@ def drive_table(result: Result) -> Table | None:
     rigid = {RUBBING: rubbing_drives(scene), IDEAL: ideal_drives(scene)}
     for name, duties in rigid.items():
         if duties:
-            energy = {
-                "drive_work_per_cycle": sum(drive.work for drive in duties.values())
-            }
+            work = sum(drive.work for drive in duties.values())
+            energy = {"drive_work_per_cycle": work}
             records.append({"name": name, "duty": duties, "energy": energy})
     return result_table("drives", result, records)
 
@@ -217,27 +215,31 @@ def growth_table(result: Result) -> Table | None:
     if not result.grew_in_steps:
         return None
     joints = result.scene.loose_pins
-    records = [
-        {
-            "name": result.stage_name(stage.index + 1),
-            "steps": len(steps),
-            "represented": sum(step.cycles_per_update for step in steps),
-            "cycles": sum(step.cycles for step in steps),
-            "multiplier": _factor_range(steps),
-            "change": max(step.clearance_change for step in steps),
-            "wall": sum(step.wall_s for step in steps),
-            "last": steps[-1],
-            "force": {
-                joint: max(step.peak_force[joint] for step in steps) for joint in joints
-            },
-        }
-        for stage in result.stages
-        if (steps := stage.wear_steps)
-    ]
+    records = []
+    for stage in result.stages:
+        if stage.wear_steps:
+            name = result.stage_name(stage.index + 1)
+            records.append({"name": name, **_steps_record(stage.wear_steps, joints)})
     return result_table("growth", result, records)
+
+
+def _steps_record(steps: Sequence[WearStep], joints: Sequence[str]) -> Record:
+    """Return the values of the steps of a wear update."""
+    forces = {joint: max(step.peak_force[joint] for step in steps) for joint in joints}
+    return {
+        "steps": len(steps),
+        "represented": sum(step.cycles_per_update for step in steps),
+        "cycles": sum(step.cycles for step in steps),
+        "multiplier": _factor_range(steps),
+        "change": max(step.clearance_change for step in steps),
+        "wall": sum(step.wall_s for step in steps),
+        "last": steps[-1],
+        "force": forces,
+    }
 
 
 def _factor_range(steps: Sequence[WearStep]) -> str:
     factors = [step.factor for step in steps]
-    ends = [numbers.readable(min(factors)), numbers.readable(max(factors))]
-    return " to ".join(dict.fromkeys(ends))  # one number if both ends are equal
+    low = numbers.readable(min(factors))
+    high = numbers.readable(max(factors))
+    return low if low == high else f"{low} to {high}"

@@ -21,7 +21,7 @@ from presswear.tools.numbers import readable, whole
 
 @dataclass(frozen=True)
 class Analysis:
-    """Everything that the points of a sweep tell about one response; None where they do not."""
+    """Analysis of one response of a sweep; None for a part that the points do not allow."""
 
     points: Points
     sensitivity: Sensitivity | None
@@ -33,11 +33,11 @@ class Analysis:
 
 
 def failed_text(table: Table) -> str:
-    """Return how many runs failed, whose values every statistic lacks; empty for none."""
+    """Return how many runs failed, without which the statistics are; empty for none."""
     failed = sum(error not in ("", NOT_RUN) for error in table.errors)
-    return (
-        f"{whole(failed)} of {whole(len(table.errors))} runs failed" if failed else ""
-    )
+    if not failed:
+        return ""
+    return f"{whole(failed)} of {whole(len(table.errors))} runs failed"
 
 
 def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:

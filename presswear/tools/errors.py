@@ -40,7 +40,7 @@ class RunFailed(RuntimeError):
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the nearest of some names as a question for a message, or nothing."""
+    """Return a question with the nearest of some names; empty if none is near."""
     from difflib import get_close_matches  # slow to import
 
     lower = {word.lower(): word for word in names}
@@ -53,9 +53,9 @@ def remedy(name: str, names: Iterable[str]) -> str:
     words = tuple(names)
     absent = not_modelled(name)
     if hint := nearest(name, words):
-        listed = hint + (
-            f" Known are {', '.join(words)}." if 1 < len(words) <= FEW_NAMES else ""
-        )
+        listed = hint
+        if 1 < len(words) <= FEW_NAMES:
+            listed += f" Known are {', '.join(words)}."
     elif absent:
         listed = "."
     else:
@@ -64,7 +64,7 @@ def remedy(name: str, names: Iterable[str]) -> str:
 
 
 def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
-    """Return the error for an unknown name, with the nearest known one and a few, or with all."""
+    """Return the error for an unknown name, with the nearest of the known names or with all."""
     return InputError(f"unknown {kind} {shown(name)}{remedy(f'{name}', names)}")
 
 
@@ -74,12 +74,12 @@ def not_installed(what: str, package: str, extra: str) -> InputError:
     return InputError(f"{what} needs {package}: pip install {package}, or {source}")
 
 
-FEW_NAMES = 6  # that are listed beside the nearest one
+FEW_NAMES = 6  # up to so many names are all listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message
-# space between groups of three digits, which is not printable to Python
-NARROW = "\u202f"
-_KEPT = (NARROW, "\xa0", "\n")  # though Python does not call them printable
+NARROW = "\u202f"  # space between groups of three digits
+# Characters that terminals print, although ``str.isprintable`` is false for them
+_PRINTED = (NARROW, "\xa0", "\n")
 
 
 def shown(value: Any) -> str:
@@ -93,7 +93,9 @@ def shown(value: Any) -> str:
 
 def printable(text: str) -> str:
     """Return a text with escapes in place of characters that would control a terminal."""
-    return "".join(c if c.isprintable() or c in _KEPT else ascii(c)[1:-1] for c in text)
+    return "".join(
+        c if c.isprintable() or c in _PRINTED else ascii(c)[1:-1] for c in text
+    )
 
 
 def one_line(text: str) -> str:

@@ -1,8 +1,8 @@
 """Digest of all that the machine code of a function depends on.
 
-It holds the instructions and constants of the function and of every kernel, constant
-and class that they refer to, so that an edit compiles those kernels anew that it
-changes. Comments, docstrings and types of parameters are no part of it.
+It covers the instructions and constants of the function and of every kernel, constant
+and class that they refer to. After an edit, only the kernels that it changes are
+compiled again. Comments, docstrings and types of parameters are not covered.
 """
 
 import dis
@@ -34,19 +34,21 @@ def function_digest(function: Callable[..., Any]) -> str:
 
 def _names(code: types.CodeType) -> set[str]:
     """Return the global names of a function and of the functions inside it."""
-    read = (
-        step.argval
-        for step in dis.get_instructions(code)
-        if step.opname == "LOAD_GLOBAL"
-    )
-    inner = [
-        _names(part) for part in code.co_consts if isinstance(part, types.CodeType)
-    ]
-    return set(read).union(*inner)
+    names = set()
+    for instruction in dis.get_instructions(code):
+        if instruction.opname == "LOAD_GLOBAL":
+            names.add(instruction.argval)
+    for part in code.co_consts:
+        if isinstance(part, types.CodeType):
+            names |= _names(part)
+    return names
 
 
 def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[str]:
-    """Yield what describes instructions; line numbers only where an IndexError shows them."""
+    """Yield texts that describe instructions; line numbers only if bounds are checked.
+
+    The message of an IndexError shows them.
+    """
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
     yield f"{code.co_code.hex()} {names} {code.co_argcount} {code.co_flags}"
     if config.BOUNDSCHECK:
@@ -59,7 +61,7 @@ def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[
 
 
 def _parts(value: Any) -> Iterator[str]:
-    """Yield what describes a value that a function refers to."""
+    """Yield texts that describe a value to which a function refers."""
     if hasattr(value, "py_func"):
         yield f"{value.options} {value.is_inside_callers}"
         if value.is_inside_callers:

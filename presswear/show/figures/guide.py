@@ -14,19 +14,18 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import unit_scale
 
 _LARGEST = Pen("greatest tilt between rigid walls", style.REFERENCE, (0.0, (4.0, 2.0)))
-_ASKED = Pen("limit that press makers ask for", style.MUTED, "dotted", 1.2)
+_ALLOWED = Pen("limit that press makers ask for", style.MUTED, "dotted", 1.2)
 _WALL = Pen("walls", style.REFERENCE, width=1.0)
 _WALL_DASHES = {"left": "solid", "right": "dashed"}
-# of the walls in a stage: how to read them, factor from SI and label
+# Quantities of the walls in a stage: method that returns them, factor from SI, label
 _WALL_QUANTITIES = (
     (StageResult.wall_wear, 1e12, "depth per million\nstrokes (µm)"),
     (StageResult.wall_depth, 1e6, "depth of the wall\nin the stage (µm)"),
 )
 _ENDS = ("front", "back")  # of a slide along its guide
 _PATH_WIDTH = 0.5  # of the line of a path, points
-_EDGE = (
-    1.35  # half of the width of a panel of paths, in clearances, if no path is wider
-)
+# Half of the width of a panel of paths, in clearances, if no path is wider
+_EDGE = 1.35
 
 
 def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
@@ -36,24 +35,24 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), 0.6 + 2.4 * len(guides))
     marks: dict[str, str] = {}
     for axes, guide in zip(panels, guides, strict=True):
-        for stage, full in zip(shown, moving, strict=True):
+        for stage, whole_stage in zip(shown, moving, strict=True):
             tilt = 1e6 * tilt_series(stage.data, guide)
             stage.pen.draw(axes, stage.data.time, tilt, linewidth=0.8)
-            values = 1e6 * tilt_series(full.data, guide)
-            marks |= mark_moments(axes, result, (stage, full), values, window)
+            tilt = 1e6 * tilt_series(whole_stage.data, guide)
+            marks |= mark_moments(axes, result, (stage, whole_stage), tilt, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     window.label(panels, zones)
-    pens = [*(stage.pen for stage in shown), _LARGEST, _ASKED]
+    pens = [*(stage.pen for stage in shown), _LARGEST, _ALLOWED]
     content = {"window": window, "marks": marks.values()}
     return style.finished("tilt", sheet, pens, **content)
 
 
 def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:
-    """Draw the tilt in two opposite corners of rigid walls, and that which makers ask for."""
+    """Draw the greatest tilt between rigid walls, and the tilt that press makers allow."""
     largest = 1e6 * largest_tilt(guide, result.scene.bearing(guide.name).clearance)
     for sign in (-1.0, 1.0):
-        for pen, size in ((_LARGEST, largest), (_ASKED, 1e6 * ALLOWED_TILT)):
+        for pen, size in ((_LARGEST, largest), (_ALLOWED, 1e6 * ALLOWED_TILT)):
             axes.axhline(sign * size, **pen.line_style)
 
 
@@ -64,16 +63,16 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
     for guide in result.scene.loose_guides:
         clearance = result.scene.bearing(guide.name).clearance
         paths = [corner_paths(stage.data, guide) for stage in shown]
-        widest = max(float(abs(way).max()) for each in paths for way in each.values())
+        widest = max(float(abs(path).max()) for one in paths for path in one.values())
         factor, unit = unit_scale("m", clearance)
         edge = factor * max(_EDGE * clearance, 1.06 * widest)
         sheet, (row,) = style.panels(1, 2, 3.6, sharex=True, sharey=True)
         for axes, end in zip(row, _ENDS, strict=True):
-            for stage, each in zip(shown, paths, strict=True):
-                # the way is positive to the left
-                for name in (name for name in CORNERS if name.endswith(end)):
+            corners = [name for name in CORNERS if name.endswith(end)]
+            for stage, by_corner in zip(shown, paths, strict=True):
+                for name in corners:
                     axes.plot(
-                        -factor * each[name],
+                        -factor * by_corner[name],  # positive to the left
                         1e3 * stage.data.displacement,
                         color=stage.pen.colour,
                         linewidth=_PATH_WIDTH,
@@ -101,13 +100,15 @@ def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
     names = list(dict.fromkeys(chain(*(one.data.statistics.walls for one in stages))))
     if not names:
         return []
-    worn = [one.data.wall_depth(name)[1].any() for one in stages for name in names]
-    quantities = _WALL_QUANTITIES if any(worn) else _WALL_QUANTITIES[:1]
+    is_worn = any(
+        stage.data.wall_depth(name)[1].any() for stage in stages for name in names
+    )
+    quantities = _WALL_QUANTITIES if is_worn else _WALL_QUANTITIES[:1]
     parts = list(product(names, quantities))
     sheet, panels, _ = style.panel_list(len(parts), 2.4, 1)
-    for axes, (name, (reads, factor, label)) in zip(panels, parts, strict=True):
+    for axes, (name, (method, factor, label)) in zip(panels, parts, strict=True):
         for stage in stages:
-            place, depths = reads(stage.data, name)
+            place, depths = method(stage.data, name)
             _draw_walls(axes, stage.pen, place, factor * depths)
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel(f"place along {name} (mm)")
@@ -117,7 +118,7 @@ def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
         for side, dashes in _WALL_DASHES.items()
     ]
     pens = [*(stage.pen for stage in stages), *walls]
-    return style.finished("walls", sheet, pens, guides=names, is_worn=any(worn))
+    return style.finished("walls", sheet, pens, guides=names, is_worn=is_worn)
 
 
 def _draw_walls(axes: Axes, pen: Pen, place: Array, depths: Array) -> None:

@@ -48,6 +48,11 @@ _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
 _ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
 
 
+def first_and_last(stages: Shown) -> list[ShownStage]:
+    """Return the first and the last of some stages, which may be the same."""
+    return list(stages) if len(stages) < 2 else [stages[0], stages[-1]]
+
+
 def _pens(stages: Shown) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
@@ -93,9 +98,8 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         middle = time[(time >= 0.5 * interval) & (time <= time[-1] - 0.5 * interval)]
         series = [(stage.pen, stage.data.time, stage.data.velocity) for stage in moving]
         for pen, times, speed in [*series, (IDEAL, time, velocity)]:
-            before, after = (
-                np.interp(middle + s * interval, times, speed) for s in (-0.5, 0.5)
-            )
+            before = np.interp(middle - 0.5 * interval, times, speed)
+            after = np.interp(middle + 0.5 * interval, times, speed)
             pen.draw(column[-1], middle, (after - before) / interval, linewidth=0.8)
         mean = f"{readable(1e3 * interval, 2)} ms mean"
         column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
@@ -118,11 +122,10 @@ def _draw_deviation(
     largest = max(float(np.abs(deviation(stage)).max()) for stage in shown)
     factor, unit = unit_scale("m", largest)
     marks: dict[str, str] = {}
-    for stage, full in zip(shown, moving, strict=True):
+    for stage, whole_stage in zip(shown, moving, strict=True):
         stage.pen.draw(axes, stage.data.time, factor * deviation(stage), linewidth=0.9)
-        marks |= mark_moments(
-            axes, result, (stage, full), factor * deviation(full), window
-        )
+        values = factor * deviation(whole_stage)
+        marks |= mark_moments(axes, result, (stage, whole_stage), values, window)
     axes.set_ylabel(f"displacement\nminus\nideal ({unit})")
     return marks
 
@@ -149,7 +152,7 @@ def whole_cycles(time: Array, window: Window) -> slice:
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, in the first and last stage."""
     shown, window = sampled(result, moving)
-    shown = [*shown[:1], *shown[1:][-1:]]
+    shown = first_and_last(shown)
     places = list(product(result.scene.loose_pins, shown))
     if window.zone:
         height = 0.8 + min(1.5, (_TALLEST - 0.8) / len(places)) * len(places)
@@ -182,8 +185,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the height of bottom dead centre over the ideal in each stroke, first and last stage."""
     scene = result.scene
-    shown = [stage for stage in shown if stage.data.statistics.bdc]
-    shown = [*shown[:1], *shown[1:][-1:]]
+    shown = first_and_last([one for one in shown if one.data.statistics.bdc])
     if not shown or not scene.has_deviations:
         return []
     strokes = [bottom_errors(scene, stage.data) for stage in shown]
@@ -196,8 +198,9 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
                 axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0
             )
         error = stage.data.bdc.error.scaled(factor)
-        ends = (error.mean if end is None else end for end in (error.low, error.high))
-        axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
+        low = error.mean if error.low is None else error.low
+        high = error.mean if error.high is None else error.high
+        axes.axhspan(low, high, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
         axes.axvspan(
             0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0
         )
@@ -267,13 +270,12 @@ def pin_panels(
     places[0][0].set(xlim=(-edge, edge), ylim=(-edge, edge))
     for axes in lowest:
         axes.set_xlabel(f"$e_x$ ({unit})", parse_math=True)
-    joints: dict[str, list[str]] = {}
+    joints_of: dict[str, list[str]] = {}  # by clearance
     for joint, gap in gaps.items():
-        joints.setdefault(quantity_text(gap, "m"), []).append(joint)
-    texts = [
-        f"{gap} ({', '.join(of)})" if len(joints) > 1 else gap
-        for gap, of in joints.items()
-    ]
+        joints_of.setdefault(quantity_text(gap, "m"), []).append(joint)
+    texts = list(joints_of)
+    if len(texts) > 1:
+        texts = [f"{gap} ({', '.join(names)})" for gap, names in joints_of.items()]
     return sheet, replace(_ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
 
 
@@ -285,9 +287,8 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     shown = [(stage, strokes) for stage, strokes in shown if strokes]
     if process is None or not shown:
         return []
-    joints = (
-        scene.loose_pins if all(one.data.has_joint_series for one, _ in shown) else ()
-    )
+    has_series = all(stage.data.has_joint_series for stage, _ in shown)
+    joints = scene.loose_pins if has_series else ()
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
     count = 1 + len(joints)
@@ -315,10 +316,9 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     else:
         depth, curve = np.array(process.curve).T
     IDEAL.draw(column[0], factor * (process.height - depth), curve)
-    for axes, name in zip(
-        column, ("of the work", *(f"at {name}" for name in joints)), strict=True
-    ):
-        style.label_values(axes, f"force {name}", "N")
+    places = ["of the work", *(f"at {name}" for name in joints)]
+    for axes, place in zip(column, places, strict=True):
+        style.label_values(axes, f"force {place}", "N")
     column[-1].set_xlim(factor * reach, 0.0)
     for axes in lowest:
         axes.set_xlabel(f"height over bottom dead centre ({unit})")
