@@ -50,7 +50,7 @@ _WORN_OFF = "worn_off"
 # Columns of a cycle, and the energy of the ledger whose change in the cycle each stores.
 # The sums hold the energies at the end of the last cycle, J.
 _ENERGIES = {
-    CONTACT_MADE: "made",
+    CONTACT_MADE: "created",
     DRIVE_WORK: "drive_work",
     STORED_ENERGY_CHANGE: "stored",
 }

@@ -38,7 +38,7 @@ def stored_energy(
 
 # Largest energy that contacts may create, over the energy exchanged by the drives; a run
 # with more is ended
-MAX_MADE = 0.5
+MAX_CREATED = 0.5
 # Start of this check after the run-up, in cycles
 SETTLED = 0.05
 
@@ -48,7 +48,7 @@ def has_worn_radial_contact(packed: Packed) -> bool:
     return bool(depths_of(packed)[packed.joints["foundation"] == 0.0].any())
 
 
-def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
+def created_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     """Return a message if contacts created more energy than they dissipated, else "".
 
     A radial force on a steep worn profile is not the gradient of an energy, so that the
@@ -56,7 +56,7 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     those since the start of the run, J; see ``Ledger``.
     """
     # The comparison is false for NaN: another check reports a state that is not finite.
-    if not (exchange > 0.0 and contact_loss < -MAX_MADE * exchange):
+    if not (exchange > 0.0 and contact_loss < -MAX_CREATED * exchange):
         return ""
     cause = "the steps are too coarse"
     if has_worn_radial_contact(packed):
@@ -67,7 +67,7 @@ def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     )
 
 
-def made_remedy(packed: Packed, finer: str) -> str:
+def remedy_for_created_energy(packed: Packed, finer: str) -> str:
     """Return advice for a run whose contacts created energy; ``finer`` advises on steps."""
     if has_worn_radial_contact(packed):
         return (
@@ -85,7 +85,7 @@ class Ledger:
     stored: float  # change of kinetic, potential and elastic energy
     contact_loss: float  # dissipated by contacts, less what they created
     friction_loss: float
-    made: float = 0.0  # created by the normal law, positive or negative
+    created: float = 0.0  # created by the normal law, positive or negative
     # work of loads with a law, less the loss in the dampers of springs
     load_work: float = 0.0
 
@@ -98,7 +98,7 @@ class Ledger:
     @property
     def dissipated(self) -> float:
         """Energy that damping and friction turned into heat, J."""
-        return self.contact_loss + self.made + self.friction_loss
+        return self.contact_loss + self.created + self.friction_loss
 
     @property
     def residual(self) -> float:
@@ -115,6 +115,6 @@ class Ledger:
             "stored_energy_change_J": self.stored,
             "contact_loss_J": self.contact_loss,
             "friction_loss_J": self.friction_loss,
-            "contact_made_J": self.made,
+            "contact_made_J": self.created,
             "energy_residual_J": self.residual,
         }

@@ -16,7 +16,7 @@ from presswear.linkage.process import PROCESSES
 from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import ideal_motion
-from presswear.physics.ledger import Ledger, made_remedy
+from presswear.physics.ledger import Ledger, remedy_for_created_energy
 from presswear.physics.packed import mass_of, pack
 from presswear.recording.nominal_time import STALLED
 from presswear.recording.recorder import Recorder
@@ -41,8 +41,8 @@ MIN_RESIDUAL = 1e-4
 MIN_EXCHANGED = 1e-3
 # Largest energy created by contacts over the energy dissipated: above it the contacts
 # drive the linkage
-MADE = 1.0
-MIN_MADE = 1e-3  # created energy that is always allowed, over the energy exchanged
+MAX_CREATED = 1.0
+MIN_CREATED = 1e-3  # created energy that is always allowed, over the energy exchanged
 # Largest share of contacts with fewer than LEAST_STEPS steps. Grazing contacts are a few
 # per cent.
 UNRESOLVED = 0.5
@@ -202,13 +202,13 @@ def _check_energy(
             f"the drives exchanged {exchange:.3g} J, damping and friction dissipated {heat:.3g} J"
         )
         return Finding("energy", what, now.time, "", now.remedy)
-    limit = max(MADE * heat, MIN_MADE * exchange)
-    if ledger.made > limit:
+    limit = max(MAX_CREATED * heat, MIN_CREATED * exchange)
+    if ledger.created > limit:
         what = (
-            f"the contacts created {ledger.made:.3g} J, limit {limit:.3g} J: damping and friction "
-            f"dissipated {heat:.3g} J"
+            f"the contacts created {ledger.created:.3g} J, limit {limit:.3g} J: damping and "
+            f"friction dissipated {heat:.3g} J"
         )
-        remedy = made_remedy(recorder.records.packed, now.remedy)
+        remedy = remedy_for_created_energy(recorder.records.packed, now.remedy)
         return Finding("energy", what, now.time, "", remedy)
     return None
 

@@ -47,7 +47,7 @@ APPROACH = 0.1  # s, half of a stroke and fifty contacts
 # exchanged: the law makes energy in blows of 1e4 N and more, whose rounding limits the
 # error control.
 RADIAL_ENERGY = 1e-4
-MADE = 0.5  # energy that radial contact may make, relative to that exchanged
+MAX_CREATED = 0.5  # energy that radial contact may make, relative to that exchanged
 FAST = 40.0 * math.pi  # rad/s; a cycle takes 50 ms and has some hundred contacts
 LONGEST = 1200.0  # s of CPU time for many cycles
 # Largest growth of the constraint error over ten times the cycles. Round-off of the
@@ -146,7 +146,9 @@ def on_worn(scene: Scene, worn: Worn) -> Checks:
     yield replace(check, bound=RADIAL_ENERGY)
     exchanged = float(run.diagnostics["drive_exchange_J"])
     created_fraction = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
-    yield Check("energy that the radial law made / exchanged", created_fraction, MADE)
+    yield Check(
+        "energy that the radial law made / exchanged", created_fraction, MAX_CREATED
+    )
 
 
 def profile_cases() -> Iterator[Case]:

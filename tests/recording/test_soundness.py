@@ -16,7 +16,7 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import KELVIN_VOIGT
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ledger import Ledger, made_energy, made_remedy
+from presswear.physics.ledger import Ledger, created_energy, remedy_for_created_energy
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import (
@@ -100,18 +100,18 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         *(
             (
                 energies(
-                    contact_loss=taken - made,
-                    made=made,
+                    contact_loss=taken - created,
+                    created=created,
                     friction_loss=0.0,
                     drive_work=work,
                 ),
                 *(
                     "energy",
                     "",
-                    f"the contacts created {made:g} J, limit {limit:g} J: damping and",
+                    f"the contacts created {created:g} J, limit {limit:g} J: damping and",
                 ),
             )
-            for taken, made, limit, work in (
+            for taken, created, limit, work in (
                 (0.2, 0.21, 0.2, 0.29),
                 (0.0, 0.006, 0.005, 0.294),
             )
@@ -152,7 +152,7 @@ def test_sound_runs_continue() -> None:
     for change in (
         energies(),
         energies(drive_work=0.5019),
-        energies(contact_loss=0.01, made=0.19, friction_loss=0.0, drive_work=0.31),
+        energies(contact_loss=0.01, created=0.19, friction_loss=0.0, drive_work=0.31),
         energies(
             drive_work=9.0, drive_exchange=0.0
         ),  # without drives energy is not judged
@@ -202,10 +202,12 @@ def test_steep_radial_surfaces_are_named(
     packed = recorder_of(
         linkage, START, Plan(scene.mechanism.period, 1, 1)
     ).records.packed
-    what = made_energy(packed, -1.5, 2.0)
+    what = created_energy(packed, -1.5, 2.0)
     assert ("worn surfaces are too steep" in what) == is_steep
     assert "the steps are too coarse" in what
-    remedy = made_remedy(packed, "a smaller integration_tolerance may help")
+    remedy = remedy_for_created_energy(
+        packed, "a smaller integration_tolerance may help"
+    )
     assert ("contact = foundation" in remedy) == is_steep
     assert "a smaller integration_tolerance may help" in remedy
 

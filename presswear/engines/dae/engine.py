@@ -36,8 +36,8 @@ from presswear.physics.equations.writer import (
 )
 from presswear.physics.ledger import (
     Ledger,
-    made_energy,
-    made_remedy,
+    created_energy,
+    remedy_for_created_energy,
     stored_energy,
 )
 from presswear.physics.prescribed import begin_motion
@@ -277,9 +277,11 @@ class _Solver:
         is_settled = self.recorder.nominal_time > self.plan.settled
         loss = float(self.energies[CONTACT_LOSS])
         exchange = float(self.energies[DRIVE_EXCHANGE])
-        message = made_energy(packed, loss, exchange) if is_settled else ""
+        message = created_energy(packed, loss, exchange) if is_settled else ""
         if message:
-            return Finding("energy", message, time, "", made_remedy(packed, REMEDY))
+            return Finding(
+                "energy", message, time, "", remedy_for_created_energy(packed, REMEDY)
+            )
         if status in (BROKEN, STUCK):
             has_friction = bool(self.linkage.rubbing_pins)
             return _problem(status, self.constraints, has_friction, *self.motion())

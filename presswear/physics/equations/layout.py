@@ -19,9 +19,9 @@ ENERGIES = (
     "load_work",  # of loads with a law, less the losses in dampers
     "contact_loss",
     "friction_loss",
-    "made",  # created by normal forces that have no potential
+    "created",  # created by normal forces that have no potential
 )
-DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, MADE = range(6)
+DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, CREATED = range(6)
 # Doses of wear of a joint: integrals of F_n ds, N m, and of p ds, N/m
 DOSES = ("work", "pressure")
 WORK, PRESSURE = range(2)

@@ -203,7 +203,7 @@ class ContactText:
         if self.joint.friction.coefficient > 0.0:
             powers.append("friction_loss")
         if self.makes_energy:
-            powers.append("made")
+            powers.append("created")
         for energy in powers:
             self.page.add_power(energy, self.name(energy))
         rates = []
@@ -421,7 +421,7 @@ class ContactText:
             write(f"{self.name('friction_loss')} = {negative(friction_power)}")
         if not self.makes_energy:
             return
-        created = self.name("made")
+        created = self.name("created")
         write(f"{created} = -min({loss}, {ZERO})")
         if self.is_worn:
             power = product(normal_force, difference(self.value("approach"), closing))
