@@ -23,19 +23,19 @@ def bumps_of(ensemble: Ensemble, recorders: Sequence[Recorder]) -> list[Bumps | 
     noise, or if no contact was recorded.
     """
     joints = ensemble.linkage.clearances
-    own_surfaces = ensemble.depth[
-        ensemble.replicates :
-    ]  # the second set runs after a jump only
-    if len(own_surfaces) < 2:
+    # The second set of replicates, each on its own surfaces, runs after a jump only.
+    surfaces = ensemble.depth[ensemble.replicates :]
+    if len(surfaces) < 2:
         return [None] * len(joints)
-    heights = [
-        noise_of(own_surfaces[:, k, :, : joint.bins]) for k, joint in enumerate(joints)
-    ]
-    penetrations = [median_penetration(recorders, k) for k in range(len(joints))]
-    return [
-        None if penetration is None else Bumps(height, penetration)
-        for height, penetration in zip(heights, penetrations, strict=True)
-    ]
+    bumps: list[Bumps | None] = []
+    for k, joint in enumerate(joints):
+        penetration = median_penetration(recorders, k)
+        if penetration is None:
+            bumps.append(None)
+        else:
+            height = noise_of(surfaces[:, k, :, : joint.bins])
+            bumps.append(Bumps(height, penetration))
+    return bumps
 
 
 def noise_of(depth: Array) -> float:

@@ -94,60 +94,55 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ),
         ("Runs", (), runs),
     ]
-    return [
-        Section(
-            heading,
-            texts,
-            [(name, one) for name, one in tables.items() if one],
-            is_open=not k,
-        )
-        for k, (heading, texts, tables) in enumerate(parts)
-    ]
+    sections: list[Section] = []
+    for heading, texts, tables in parts:
+        filled = [(name, table) for name, table in tables.items() if table]
+        sections.append(Section(heading, texts, filled, is_open=not sections))
+    return sections
 
 
 def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
     """Return the answer of the study in a few sentences."""
-    peaks = verdicts.positions(evidence)
+    peaks = Counter[str]()
+    for number, position in verdicts.positions(evidence):
+        if number.quantity not in ("depth", "angle"):
+            peaks[position] += 1
     text = TEMPLATES.from_string(TEXTS["headline"]).render(
         claims=len(claims),
         count=Counter(claim.verdict() for claim in claims),
         same=sum(claim.geometry.startswith("same") for claim in claims),
-        peaks=Counter(
-            one for number, one in peaks if number.quantity not in ("depth", "angle")
-        ),
+        peaks=peaks,
     )
     return text.strip()
 
 
 def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Return the most important results, each with its numbers, as far as they were computed."""
-    ours = {name: compared(evidence, BASE, part) for name, part in HIGHLIGHTS.items()}
-    second = ours["second wear"]
-    # positions of peaks where the stage is known
+    # positions of printed peaks, if the stage is known
     new = Counter[str]()
     worn = Counter[str]()
-    for number, one in verdicts.positions(evidence):
-        if len(number.places) == 1 and one in ("inside", "above", "below"):
-            (worn if number.place.wear_updates else new)[one] += 1
-    wide = {
-        name: compared(evidence, BASE, part, COMPARISONS)
-        for name, part in HIGHLIGHTS.items()
-    }
-    effects = {
-        name: verdicts.verdict(wide[name], part) for name, part in HIGHLIGHTS.items()
-    }
+    for number, position in verdicts.positions(evidence):
+        if len(number.places) == 1 and position in ("inside", "above", "below"):
+            counts = worn if number.place.wear_updates else new
+            counts[position] += 1
+    ours = {}
+    effects = {}
+    printed = {}
+    for name, part in HIGHLIGHTS.items():
+        ours[name] = compared(evidence, BASE, part)
+        wide = compared(evidence, BASE, part, COMPARISONS)
+        effects[name] = TEXTS["effects"][verdicts.verdict(wide, part)]
+        printed[name] = f"printed: {readable(part.printed)}"
+    second = ours["second wear"]
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,
         text={name: text_of(one) for name, one in ours.items()},
-        printed={
-            name: f"printed: {readable(one.printed)}"
-            for name, one in HIGHLIGHTS.items()
-        },
-        # The ratio of total depths has the first wear in it.
+        printed=printed,
+        # The ratio of total depths includes the first wear, so that 1 is subtracted.
         runs_away=second is not None and second.mean - 1.0 > RUNAWAY,
         new=new,
         worn=worn,
-        effect={name: TEXTS["effects"][one] for name, one in effects.items()},
+        effect=effects,
         fit=fit(depth_factors(evidence, BASE)),
         doubtful=len(DOUBTFUL),
         failure=failures.get(settings.PAPER_STEP, ""),

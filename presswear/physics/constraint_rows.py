@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,17 @@ ROUND_OFF = 4e-15  # error of a row that is round-off, part of the size of the l
 # Least rows of a group that is solved at once: below, numpy takes longer than LAPACK;
 # with hundreds of rows, LAPACK starts threads for each of thousands of small matrices.
 _GROUP = 30
+
+
+class _Row(NamedTuple):
+    """Constraint row: a distance along a direction, or an angle, and its value."""
+
+    name: str  # of the joint, guide or drive
+    first: Attachment
+    second: Attachment
+    direction: tuple[float, float] = (0.0, 0.0)
+    turn: float = 0.0  # 1: angle of the first body less that of the second
+    target: float = 0.0  # value that is held, m or rad
 
 
 class Rows:
@@ -42,64 +53,58 @@ class Rows:
         self.linkage = linkage
         self.bodies = len(linkage.bodies)
         frame = Attachment(GROUND, 0.0, 0.0)
-        # Name, both points, direction, share of the angle of the first body less that of
-        # the second, value that is to be held
-        rows: list[
-            tuple[str, Attachment, Attachment, tuple[float, float], float, float]
-        ] = []
+        rows: list[_Row] = []
         for joint in linkage.revolutes:
             for axis in ((1.0, 0.0), (0.0, 1.0)):
-                rows.append((joint.name, joint.first, joint.second, axis, 0.0, 0.0))
+                rows.append(_Row(joint.name, joint.first, joint.second, axis))
         turning = []  # rows whose direction turns with the second body
         for guide in linkage.guides:
             point, centre = ends_of(guide)
             across = -math.sin(guide.direction), math.cos(guide.direction)
             if guide.is_moving:
                 turning.append(len(rows))
-            rows.append((guide.name, centre, point, across, 0.0, 0.0))
+            rows.append(_Row(guide.name, centre, point, across))
             carrier = Attachment(guide.on, 0.0, 0.0)
-            rows.append((guide.name, centre, carrier, (0.0, 0.0), 1.0, guide.angle))
+            rows.append(_Row(guide.name, centre, carrier, turn=1.0, target=guide.angle))
             if guide.stiffness is not None:
                 along = math.cos(guide.direction), math.sin(guide.direction)
-                rows.append((guide.name, centre, point, along, 0.0, 0.0))
+                rows.append(_Row(guide.name, centre, point, along))
         self.following = []  # rows of drives whose points follow curves
         for drive in linkage.prescribed_drives:
-            point, along, turn = Attachment(drive.body, 0.0, 0.0), (0.0, 0.0), 1.0
-            start = frame
-            if isinstance(drive, LinearDrive):
-                guide = linkage.guide_of(drive)
-                start, _ = ends_of(guide)
-                along, turn = (
-                    (math.cos(guide.direction), math.sin(guide.direction)),
-                    0.0,
-                )
+            centre = Attachment(drive.body, 0.0, 0.0)
             if drive.follow is not None:
                 self.following.append(len(rows))
                 output = drive.follow.point
                 assert isinstance(output, OutputPoint), "a linkage has found it"
                 point = Attachment(output.body, output.x, output.y)
-                turn = 0.0
                 along = math.cos(output.direction), math.sin(output.direction)
-            rows.append((drive.name, point, start, along, turn, 0.0))
-        self.names = tuple(row[0] for row in rows)  # joint, guide or drive
-        self.normal = np.array([row[3] for row in rows]).reshape(-1, 2)
+                rows.append(_Row(drive.name, point, frame, along))
+            elif isinstance(drive, LinearDrive):
+                guide = linkage.guide_of(drive)
+                start_point, _ = ends_of(guide)
+                along = math.cos(guide.direction), math.sin(guide.direction)
+                rows.append(_Row(drive.name, centre, start_point, along))
+            else:
+                rows.append(_Row(drive.name, centre, frame, turn=1.0))
+        self.names = tuple(row.name for row in rows)  # joint, guide or drive
+        self.normal = np.array([row.direction for row in rows]).reshape(-1, 2)
         self.turning = np.array(turning, np.int64)
-        self.turn, self.target = np.array([row[4:] for row in rows]).reshape(-1, 2).T
+        self.turn = np.array([row.turn for row in rows])
+        self.target = np.array([row.target for row in rows])
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
         # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
         # second
         self.ends: list[tuple[NDArray[np.int64], Array, Array, float]] = []
         for ends, sign in (
-            ([row[1] for row in rows], 1.0),
-            ([row[2] for row in rows], -1.0),
+            ([row.first for row in rows], 1.0),
+            ([row.second for row in rows], -1.0),
         ):
             bodies = np.array([indices[end.body] for end in ends], dtype=np.int64)
             x, y = np.array([(end.x, end.y) for end in ends]).reshape(-1, 2).T
             self.ends.append((bodies, x, y, sign))
         pins = slice(0, 2 * len(linkage.revolutes), 2)
-        self.joined = [
-            body[pins] for body, _, _, _ in self.ends
-        ]  # bodies of the pin joints
+        # bodies of the pin joints
+        self.joined = [body[pins] for body, _, _, _ in self.ends]
         sizes = np.zeros(self.bodies + 1)
         for body, x, y, _ in self.ends:
             np.maximum.at(sizes, body[pins], np.hypot(x, y)[pins])

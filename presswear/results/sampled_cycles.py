@@ -14,13 +14,15 @@ def sampled_cycles(scene: Scene, stage: StageResult) -> Array:
 
     The cycles of the second set of replicates are not used.
     """
-    start = stage.arrays["cycle_start"]
+    replicate = stage.arrays["cycle_start"]
     settling = stage.statistics.settling
-    replicates = [
-        stage.arrays["cycles"][start == k][settling.skipped(k) if settling else 0 :]
-        for k in range(scene.replicate_count)
-    ]
-    return np.concatenate([statistics.after_startup(rows) for rows in replicates])
+    sampled = []
+    for k in range(scene.replicate_count):
+        rows = stage.arrays["cycles"][replicate == k]
+        if settling:
+            rows = rows[settling.skipped(k) :]
+        sampled.append(statistics.after_startup(rows))
+    return np.concatenate(sampled)
 
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:

@@ -50,17 +50,13 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     ):
         if not bodies:
             continue
-        computed = {
-            body: Estimate(abs(getattr(duties[body], name).peak)) for body in bodies
-        }
-        peaks = {
-            body: getattr(drive, f"peak_{name}")
-            for body, drive in drives.items()
-            if body in bodies
-        }
-        peaks = {
-            body: peak for body, peak in peaks.items() if peak is not None
-        } or computed
+        peaks = {}
+        for body, drive in drives.items():
+            peak = getattr(drive, f"peak_{name}")
+            if body in bodies and peak is not None:
+                peaks[body] = peak
+        if not peaks:
+            peaks = _peaks_of({body: duties[body] for body in bodies}, name)
         body = key_of_greatest(peaks)
         if name == "torque":
             typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
@@ -91,11 +87,17 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     return result
 
 
+def _peaks_of(duties: Mapping[str, DriveDuty], name: str) -> dict[str, Estimate]:
+    """Return the peak torques or powers of drives by body; ``name`` is torque or power."""
+    peaks = {}
+    for body, duty in duties.items():
+        peaks[body] = Estimate(abs(getattr(duty, name).peak))
+    return peaks
+
+
 def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
     """Return the greatest peak of the drives as a text, with its drive if there are several."""
-    peaks = {
-        body: Estimate(abs(getattr(duty, name).peak)) for body, duty in duties.items()
-    }
+    peaks = _peaks_of(duties, name)
     body = key_of_greatest(peaks)
     text = numbers.quantity_text(peaks[body].mean, unit)
     return f"{text} at {body}" if len(peaks) > 1 else text

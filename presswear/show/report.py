@@ -96,9 +96,9 @@ def write_report(
         for figure in page.illustrated(sheets, folder)
     ]
     remove_others(folder, [figure.file for figure in figures])
-    command = (
-        "" if has_all_figures else f"presswear report {shlex.quote(str(result.path))}"
-    )
+    command = ""
+    if not has_all_figures:
+        command = f"presswear report {shlex.quote(str(result.path))}"
     file = result.path / "report.html"
     write_bytes(file, render_report(result, figures, command).encode())
     return file
@@ -131,9 +131,11 @@ def render_report(
     changes = changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
-    missing: list[
-        str
-    ] = []  # sentences on tables whose series an earlier version did not store
+    # Sentences on tables whose series an earlier version did not store
+    missing = list[str]()
+    optional = {
+        name: _if_stored(table, result, missing) for name, table in _OPTIONAL.items()
+    }
     content: Record = {
         "result": result,
         "scene": scene,
@@ -154,10 +156,7 @@ def render_report(
             **setting_tables(result),
             **mechanism_tables(result),
             "changes": line_table("changes", result, changes) if changes else None,
-            **{
-                name: _if_stored(table, result, missing)
-                for name, table in _OPTIONAL.items()
-            },
+            **optional,
             "provenance": provenance_table(result),
         },
         "life": result.life and life_section(result, result.life),
@@ -198,14 +197,20 @@ def _status(result: Result) -> str:
     """Return a sentence on the end of the run."""
     count = len(result.stages)
     message = result.message
-    total = result.scene.wear_updates + 1
-    return {
-        "completed": f"Completed: {f'all {count} stages' if count > 1 else 'the stage'} ran.",
-        "unconverged": f"Not converged: {message}. {numbers.counted(count, 'stage')} ran.",
-        "failed": f"Failed: {message or 'no reason was stored'}",
-        "running": f"Unfinished: {count} of {total} stages are stored; "
-        "the run goes on or was stopped.",
-    }.get(result.status, f"Ended with the status “{result.status}”. {message}")
+    match result.status:
+        case "completed":
+            stages = f"all {count} stages" if count > 1 else "the stage"
+            return f"Completed: {stages} ran."
+        case "unconverged":
+            return f"Not converged: {message}. {numbers.counted(count, 'stage')} ran."
+        case "failed":
+            return f"Failed: {message or 'no reason was stored'}"
+        case "running":
+            total = result.scene.wear_updates + 1
+            stages = f"{count} of {total} stages are stored"
+            return f"Unfinished: {stages}; the run goes on or was stopped."
+        case status:
+            return f"Ended with the status “{status}”. {message}"
 
 
 def _oil_sentences(result: Result) -> list[str]:
@@ -233,7 +238,8 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
             title = DAMPINGS[law].title
             delivered = delivered_restitution(DAMPINGS[law].factor(restitution))
         key = (law, restitution, bearing.viscous_damping)
-        groups.setdefault(key, ([], bearing, title, delivered))[0].append(joint)
+        joints, *_ = groups.setdefault(key, ([], bearing, title, delivered))
+        joints.append(joint)
     return list(groups.values())
 
 

@@ -43,11 +43,8 @@ def setting_tables(result: Result) -> dict[str, Table]:
         records["parameters"].append(record)
         if record["origin"].startswith(SET):
             records["chosen"].append(record)
-    return {
-        name: line_table(name, result, lines)
-        for name, lines in records.items()
-        if lines
-    }
+    filled = {name: lines for name, lines in records.items() if lines}
+    return {name: line_table(name, result, lines) for name, lines in filled.items()}
 
 
 def _origin(
@@ -60,7 +57,7 @@ def _origin(
     origin = scene.origins.get(setting.key, DEFAULT)
     if origin != DEFAULT:
         return origin
-    if setting.value != before.get(setting.key, before):
+    if setting.key not in before or setting.value != before[setting.key]:
         return SET
     if not (is_named and isinstance(setting.meaning, Quantity)):
         return DEFAULT
@@ -78,12 +75,13 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     scene = result.scene
     linkage = scene.base_linkage
     speed = Quantity("rad/s")
-    drives = {
-        drive.body: f"along {drive.along}"
-        if isinstance(drive, LinearDrive)
-        else _engineers(speed, drive.mean_speed) + ", not constant" * drive.repeats
-        for drive in linkage.drives
-    }
+    speeds = {}
+    for drive in linkage.drives:
+        if isinstance(drive, LinearDrive):
+            speeds[drive.body] = f"along {drive.along}"
+            continue
+        text = _engineers(speed, drive.mean_speed)
+        speeds[drive.body] = f"{text}, not constant" if drive.repeats else text
     loose = [guide.name for guide in scene.loose_guides]
     guided = {
         guide.body
@@ -101,7 +99,7 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
             if body.name in guided
             else _engineers(INERTIA, moving[body.name].inertia),
             "start": position,
-            "speed": drives.get(body.name),
+            "speed": speeds.get(body.name),
         }
         for body, position in zip(linkage.bodies, start, strict=True)
     ]
@@ -109,11 +107,12 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     titles = {}
     for guide in linkage.guides:
         places[guide.name] = ends_of(guide)
-        titles[guide.name] = (
-            f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
-            + f" of {guide.on}" * guide.is_moving
-            + ", each corner" * (guide.name in loose)
-        )
+        title = f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
+        if guide.is_moving:
+            title += f" of {guide.on}"
+        if guide.name in loose:
+            title += ", each corner"
+        titles[guide.name] = title
     clearances = scene.linkage().clearances
     radii = {joint.name: joint.pin_radius for joint in clearances}
     contacts = {joint.name: joint for joint in clearances}
@@ -132,8 +131,7 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
 
 
 def _place(point: Attachment) -> str:
-    x, y = (
-        numbers.short_number(round(1e3 * value, 6) + 0.0)
-        for value in (point.x, point.y)
-    )
+    """Return the body of a point and its coordinates, mm."""
+    x = numbers.short_number(round(1e3 * point.x, 6) + 0.0)  # + 0.0: no -0
+    y = numbers.short_number(round(1e3 * point.y, 6) + 0.0)
     return f"{point.body}: {x}, {y}"

@@ -81,17 +81,15 @@ def _deflection(scene: Scene, stage: StageResult, force: float) -> float | None:
 
     It is also None without a static equilibrium, and for stored laws that are not trusted.
     """
-    if not scene.has_deviations or not all(
-        law.is_trusted for law in scene.user_laws.values()
-    ):
+    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
+    if not (scene.has_deviations and is_trusted):
         return None
     try:
         rise = float(statics.deflection(scene.linkage(stage.surfaces), force))
     except (InputError, RunFailed):
         return None
-    return (
-        rise if abs(rise) > NEGLIGIBLE else None
-    )  # joints that the load leaves closed
+    # The load may leave all joints closed.
+    return rise if abs(rise) > NEGLIGIBLE else None
 
 
 def _flywheel_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:

@@ -62,7 +62,9 @@ class _Listener(event.Listener):
     """Call functions at the start and at the end of a compilation, its callees included."""
 
     def __init__(self, start: Callable[[], object], end: Callable[[], object]) -> None:
-        self._start, self._end, self._depth = start, end, 0
+        self._start = start
+        self._end = end
+        self._depth = 0  # of nested compilations
 
     def on_start(self, event: Any) -> None:
         if self._depth == 0:
@@ -75,8 +77,7 @@ class _Listener(event.Listener):
             self._end()
 
 
-# Garbage collection would find little while numba compiles: nearly all its objects stay
-# alive.
+# Garbage collection is off while numba compiles, because nearly all objects stay alive.
 event.register("numba:compile", _Listener(gc.disable, gc.enable))
 
 
@@ -99,7 +100,8 @@ class Kernel:
         self, function: Callable[..., Any], file: str = "", **options: Any
     ) -> None:
         update_wrapper(self, function)
-        self.py_func, self.options = function, {**_OPTIONS, **options}
+        self.py_func = function
+        self.options = {**_OPTIONS, **options}
         self._name = f"{function.__module__}.{function.__qualname__}"
         source = file or function.__code__.co_filename
         self._is_stored = (
@@ -110,7 +112,8 @@ class Kernel:
         """Return the function compiled by numba and stored, with all that it calls."""
         options = {**self.options, **wrappers}
         decorator = numba.njit(**options, pipeline_class=KernelCompiler)
-        with signals_held():  # as the compiler does: numba makes it with the first one
+        # The first dispatcher creates the compiler of LLVM, which no signal may interrupt.
+        with signals_held():
             dispatcher = decorator(self.py_func)
         if self._is_stored:
             code = function_digest(self.py_func)
@@ -126,8 +129,8 @@ class Kernel:
     def _numba_type_(self) -> Any:
         options = {**self.options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         compiler = numba.njit(**options, pipeline_class=CalleeCompiler)
-        # its type does not keep it
-        self._from_kernels = callee = compiler(self.py_func)
+        callee = compiler(self.py_func)
+        self._from_kernels = callee  # the type of numba does not keep it alive
         template = callee.get_call_template
 
         def template_for_numbers(arguments: Any, named: Any) -> Any:
@@ -162,8 +165,8 @@ _FAILED = 2**64 - 1  # in place of the address of a kernel that cannot be compil
 class _LazyKernel(Kernel):
     """Kernel that is called by its address and compiled at the first call.
 
-    Callers load the address from a variable; where it is zero they call a function that
-    compiles.
+    Callers load the address from a variable. If it is zero, they call a function that
+    compiles the kernel.
     """
 
     is_inside_callers = False
@@ -186,8 +189,7 @@ class _LazyKernel(Kernel):
     def _compile(self) -> int | None:
         """Compile or load the kernel and return its address, or _FAILED.
 
-        An interrupt that came before may end it at its first line, with nothing;
-        kernels then call it again.
+        An interrupt returns None; kernels then call this function again.
         """
         try:
             with short_errors:
@@ -244,17 +246,17 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     """Compile a kernel that few scenes need apart from its callers.
 
     Result and parameters are described by a structured dtype for a record, the number
-    of axes of an array of numbers, 0 for a number, else an example value; a result of
-    None is none.
+    of axes of an array of numbers, 0 for a number, or else an example value. The result
+    None stands for no result.
     """
 
     def numba_type(example: Any) -> Any:
         if isinstance(example, np.dtype):
             return numba.from_dtype(example)
-        if type(example) is int:  # a slice of a larger array need not be contiguous
-            return (
-                types.Array(types.float64, example, "A") if example else types.float64
-            )
+        if type(example) is int:  # "A": a slice of a larger array may have gaps
+            if example == 0:
+                return types.float64
+            return types.Array(types.float64, example, "A")
         return numba.typeof(example)
 
     kinds = tuple(map(numba_type, parameters))
@@ -330,10 +332,8 @@ def entry_of(kernel: Callable[..., Any], *arguments: Any) -> int:
     if config.DISABLE_JIT:
         entry = id(kernel)
     else:
-        dispatcher, kinds = (
-            cast(Kernel, kernel).from_python,
-            tuple(map(numba.typeof, arguments)),
-        )
+        dispatcher = cast(Kernel, kernel).from_python
+        kinds = tuple(map(numba.typeof, arguments))
         with short_errors:
             dispatcher.compile(kinds)
         entry = _address_of(dispatcher.overloads[kinds])
@@ -348,7 +348,7 @@ _entries: dict[int, Callable[..., Any]] = {}
 
 @cache
 def address_of(kernel: Callable[..., float], count: int) -> int:
-    """Return the address of a compiled function of so many numbers, for ``call``."""
+    """Return the address of a compiled function of ``count`` numbers, for ``call``."""
     dispatcher: Any = kernel.dispatcher() if isinstance(kernel, Kernel) else kernel
     if config.DISABLE_JIT:
         address = id(kernel)
@@ -375,7 +375,7 @@ def copy_to(target: Array, source: Array) -> None:
 
 @compiled
 def all_finite(first: Array, second: Array) -> bool:
-    """Return whether two arrays of one length hold no infinity and no NaN."""
+    """Return whether two arrays of equal length contain no infinity and no NaN."""
     total = 0.0
     for i in range(first.shape[0]):
         total += first[i] - first[i] + (second[i] - second[i])
@@ -386,9 +386,8 @@ def readable(arguments: Any) -> Any:
     """Return arguments whose records have attributes, as they have in kernels."""
     if isinstance(arguments, tuple):
         parts = map(readable, arguments)
-        return (
-            type(arguments)(*parts) if hasattr(arguments, "_fields") else tuple(parts)
-        )
+        is_named = hasattr(arguments, "_fields")
+        return type(arguments)(*parts) if is_named else tuple(parts)
     if isinstance(arguments, np.void) and not isinstance(arguments, np.record):
         return arguments.view((np.record, arguments.dtype))
     if isinstance(arguments, np.ndarray) and arguments.dtype.names:
