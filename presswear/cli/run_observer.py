@@ -98,8 +98,8 @@ class RunObserver(Observer):
         model = stage.diagnostics["model"]
         solver = stage.diagnostics["solver"]
         LOGGER.info("%s: %s. %s", stage.name, model, solver)
-        wall = stage.wall_s - self._compile_time
-        speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
+        wall_s = stage.wall_s - self._compile_time
+        speed = wall_s / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
         cycles = f"{counted(stage.statistics.cycles, 'cycle')} of all replicates"
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
