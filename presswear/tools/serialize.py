@@ -34,7 +34,7 @@ from presswear.tools.arrays import numbers_of
 from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.fields import meaning_of
-from presswear.tools.files import read_checked, write_bytes
+from presswear.tools.files import MOST_BYTES, read_checked, write_bytes
 from presswear.tools.quantities import Quantity, plain_number
 from presswear.tools.symbols import SYMBOLS
 
@@ -42,6 +42,7 @@ T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
+_MOST_PARTS = 4_000_000  # lists of a document; a sweep has one for each of its rows
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
 _WORDS: dict[Any, str] = {float: "finite number", int: "whole number", str: "text"}
@@ -423,16 +424,25 @@ def typed(data: Any, kind: type[T], place: str) -> T:
         ) from None
 
 
-def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
+def read_json(
+    file: Path, missing: str, schema: int, most: int = MOST_BYTES
+) -> dict[str, Any]:
     """Read a document of one schema, all of whose numbers are finite.
 
-    InputError with the message ``missing`` where there is no such file.
+    InputError with the message ``missing`` where there is no such file, and for more
+    than ``most`` bytes.
     """
     import msgspec  # only where something is read
 
     if not file.is_file():
         raise InputError(missing)
-    data = read_checked(file)
+    data = read_checked(file, most=most)
+    parts = data.count(b"[") + data.count(b"{")
+    # An empty list has two bytes in the file and 56 in memory.
+    if parts > _MOST_PARTS:
+        raise InputError(
+            f"{file} has {parts:,} lists: at most {_MOST_PARTS:,} are expected"
+        )
     try:
         document: dict[str, Any] = msgspec.json.decode(data, type=dict[str, Any])
     except (ValueError, RecursionError, MemoryError) as error:

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import shutil
+import time
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -102,6 +103,31 @@ def test_a_file_that_is_too_long_is_not_read(received: Path) -> None:
         film.truncate(2**32)  # on the disk it takes nothing
     with pytest.raises(pw.InputError, match="at most"):
         pw.load(received)
+
+
+@pytest.mark.parametrize(
+    ("item", "megabytes", "message"),
+    [
+        ("[],", 180, "has 180 MB: at most 67.1 MB are expected"),
+        ("[],", 60, "has 20,000,0.. lists: at most 4,000,000 are expected"),
+        ("0,", 60, "longer"),
+    ],
+)
+def test_a_document_of_many_lists_is_refused_at_once(
+    item: str, megabytes: int, message: str, received: Path
+) -> None:
+    """180 MB of empty lists took minutes and gigabytes."""
+    document = (received / FILE).read_text().rstrip()
+    items = item * (1_000_000 * megabytes // len(item))
+    long = f'{document[:-1]}, "longer": [{items[:-1]}]}}'
+    (received / FILE).write_text(long)
+    began = time.process_time()
+    if item == "[],":
+        with pytest.raises(pw.InputError, match=message):
+            pw.load(received)
+    else:
+        pw.load(received)
+    assert time.process_time() - began < 10.0
 
 
 def test_members_that_are_no_arrays_are_named(received: Path) -> None:
