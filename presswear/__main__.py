@@ -31,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     import io
 
-    from presswear.tools.errors import InputError, RunFailed
+    from presswear.tools.errors import InputError, RunFailed, is_out_of_memory
     from presswear.tools.processes import exit_code, is_stopped, stoppable
 
     for stream in (sys.stdout, sys.stderr):
@@ -58,9 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(f"{error.strerror}: {error.filename}", 1)
     except KeyboardInterrupt as error:
         return _fail(f"{error}" if error.args else "interrupted", exit_code())
-    except MemoryError:
-        return _fail("memory ran out", 1)
-    except Exception:
+    except Exception as error:
+        if is_out_of_memory(error):
+            return _fail("memory ran out", 1)
         if not is_stopped():
             raise
         # Python can turn the KeyboardInterrupt of a signal into another error.

@@ -53,7 +53,13 @@ from presswear.show.warnings import warnings
 from presswear.show.wear_law import wear_law_numbers
 from presswear.show.words import in_words_of
 from presswear.tools import numbers
-from presswear.tools.errors import InputError, NotStored, unknown
+from presswear.tools.errors import (
+    InputError,
+    NotStored,
+    RunFailed,
+    is_out_of_memory,
+    unknown,
+)
 from presswear.tools.files import inside, write_bytes
 
 MANY_CYCLES = 10  # recorded cycles from which sections and spectra show something
@@ -79,15 +85,36 @@ def write_report(
     Figures of an earlier report that are not drawn again are removed. ``notify`` is
     called with the number of figures before they are drawn. With ``has_all_figures`` =
     False the page has the figures of ``first_drawings`` and states the command that
-    draws the others. ``also`` are figures of ``OF_MANY_CYCLES``.
+    draws the others. ``also`` are figures of ``OF_MANY_CYCLES``. RunFailed if memory runs
+    out.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    try:
+        return _written(result, result.path, notify, has_all_figures, also)
+    except Exception as error:
+        if not is_out_of_memory(error):
+            raise
+        command = f"presswear report {shlex.quote(str(result.path))}"
+        raise RunFailed(
+            "memory ran out while the report was drawn; the result is kept, and "
+            f"{command} draws it"
+        ) from None
+
+
+def _written(
+    result: Result,
+    path: Path,
+    notify: Callable[[int], None],
+    has_all_figures: bool,
+    also: Sequence[str],
+) -> Path:
+    """Draw the figures and write the page; see ``write_report``."""
     _check_cycles(result, also)
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     sheets += drawings(result, also) if also else []
     notify(len(sheets))
-    folder = inside(result.path, "figures")
+    folder = inside(path, "figures")
     figures = [
         figure._replace(
             title=in_words_of(result.scene, figure.title),
@@ -98,8 +125,8 @@ def write_report(
     remove_others(folder, [figure.file for figure in figures])
     command = ""
     if not has_all_figures:
-        command = f"presswear report {shlex.quote(str(result.path))}"
-    file = result.path / "report.html"
+        command = f"presswear report {shlex.quote(str(path))}"
+    file = path / "report.html"
     write_bytes(file, render_report(result, figures, command).encode())
     return file
 

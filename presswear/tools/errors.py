@@ -39,6 +39,16 @@ class RunFailed(RuntimeError):
         self.finding = finding
 
 
+# in errors of a library that cannot be loaded and of a thread that cannot be started
+_MEMORY_WORDS = "failed to map segment", "cannot allocate memory", "start new thread"
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Return whether an error says that memory ran out."""
+    text = f"{error}".lower()
+    return isinstance(error, MemoryError) or any(word in text for word in _MEMORY_WORDS)
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """Return a question with the nearest of some names; empty if none is near."""
     from difflib import get_close_matches  # slow to import

@@ -245,11 +245,19 @@ def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        ImportError("_core.so: failed to map segment from shared object"),
+        RuntimeError("can't start new thread"),
+    ],
+)
 def test_memory_that_runs_out_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, command: Command
+    error: Exception, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def listed(arguments: object, console: object) -> int:
-        raise MemoryError
+        raise error
 
     monkeypatch.setattr(scenes, "list_scenes", listed)
     assert command("list", 1) == "presswear: memory ran out\n"

@@ -1,6 +1,8 @@
 """Rows, tables and pages."""
 
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html.parser import HTMLParser
@@ -8,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.show import page
 from presswear.show.figures import Drawing
@@ -173,3 +176,32 @@ def test_wear_below_round_off_is_zero() -> None:
     assert page.text_of(2.5e-9, "µm") == "2.50·10⁻³"
     assert page.text_of(1e-20, "1/Pa") == "10.0·10⁻²¹"
     assert page.text_of(float("nan"), "µm") == page.NOTHING
+
+
+MEMORY = """
+import re, resource, sys
+import presswear as pw
+from presswear.show.figures import drawings  # loads matplotlib
+from presswear.show.report import write_report
+
+result = pw.run(pw.scenes.ideal(), sys.argv[1], engine="dae", jobs=1)
+size = int(re.search(r"VmSize:\\s*(\\d+)", open("/proc/self/status").read())[1])
+limit = 1024 * size + 2**22
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+try:
+    write_report(result)
+except pw.RunFailed as error:
+    print(error)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_memory_that_runs_out_while_drawing_is_one_line(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    command = [sys.executable, "-c", MEMORY, f"{folder}"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert ran.stdout == (
+        "memory ran out while the report was drawn; the result is kept, and presswear "
+        f"report {folder} draws it\n"
+    )
+    assert pw.load(folder).status == "completed"
