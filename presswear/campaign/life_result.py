@@ -11,6 +11,7 @@ from presswear.campaign.service_life import LifeProblem
 from presswear.recording.statistics import quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
 from presswear.scene.scene import Scene
+from presswear.tools.numbers import large
 
 
 def preliminary_life(
@@ -29,6 +30,40 @@ def preliminary_life(
         f"refinement {count} is finished and {error}; refinement {count + 1} runs next"
     )
     return replace(life, ended="preliminary", message=message)
+
+
+def life_by_rate(
+    scene: Scene, problem: LifeProblem, refinements: Refinements
+) -> LifeResult | None:
+    """Return the life that the wear rate of the last load block gives, with no error.
+
+    None while that block ends a service interval, or no limit on the surfaces comes
+    closer.
+    """
+    before, last = refinements[-1].blocks[-2:]
+    strokes = last.strokes - before.strokes
+    life = life_result(scene, problem, refinements)
+    limits = []
+    for limit, item in zip(problem.limits, life.limits, strict=True):
+        at = None
+        if limit.key in last.levels and before.interval == last.interval:
+            value = float(last.levels[limit.key].mean())
+            growth = value - float(before.levels[limit.key].mean())
+            if growth > 0.0:
+                at = last.strokes + strokes * (limit.value - value) / growth
+        limits.append(replace(item, strokes=at, sampling=None, step=None))
+    reached = [limit.strokes for limit in limits if limit.strokes is not None]
+    first = min(reached, default=math.inf)
+    if first > problem.at_most:
+        return None
+    return replace(
+        life,
+        ended="preliminary",
+        message=f"by the wear rate after {large(last.strokes, digits=2)} strokes, with an unknown "
+        f"error; refinement {len(refinements)} runs",
+        strokes=first,
+        limits=tuple(limits),
+    )
 
 
 def _finite(value: float) -> float | None:

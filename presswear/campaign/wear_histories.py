@@ -18,7 +18,7 @@ from presswear.campaign.ensemble import (
 )
 from presswear.campaign.life_problem import fewest_cycles_of, problem_of
 from presswear.campaign.life_quantities import levels_of, samples_of
-from presswear.campaign.life_result import life_result, preliminary_life
+from presswear.campaign.life_result import life_by_rate, life_result, preliminary_life
 from presswear.campaign.refinement import (
     FIRST_CHANGE,
     LoadBlock,
@@ -26,7 +26,12 @@ from presswear.campaign.refinement import (
     Refinements,
 )
 from presswear.campaign.replicates import RunSpec, worn_out
-from presswear.campaign.service_life import BlockPlan, LifeProblem, run_refinements
+from presswear.campaign.service_life import (
+    BlockPlan,
+    LifeProblem,
+    next_block,
+    run_refinements,
+)
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.physics.running_in import archard_depth, running_in_of
@@ -287,9 +292,10 @@ def run_life(
     """Run the service life of a scene, or resume it; return its refinements as well.
 
     ``report`` is called with a preliminary life after each refinement that another one
-    follows. ``announce`` is called once, early, with the cycles of all replicates and
-    the time, s, that the life and the stages through it will still take. InputError if
-    a limit is exceeded when new; RunFailed if a run fails before anything is known.
+    follows, and in the first one after 2, 4, 8 ... load blocks. ``announce`` is called
+    once, early, with the cycles of all replicates and the time, s, that the life and
+    the stages through it will still take. InputError if a limit is exceeded when new;
+    RunFailed if a run fails before anything is known.
     """
     scene = runner.scene
     life = runner.scene.life
@@ -310,6 +316,13 @@ def run_life(
             last = refinements[0].blocks[-1]
             each = last.wall_s / max(last.cycles, 1)
             announce(left * scene.replicate_count, left * each)
+        first = refinements[0]
+        count = len(first.blocks)
+        is_running = len(refinements) == 1 and next_block(problem, first) is not None
+        if is_running and count > 1 and count.bit_count() == 1:
+            early = life_by_rate(scene, problem, refinements)
+            if early is not None:
+                report(early)
 
     done = run_refinements(
         problem,

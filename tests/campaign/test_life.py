@@ -22,7 +22,7 @@ from presswear.campaign import replicates
 from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
 from presswear.campaign.life_estimate import LifeEstimate, estimate_life
 from presswear.campaign.life_quantities import levels_of, samples_of
-from presswear.campaign.life_result import life_result
+from presswear.campaign.life_result import life_by_rate, life_result
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import (
     FIRST_WEAR,
@@ -39,6 +39,7 @@ from presswear.physics.wear import map_shape
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
+from presswear.results.life import LifeResult
 from presswear.scene.options import CLEARANCES, FOLLOWED, Limit, Service
 from presswear.scene.settings import changed
 from presswear.show.report import render_report
@@ -540,6 +541,46 @@ class Stops(pw.Observer):
             self.left -= 1
             if not self.left:
                 raise KeyboardInterrupt
+
+
+class Lives(pw.Observer):
+    """Keeps the lives that a run reports."""
+
+    def __init__(self) -> None:
+        self.lives: list[LifeResult] = []
+
+    def on_life(self, life: LifeResult) -> None:
+        self.lives.append(life)
+
+
+def test_the_life_by_the_last_rate_is_a_straight_line() -> None:
+    """Depths of 1 and 3 um after 100,000 and 200,000 strokes."""
+    scene = scene_of()
+    levels = [{"A.depth": np.full(8, depth)} for depth in (1e-6, 3e-6)]
+    blocks = [load_block(1e5 * (k + 1), 8, levels[k], 2e-11) for k in range(2)]
+    refinements = [Refinement(5e-3, 8, tuple(blocks))]
+    life = life_by_rate(scene, problem(DEPTH), refinements)
+    assert life is not None
+    expected = 2e5 + 1e5 * (DEPTH.value - 3e-6) / 2e-6
+    assert life.strokes == life.limits[0].strokes == pytest.approx(expected)
+    assert life.error is None
+    assert f"{life}".startswith("preliminary life: ")
+    assert (
+        "by the wear rate after 200\u202f000 strokes, with an unknown error"
+        in f"{life}"
+    )
+    early = problem(DEPTH, at_most=0.5 * expected)
+    assert life_by_rate(scene, early, refinements) is None
+    still = [Refinement(5e-3, 8, (blocks[1], replace(blocks[1], strokes=3e5)))]
+    assert life_by_rate(scene, problem(DEPTH), still) is None
+
+
+def test_a_life_is_known_roughly_before_its_first_refinement_ends() -> None:
+    seen = Lives()
+    pw.run(scene_of(), observers=[seen], jobs=1)
+    early = [life for life in seen.lives if "by the wear rate" in life.message]
+    assert early == seen.lives[: len(early)] != []
+    assert 0.5 < early[0].strokes / seen.lives[-1].strokes < 2.0
 
 
 @pytest.mark.parametrize(("number", "reports"), [(1, 3), (1, 12), (2, 2), (2, 30)])
