@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear.linkage.surface import Surface
-from presswear.physics.foundation import parts_of
+from presswear.physics.worn_map import parts_of
 
 TURN = 2.0 * math.pi
 

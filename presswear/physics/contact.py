@@ -11,20 +11,16 @@ import math
 import numpy as np
 
 from presswear.physics.foundation import (
-    BEARING,
-    PIN,
-    SURFACES,
-    cell_of,
     derivatives_at,
     integrate_overlap,
     node_of_peak,
-    place_of,
-    profile,
 )
 from presswear.physics.friction_and_normal import elastic_of
+from presswear.physics.overlap import place_of
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
 from presswear.physics.wall_wear import wall_profile
+from presswear.physics.worn_map import BEARING, PIN, SURFACES, cell_of, profile
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
 

@@ -16,16 +16,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
-from presswear.physics.foundation import (
-    BEARING,
-    PIN,
-    ROWS,
-    TURNS,
-    foundation_stiffness,
-    least_depth,
-    pack_rows,
-    parts_of,
-)
+from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.friction_and_normal import (
     FRICTION,
     NORMAL,
@@ -35,6 +26,16 @@ from presswear.physics.friction_and_normal import (
 )
 from presswear.physics.loads import Loads
 from presswear.physics.packed_loads import pack_loads
+from presswear.physics.worn_map import (
+    BEARING,
+    PIN,
+    ROWS,
+    SPARE,
+    TURNS,
+    least_depth,
+    pack_rows,
+    parts_of,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, floats, inlined
 
@@ -61,8 +62,9 @@ JOINT = np.dtype(
         ("foundation", np.float64),
         ("map_bins", np.int64),  # of the wear maps of a cycle
         ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
-        # number of nodes into which ``foundation.pack_rows`` divides these bins
+        # number of nodes into which ``worn_map.pack_rows`` divides these bins
         ("surface_nodes", np.int64),
+        ("cell_width", np.float64),  # between two nodes, rad
         # lower limit of the sum of the depths of both surfaces, m
         ("least_depth", np.float64),
         ("relief", np.float64),  # upper limit of the differences of this sum, m
@@ -150,7 +152,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
             record["over_arc"] = joint.wear.wear_distribution == "arc"
         bins = _surface_bins(joint, wearing)
         record["surface_bins"] = bins
-        record["surface_nodes"] = bins * parts_of(bins) if bins else 0
+        if bins:
+            record["surface_nodes"] = bins * parts_of(bins)
+            record["cell_width"] = 2.0 * math.pi / record["surface_nodes"]
     _pack_walls(joints, linkage)
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
@@ -158,7 +162,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         i = offset[load.body]
         weight[i : i + 3] += load.x, load.y, load.moment
     nodes = int(joints["surface_nodes"].max(initial=0))
-    columns = TURNS * nodes + 2 if nodes else 0
+    columns = TURNS * nodes + SPARE if nodes else 0
     surfaces = np.zeros((len(joints), ROWS, columns))
     driven = _pack_driven(linkage, offset)
     loads = pack_loads(linkage)

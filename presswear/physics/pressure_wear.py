@@ -18,24 +18,19 @@ import math
 
 import numpy as np
 
+from presswear.physics.arc_shares import area_at, count_arcs, round_area
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import (
-    ARC_END,
-    ARC_START,
-    SURFACES,
+from presswear.physics.overlap import (
     Cubic,
     Place,
-    area_at,
-    bin_of,
-    count_arcs,
     node_at,
     overlap_between,
     place_of,
-    round_area,
     value_at,
 )
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
+from presswear.physics.worn_map import ARC_END, ARC_START, SURFACES, bin_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 

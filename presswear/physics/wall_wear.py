@@ -11,7 +11,7 @@ import numpy as np
 
 from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap, largest_tilt
 from presswear.linkage.linkage import Linkage
-from presswear.physics.foundation import BEARING, depth_at
+from presswear.physics.worn_map import BEARING, depth_at
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 

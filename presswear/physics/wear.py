@@ -13,19 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.arc_shares import count_arcs, deposit_round, share_arc
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import (
-    ARC_END,
-    ARC_START,
-    SURFACES,
-    bin_of,
-    count_arcs,
-    deposit_round,
-    place_of,
-    share_arc,
-)
+from presswear.physics.overlap import place_of
 from presswear.physics.packed import JOINT
 from presswear.physics.rotation import cos_sin
+from presswear.physics.worn_map import ARC_END, ARC_START, SURFACES, bin_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 

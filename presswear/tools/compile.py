@@ -157,6 +157,11 @@ def _decorator(**options: Any) -> Callable[[F], F]:
 # inlined, because to pass its arrays takes as long as its work.
 compiled = _decorator()
 inlined = _decorator(forceinline=True)
+# Sums in any order, which the compiler needs to add several terms at a time. The terms
+# are finite.
+vectorised = _decorator(
+    forceinline=True, fastmath={"contract", "reassoc", "nsz", "nnan"}
+)
 
 
 _FAILED = 2**64 - 1  # in place of the address of a kernel that cannot be compiled

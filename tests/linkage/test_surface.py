@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
-from presswear.physics.foundation import BEARING, bin_of, pack_rows, parts_of
-from presswear.physics.foundation import profile as packed_profile
+from presswear.physics.worn_map import BEARING, bin_of, pack_rows, parts_of
+from presswear.physics.worn_map import profile as packed_profile
 from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi

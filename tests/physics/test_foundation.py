@@ -17,17 +17,11 @@ from worn_depths import TURN, depths, periodic
 from presswear.linkage.elements import WearLaw
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.contact import CONTACT
-from presswear.physics.foundation import (
-    LEAST,
-    PIN,
-    ArcIntegrals,
-    foundation_stiffness,
-    integrate_overlap,
-    pack_rows,
-    place_of,
-)
+from presswear.physics.foundation import foundation_stiffness, integrate_overlap
 from presswear.physics.friction_and_normal import round_foundation
+from presswear.physics.overlap import ArcIntegrals, place_of
 from presswear.physics.packed import pack
+from presswear.physics.worn_map import LEAST, PIN, pack_rows
 from presswear.tools.arrays import Array
 
 C = 8e-4

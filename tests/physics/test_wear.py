@@ -15,7 +15,8 @@ from worn_depths import depths
 from presswear.linkage.elements import ClearanceJoint, MapFrame, SurfaceContact, WearLaw
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import direction_of
-from presswear.physics.foundation import bin_of, integrate_overlap, place_of
+from presswear.physics.foundation import integrate_overlap
+from presswear.physics.overlap import place_of
 from presswear.physics.wear import (
     contact_area,
     deposit_in_bins,
@@ -24,6 +25,7 @@ from presswear.physics.wear import (
     spread_evenly,
     worn_volume,
 )
+from presswear.physics.worn_map import bin_of
 from presswear.tools.arrays import Array
 
 Footprint = Literal["bin", "arc"]
