@@ -42,7 +42,7 @@ class GuideTilt:
     greatest: Estimate | None  # in a stroke
     time_shares: Mapping[str, Estimate]  # by STATES that occur
     load_shares: Mapping[str, Estimate]
-    friction_loss: Estimate | None  # in a stroke, J
+    friction_loss: Estimate | None  # in a stroke, J; mean over the sampled cycles
     corner_force: Estimate | None  # greatest normal force of all corners in a cycle, N
 
     @property
@@ -89,9 +89,11 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
     friction = scene.bearing(guide.name).friction
     loads = [_load_of(time, joint, friction) for joint in joints]
-    losses = mean_of_strokes(
-        sum(load.loss(one.start, one.end) for load in loads) for one in strokes
-    )
+    losses = _friction_loss(scene, stage, guide)
+    if losses is None:
+        losses = mean_of_strokes(
+            sum(load.loss(one.start, one.end) for load in loads) for one in strokes
+        )
     times, forces = _shares(loads, strokes)
     instants = at["contact"], at["fracture"], at["bottom"]
     return GuideTilt(*instants, greatest, times, forces, losses, force)
@@ -113,6 +115,30 @@ def _corner_force(scene: Scene, stage: StageResult, guide: Guide) -> Estimate | 
         cycle_column("force_max", stage.joint_names.index(name)) for name in names
     ]
     return mean_of_strokes(sampled_cycles(scene, stage)[:, columns].max(axis=1))
+
+
+def _friction_loss(scene: Scene, stage: StageResult, guide: Guide) -> Estimate | None:
+    """Return the energy that friction takes in a cycle, J, mean over cycles.
+
+    It is the load distance of each corner, which the engine integrates, times its mean
+    coefficient of friction. None without wear, whose account has the load distance.
+    """
+    names = [f"{guide.name} {corner}" for corner in CORNERS]
+    columns = [
+        cycle_column("load_distance", stage.joint_names.index(name)) for name in names
+    ]
+    distances = sampled_cycles(scene, stage)[:, columns]
+    if not distances.any():
+        return None
+    coefficients = []
+    for joint in (stage.joints[name] for name in names):
+        normal, tangential = joint.force.T
+        lost, distance = (
+            float(np.trapezoid(power, stage.clock))
+            for power in (-tangential * joint.sliding, normal * np.abs(joint.sliding))
+        )
+        coefficients.append(lost / distance if distance > 0.0 else 0.0)
+    return mean_of_strokes(distances @ coefficients)
 
 
 class _Load(NamedTuple):

@@ -110,12 +110,17 @@ def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> N
     assert tonnage.work.mean == pytest.approx(work, rel=1e-3)
 
 
-def test_the_friction_loss_is_that_of_the_energy_balance(result: pw.Result) -> None:
+def test_the_friction_loss_is_that_of_the_energy_balance(
+    result: pw.Result, tilt: GuideTilt
+) -> None:
+    """The second of two cycles is the sample; without wear the series alone has the loss."""
     stage = result.stages[0]
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     loss = sum(_load_of(stage.time, one, 0.1).loss(0.0, 2.0) for one in joints)
     total = stage.diagnostics["friction_loss_J"]
     assert loss == pytest.approx(total, rel=0.01)
+    assert tilt.friction_loss is not None
+    assert tilt.friction_loss.mean == pytest.approx(0.5 * total, rel=2e-3)
 
 
 def test_shares_and_corner_force_by_the_rows(
