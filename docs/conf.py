@@ -19,6 +19,7 @@ import draw  # noqa: E402
 import formulas  # noqa: E402
 import lines  # noqa: E402
 import outputs  # noqa: E402
+import signatures  # noqa: E402
 
 from presswear.results.folder import program_digest  # noqa: E402
 
@@ -41,6 +42,7 @@ release = version = version_of("presswear")
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
+    "sphinx.ext.viewcode",
     "numpydoc",
     "myst_nb",
 ]
@@ -50,6 +52,8 @@ html_theme = "furo"
 html_title = f"presswear {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
+maximum_signature_line_length = 88
 html_math_renderer = "mathml"
 
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
@@ -127,5 +131,6 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _run_commands)
     app.connect("builder-inited", _draw)
+    app.connect("autodoc-process-signature", signatures.signature_of)
     app.connect("builder-inited", _show_outputs, priority=900)  # after myst-nb
     app.connect("build-finished", _check_lines)

@@ -102,6 +102,24 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -
     assert value.rect["y"] < 800
 
 
+def test_a_table_that_scrolls_says_so(browser: Chrome, report: Path) -> None:
+    words = {}
+    for width in (400, 1280):
+        show(browser, report, width)
+        for part in browser.find_elements(By.CSS_SELECTOR, "details"):
+            browser.execute_script("arguments[0].open = true", part)
+        texts = "return [...document.querySelectorAll('.scroll')].map(box => ["
+        texts += "box.scrollWidth > box.clientWidth + 1, "
+        texts += "getComputedStyle(box, '::before').content])"
+        browser.execute_async_script("requestAnimationFrame(arguments[0])")
+        words[width] = browser.execute_script(texts)
+        assert all(
+            ("scrolls sideways" in text) == scrolls for scrolls, text in words[width]
+        )
+    assert any(scrolls for scrolls, _ in words[400])
+    assert not all(scrolls for scrolls, _ in words[1280])
+
+
 def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(
     browser: Chrome, report: Path
 ) -> None:

@@ -51,3 +51,9 @@ for (const box of document.querySelectorAll(".motion")) {
   slider.oninput = show;
   show();
 }
+const mark = () => {
+  for (const box of document.querySelectorAll(".scroll")) box.classList.toggle("wide", box.scrollWidth > box.clientWidth + 1);
+};
+addEventListener("resize", mark);
+document.addEventListener("toggle", mark, true);
+mark();
