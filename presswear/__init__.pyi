@@ -9,6 +9,7 @@ from presswear.engines.settings import ExudynTree as ExudynTree
 from presswear.engines.settings import InHouse as InHouse
 from presswear.linkage.drives import Drive as Drive
 from presswear.linkage.drives import Follow as Follow
+from presswear.linkage.drives import GearedDrive as GearedDrive
 from presswear.linkage.drives import LinearDrive as LinearDrive
 from presswear.linkage.elements import Attachment as Attachment
 from presswear.linkage.elements import Bar as Bar

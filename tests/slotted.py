@@ -2,9 +2,10 @@
 
 import math
 
-from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.motor import Motor
 
 SPEED = 10.0 * math.pi  # of the crank, rad/s
 RADIUS, HEIGHT = 0.1, 0.3  # of the crank and of its pivot above that of the rocker, m
@@ -184,4 +185,37 @@ def cylinder(angle: float = 0.4) -> Linkage:
         output="ram",
         guess={"rod": 0.4, "rocker": 1.9, "link": 0.2},
         name="cylinder",
+    )
+
+
+def geared_five_bar(
+    ratio: float = -1.0, motor: Motor | None = None, output: str = "left.head"
+) -> Linkage:
+    """Return two geared cranks whose rods meet in a pin, which moves a slide by a link."""
+    return assemble(
+        bodies=[
+            Bar("driver", RADIUS, 1.0),
+            Bar("follower", RADIUS, 1.5),
+            Bar("left", 0.4, 0.8),
+            Bar("right", 0.4, 0.9),
+            Bar("link", 0.3, 0.5),
+            Body("slide", 4.0),
+        ],
+        joints=[
+            Pin("O1", (-0.2, 0.0), "driver.tail"),
+            Pin("O2", (0.2, 0.0), "follower.tail"),
+            Pin("A", "driver.head", "left.tail"),
+            Pin("B", "follower.head", "right.tail"),
+            Pin("C", "left.head", "right.head"),
+            Pin("D", "left.head", "link.tail"),
+            Pin("E", "link.head", "slide"),
+            Guide("ways", "slide", direction=0.5 * math.pi),
+        ],
+        drives=[
+            Drive("driver", SPEED, 0.3, motor=motor),
+            GearedDrive("follower", leader="driver", ratio=ratio, angle=math.pi - 0.3),
+        ],
+        output=output,
+        guess={"left": 1.2, "right": 2.0, "link": 1.5},
+        name="geared five-bar",
     )

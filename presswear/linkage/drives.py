@@ -6,7 +6,7 @@ series, and the pieces of a table or of rises.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, cast
 
 import numpy as np
@@ -33,10 +33,19 @@ from presswear.linkage.motor import Motor
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity
+from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
 MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
 MAX_HARMONICS = 16
+MAX_RATIO = 1e3  # of gears
+_RATIO = Quantity(
+    "",
+    -MAX_RATIO,
+    MAX_RATIO,
+    "chosen",
+    "speed of the body over that of the leader; negative: the opposite sense",
+)
 _A = Annotated[float, ANGLE]
 _L = Annotated[float, LENGTH]
 
@@ -202,6 +211,11 @@ class Drive(_Motion):
         return self.angle
 
     @property
+    def coupled_bodies(self) -> set[str]:
+        """Bodies whose coordinates are in its constraint equation."""
+        return {self.body}
+
+    @property
     def base(self) -> float:
         """Frequency of the first harmonic, rad/s."""
         return self.frequency or abs(self.speed)
@@ -292,6 +306,62 @@ def leader_of(drives: Sequence[Drive]) -> Drive | None:
         if drive.motor is not None and not drive.motor.is_servo:
             return drive
     return None
+
+
+@dataclass(frozen=True)
+class GearedDrive(Drive):
+    """Gears without play between two cranks: one turns at a ratio times the other.
+
+    phi = angle + ratio (phi_leader - angle_leader). The torque on the body is that of the
+    gears; -ratio times this torque acts on the body of the leader, whose drive or motor
+    gives their power.
+
+    Attributes
+    ----------
+    leader : str
+        Body of the drive that moves the gears.
+    """
+
+    leader: str = field(kw_only=True)
+    ratio: Annotated[float, _RATIO] = field(kw_only=True)
+    # True once the motion is that of the leader times the ratio
+    is_placed: bool = field(default=False, kw_only=True, repr=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.leader == self.body:
+            raise InputError(
+                f"leader of {self.body} = {self.leader}: must be another body"
+            )
+        if self.ratio == 0.0:
+            raise InputError(f"ratio of {self.body} = 0: must not be 0")
+        motions = "speed", "frequency", "harmonics", "table", "rises"
+        laws = "follow", "torque_limit", "motor"
+        for name in laws if self.is_placed else (*laws, *motions):
+            if getattr(self, name):
+                raise InputError(
+                    f"{name} of {self.body}: a drive with a leader has none; its motion is that "
+                    "of the leader times the ratio"
+                )
+
+    @property
+    def coupled_bodies(self) -> set[str]:
+        """Bodies whose coordinates are in its constraint equation."""
+        return {self.body, self.leader}
+
+    def placed(self, leader: Drive) -> "GearedDrive":
+        """Return the drive with the motion of its leader times the ratio."""
+        n = self.ratio
+        rows = [(phase, *(n * value for value in row)) for phase, *row in leader.table]
+        return replace(
+            self,
+            speed=n * leader.speed,
+            frequency=leader.base if leader.repeats else leader.frequency,
+            harmonics=[(n * a, n * b) for a, b in leader.harmonics],
+            table=rows,
+            rises=[replace(rise, by=n * rise.by) for rise in leader.rises],
+            is_placed=True,
+        )
 
 
 def linear_bodies(drives: Sequence[Drive]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
 from presswear.linkage.cycle import check_cycle, common_period
-from presswear.linkage.drives import Drive, Follow, LinearDrive, leader_of
+from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive, leader_of
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -217,6 +217,21 @@ class Linkage(Checked):
     def prescribed_drives(self) -> tuple[Drive, ...]:
         """Drives that prescribe the motion of their bodies."""
         return tuple(drive for drive in self.drives if self.prescribes(drive))
+
+    @property
+    def gears(self) -> tuple[GearedDrive, ...]:
+        """Drives with a leader."""
+        return tuple(one for one in self.drives if isinstance(one, GearedDrive))
+
+    @property
+    def free_gears(self) -> tuple[GearedDrive, ...]:
+        """Drives whose leaders are turned by motors."""
+        motors = {drive.body for drive in self.motor_drives}
+        return tuple(one for one in self.gears if one.leader in motors)
+
+    def number_of_drive(self, body: str) -> int:
+        """Return the position of the drive of a body in ``drives``."""
+        return [drive.body for drive in self.drives].index(body)
 
     def guide_of(self, drive: LinearDrive) -> Guide:
         """Return the guide along which a drive moves its body."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
-from presswear.linkage.drives import Drive, LinearDrive, leader_of
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, leader_of
 from presswear.linkage.elements import (
     GROUND,
     MIN_INERTIA,
@@ -79,7 +79,8 @@ def check_inertias(
 def check_motors(drives: Sequence[Drive]) -> None:
     """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
     leader = leader_of(drives)
-    moving = [one for one in drives if one.motor is None and not one.is_at_rest]
+    timed = [one for one in drives if not isinstance(one, GearedDrive)]
+    moving = [one for one in timed if one.motor is None and not one.is_at_rest]
     if leader is None:
         servos = [drive for drive in drives if drive.motor is not None]
         if servos and moving:

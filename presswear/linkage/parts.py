@@ -6,7 +6,7 @@ from functools import partial
 from typing import Annotated
 
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
-from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.elements import (
     ANGLE,
     GROUND,
@@ -51,7 +51,7 @@ class Parts(Checked):
     gravity: float = gravity()
     bodies: Sequence[Body] = ()
     joints: Sequence[Pin | Revolute | Guide] = ()
-    drives: Sequence[Drive | LinearDrive] = ()
+    drives: Sequence[Drive | LinearDrive | GearedDrive] = ()
     springs: Sequence[AnySpring] = ()
     loads: Sequence[Load | Force | Moment] = ()
 
@@ -63,6 +63,7 @@ class Placing:
         self.bodies = {body.name: body for body in parts.bodies}
         guides = [joint for joint in parts.joints if isinstance(joint, Guide)]
         self.guides = {guide.name: guide for guide in guides}
+        self.drives = {drive.body: drive for drive in parts.drives}
         self.guide_directions = {
             guide.body: guide.direction for guide in guides if not guide.is_moving
         }
@@ -139,11 +140,26 @@ class Placing:
         self.check_body(drive.body, "drives")
         if isinstance(drive, LinearDrive):
             self._check_along(drive)
+        if isinstance(drive, GearedDrive):
+            return self._geared(drive)
         follow = drive.follow
         if follow is None:
             return drive
         at = self.output(follow.point, f"follow of {drive.body}", follow.direction)
         return replace(drive, follow=replace(follow, point=at, direction=at.direction))
+
+    def _geared(self, drive: GearedDrive) -> GearedDrive:
+        """Return a drive with the motion of its leader."""
+        where = f"{drive.name}: leader = {drive.leader}"
+        if drive.leader not in self.drives:
+            raise unknown(f"driven body in {drive.name}", drive.leader, self.drives)
+        leader = self.drives[drive.leader]
+        if isinstance(leader, LinearDrive | GearedDrive) or leader.follow is not None:
+            raise InputError(
+                f"{where}: allowed is a body with a drive that turns it, without along, leader or "
+                "follow"
+            )
+        return drive.placed(leader)
 
     def _check_along(self, drive: LinearDrive) -> None:
         """Raise InputError if the guide of a drive does not fit."""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from presswear.linkage.drives import GearedDrive
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -59,7 +60,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     rows = list[set[str]]()
     for joint in linkage.joints:
         rows += [bodies_of(joint)] * joint.rows
-    rows += [{drive.body} for drive in linkage.prescribed_drives]
+    rows += [drive.coupled_bodies for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
     for row in rows:
         _assign(row, assigned, set())
@@ -143,6 +144,8 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     bodies, so that its guides are on the frame or on free bodies.
     """
     prescribed = prescribed_of(linkage)
+    if geared := linkage.free_gears:
+        return _coupled(geared[0])
     for drive in linkage.prescribed_drives:
         if drive.body not in prescribed:
             return f"{drive.name} turns a body that is free to move"
@@ -154,6 +157,11 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
                 "prescribe"
             )
     return branches
+
+
+def _coupled(gears: GearedDrive) -> str:
+    """Return why gears are not in an open tree."""
+    return f"gears couple {gears.leader} and {gears.body}"
 
 
 def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
@@ -168,6 +176,8 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
     branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)
     if closing:
         return f"joint {closing[0].name} closes a loop"
+    if geared := linkage.free_gears:
+        return _coupled(geared[0])
     driven = {drive.body: drive.name for drive in linkage.prescribed_drives}
     for branch in branches:
         if isinstance(branch.joint, Guide) and branch.end.body in driven:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.drives import Drive, LinearDrive, series
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, series
 from presswear.linkage.elements import GROUND, Attachment, OutputPoint, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import Array
@@ -34,6 +34,7 @@ class _Row(NamedTuple):
     direction: tuple[float, float] = (0.0, 0.0)
     turn: float = 0.0  # 1: angle of the first body less that of the second
     target: float = 0.0  # value that is held, m or rad
+    ratio: float = 1.0  # times which the angle of the second body is subtracted
 
 
 class Rows:
@@ -84,6 +85,8 @@ class Rows:
                 start_point, _ = ends_of(guide)
                 along = math.cos(guide.direction), math.sin(guide.direction)
                 rows.append(_Row(drive.name, centre, start_point, along))
+            elif isinstance(drive, GearedDrive):
+                rows.append(_row_of_gears(linkage, drive))
             else:
                 rows.append(_Row(drive.name, centre, frame, turn=1.0))
         self.names = tuple(row.name for row in rows)  # joint, guide or drive
@@ -91,6 +94,7 @@ class Rows:
         self.turning = np.array(turning, np.int64)
         self.turn = np.array([row.turn for row in rows])
         self.target = np.array([row.target for row in rows])
+        self.ratio = np.array([row.ratio for row in rows])
         indices = {body.name: i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
         # Bodies, -1 for the frame, places, m, and sign, of the first points and of the
         # second
@@ -201,7 +205,8 @@ class Rows:
                 if order == 2:
                     point = point - moving[1][:, body, 2:] ** 2 * arm
                 gap = gap + sign * point
-            angle = self.turn * (level[:, first, 2] - level[:, second, 2])
+            carried = self.ratio * level[:, second, 2]
+            angle = self.turn * (level[:, first, 2] - carried)
             result.append((gap * normals).sum(axis=-1) + angle - prescribed[order])
             gaps.append(gap)
             if self.turning.size:
@@ -224,7 +229,7 @@ class Rows:
             by_body[..., 2] = sign * (x * normals[..., 1] - y * normals[..., 0])
             derivatives.append(by_body)
         derivatives[0][..., 2] += self.turn
-        derivatives[1][..., 2] -= self.turn
+        derivatives[1][..., 2] -= self.turn * self.ratio
         if self.turning.size:
             gap = np.zeros((len(q), len(self.names), 2))
             for (body, _, _, sign), arm in zip(self.ends, arms, strict=True):
@@ -365,8 +370,27 @@ class Rows:
         return np.asarray(1.0 / np.max(norms, axis=0))
 
 
+def _row_of_gears(linkage: Linkage, gears: GearedDrive) -> _Row:
+    """Return the row that couples the angles of two cranks."""
+    leader = linkage.drives[linkage.number_of_drive(gears.leader)]
+    return _Row(
+        gears.name,
+        Attachment(gears.body, 0.0, 0.0),
+        Attachment(gears.leader, 0.0, 0.0),
+        turn=1.0,
+        target=gears.angle - gears.ratio * leader.angle,
+        ratio=gears.ratio,
+    )
+
+
 def motion_of_row(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
-    """Return the angle of a drive, or the curve of its point, with two derivatives."""
+    """Return the angle of a drive, or the curve of its point, with two derivatives.
+
+    The row of gears has no motion of its own.
+    """
+    if isinstance(drive, GearedDrive):
+        still = np.zeros_like(time)
+        return still, still, still
     if drive.follow is None:
         return drive.motion(time)
     return series(drive.follow, drive.base, time)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from presswear.linkage.drives import GearedDrive
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraint_rows import Rows
 from presswear.physics.drive_motion import drive_motion, motions_of
@@ -27,6 +28,8 @@ CONSTRAINT = np.dtype(
         *floats("normal_x", "normal_y"),  # the direction; 0 for an angle
         ("rotates", np.bool_),  # the direction turns with the second body
         ("turns", np.bool_),  # the angle of the first body less that of the second
+        ("ratio", np.float64),  # times which the angle of the second body is subtracted
+        ("geared", np.bool_),  # the drive has no motion of its own
         ("target", np.float64),  # value of the row, m or rad, before that of a drive
         ("drive", np.int64),  # its place among the motions; -1 for none
     ]
@@ -101,10 +104,10 @@ def evaluate_constraints(
             phi_t[row] = v[c.first + 2]
             jacobian[row, c.first + 2] = 1.0
             if c.second >= 0:
-                phi[row] -= q[c.second + 2]
-                phi_t[row] -= v[c.second + 2]
-                jacobian[row, c.second + 2] = -1.0
-        if c.drive >= 0:
+                phi[row] -= c.ratio * q[c.second + 2]
+                phi_t[row] -= c.ratio * v[c.second + 2]
+                jacobian[row, c.second + 2] = -c.ratio
+        if c.drive >= 0 and not c.geared:
             motion = constraints.motions[c.drive]
             angle, speed, gamma[row] = drive_motion(motion, t)
             phi[row] -= motion.angle
@@ -267,7 +270,11 @@ def constraints_of(linkage: Linkage) -> Constraints:
     records["rotates"][rows.turning] = True
     records["turns"] = rows.turn
     records["target"] = rows.target
+    records["ratio"] = rows.ratio
     records["drive"] = -1
     drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
-    records["drive"][len(records) - len(drives) :] = drives
+    first = len(records) - len(drives)
+    records["drive"][first:] = drives
+    for row, k in enumerate(drives, first):
+        records["geared"][row] = isinstance(linkage.drives[k], GearedDrive)
     return Constraints(records, motions_of(linkage), rows.names)

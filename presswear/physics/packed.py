@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.drives import LinearDrive
+from presswear.linkage.drives import GearedDrive, LinearDrive
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -104,6 +104,9 @@ DRIVEN = np.dtype(
     [
         ("index", np.int64),  # of the angle in q, or of x of a body along a guide
         ("is_linear", np.bool_),  # the distance along a guide
+        ("is_geared", np.bool_),  # its power is that of its leader
+        ("leader", np.int64),  # number of the drive of this leader
+        ("ratio", np.float64),  # of gears
         *floats("cosine", "sine"),  # of the direction of this guide
     ]
 )
@@ -183,12 +186,20 @@ def _pack_driven(linkage: Linkage, offset: Mapping[str, int]) -> Records:
             record["cosine"], record["sine"] = math.cos(direction), math.sin(direction)
         else:
             record["index"] = offset[drive.body] + 2
+        if isinstance(drive, GearedDrive):
+            record["is_geared"], record["ratio"] = True, drive.ratio
+            record["leader"] = linkage.number_of_drive(drive.leader)
     return driven
 
 
 @inlined
 def drive_rate(driven: Records, k: int, v: Array) -> float:
-    """Return the angular velocity, rad/s, or the speed along the guide, m/s, of drive ``k``."""
+    """Return the rate, rad/s or along a guide m/s, with which drive ``k`` gives power.
+
+    Gears give none.
+    """
+    if driven[k].is_geared:
+        return 0.0
     i = driven[k].index
     if driven[k].is_linear:
         return v[i] * driven[k].cosine + v[i + 1] * driven[k].sine

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import Motion
@@ -86,6 +86,8 @@ def drive_curves(
         angle, speed = _coordinate(linkage, drive, motion)
         stored = np.zeros(0) if torque is None else torque[:, k]
         power = stored * speed[: stored.size]
+        if isinstance(drive, GearedDrive):  # their power is that of the leader
+            power = np.zeros_like(power)
         curves[drive.body] = DriveCurve(motion.time, angle, stored, power, speed)
     return curves
 

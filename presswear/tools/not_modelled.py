@@ -10,7 +10,7 @@ PAGE = "docs/theory/not-modelled.md"
 # What is not modelled, and what there is instead, by the words that users type
 NOT_MODELLED = {
     ("gear", "tooth", "teeth", "backlash", "pinion", "rack", "worm", "planetary"): (
-        "gears with teeth and play; a motor has a ratio"
+        "gears with teeth and play; two cranks have a leader and a ratio, a motor has a ratio"
     ),
     ("cam", "follower", "tappet"): (
         "cams; a servo drive follows a motion over the crank angle"

@@ -184,7 +184,7 @@ def solve_multipliers(
     power = 0.0
     for row in range(constraints.records.shape[0]):
         drive = constraints.records[row].drive
-        if drive >= 0:
+        if drive >= 0 and not constraints.records[row].geared:
             power -= (
                 constraints.multipliers[row]
                 * drive_motion(constraints.motions[drive], t)[1]

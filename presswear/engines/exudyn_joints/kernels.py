@@ -194,7 +194,9 @@ def project_state(
     for row in range(constraints.records.shape[0]):
         drive = constraints.records[row].drive
         if drive >= 0 and drives.multiplier[drive] >= 0:
-            drives.multipliers[drives.multiplier[drive]] += constraints.multipliers[row]
+            change = constraints.multipliers[row]
+            change = -change if constraints.records[row].geared else change
+            drives.multipliers[drives.multiplier[drive]] += change
     for i in range(body_state.solved_indices.shape[0]):
         index = body_state.solved_indices[i]
         body_state.solved_q[i] = body_state.q[index]
@@ -214,17 +216,24 @@ def drive_power(
         drive_torques(
             prescribed, body_state.q, body_state.axes, drives.force, records.torque
         )
+    driven = records.packed.driven
+    for i in range(driven.shape[0]):
+        if driven[i].is_geared and drives.multiplier[i] < 0:
+            leader = driven[i].leader
+            records.torque[leader] += driven[i].ratio * records.torque[i]
     power = 0.0
     for i in range(records.motions.shape[0]):
         if drives.has_motor[i]:
             first = body_state.layout.first_torque + TORQUE_INTEGRALS * i
             records.torque[i] = body_state.rates[first + TORQUE]
-            power += records.torque[i] * drive_rate(
-                records.packed.driven, i, body_state.v
-            )
+            power += records.torque[i] * drive_rate(driven, i, body_state.v)
             continue
         if drives.multiplier[i] >= 0:
             records.torque[i] = -drives.multipliers[drives.multiplier[i]]
+        if driven[i].is_geared:
+            if drives.multiplier[i] >= 0:  # their body is the first of the constraint
+                records.torque[i] = -records.torque[i]
+            continue
         power += records.torque[i] * drive_motion(records.motions[i], t)[1]
     return power
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
-from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.elements import GROUND, Attachment, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import bodies_of, prescribed_of
@@ -25,6 +25,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
+        joined += [gear.coupled_bodies for gear in linkage.gears]
         connected = frozenset[str]().union(
             *(bodies for bodies in joined if not bodies <= omitted)
         )
@@ -135,11 +136,22 @@ def add_joints(
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
             turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
+        markers = [fixed, driven]
+        if isinstance(drive, GearedDrive):
+            leader = add(
+                system,
+                "Marker",
+                "NodeCoordinate",
+                nodeNumber=nodes[drive.leader],
+                coordinate=2,
+            )
+            # Exudyn has a factor of the second marker only.
+            markers, factor, turning = [driven, leader], drive.ratio, {"offset": 0.0}
         objects[drive.name] = add(
             system,
             "Object",
             "ConnectorCoordinate",
-            markerNumbers=[fixed, driven],
+            markerNumbers=markers,
             velocityLevel=True,
             factor1=factor,
             **turning,

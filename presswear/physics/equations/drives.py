@@ -1,6 +1,6 @@
 """Torques and forces of drives, their power and the integrals of both."""
 
-from presswear.linkage.drives import LinearDrive
+from presswear.linkage.drives import GearedDrive, LinearDrive
 from presswear.physics.equations.articulated import Articulated
 from presswear.physics.equations.chain import Chain, Link
 from presswear.physics.equations.text import (
@@ -28,6 +28,13 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
     for link in chain.free:
         if link.drive is not None:
             torques[link.drive] = bodies[link.prefix].torque()
+    for gear in chain.linkage.gears:
+        number = chain.linkage.number_of_drive(gear.body)
+        prefix = chain.of(gear.body).prefix
+        torques[number] = text.let(f"{prefix}_gear_torque", torques[number])
+        ratio = text.parameter(f"{prefix}_ratio", gear.ratio)
+        leader = chain.linkage.number_of_drive(gear.leader)
+        torques[leader] = total(torques[leader], product(ratio, torques[number]))
     powers = []
     for k, drive in enumerate(chain.linkage.drives):
         if not chain.linkage.prescribes(drive):
@@ -35,6 +42,7 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
         link = chain.of(drive.body)
         torque = text.let(f"{link.prefix}_torque", torques[k])
         rate = link.speed if isinstance(drive, LinearDrive) else link.omega
+        rate = ZERO if isinstance(drive, GearedDrive) else rate
         power = text.let(f"{link.prefix}_power", product(torque, rate))
         powers.append(power)
         write_torque(text, layout, k, torque, power)

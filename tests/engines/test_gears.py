@@ -1,0 +1,204 @@
+"""Gears between two cranks: closed forms, energy, all engines, results, and messages."""
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from slotted import RADIUS, SPEED, cylinder, geared_five_bar
+
+import presswear as pw
+from presswear.engines.base import Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.drives import Drive, GearedDrive
+from presswear.linkage.elements import Body, Pin
+from presswear.linkage.linkage import Linkage, assemble, linkage_from
+from presswear.linkage.motor import Motor
+from presswear.linkage.topology import branches_of
+from presswear.physics.ideal import ideal_motion
+from presswear.physics.inverse_dynamics import needed_torques
+from presswear.results.drives import drives_of
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+FIRST, SECOND, RATIO = 0.3, 0.2, -2.0  # inertias of two wheels, kg m^2, and their ratio
+REFLECTED = FIRST + RATIO**2 * SECOND  # on the first wheel, kg m^2
+NOMINAL = 20.0  # rad/s
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+DURATION = 0.006  # s, some touchdowns
+MOTOR = Motor(20.0, slip=0.1, inertia=0.1)
+_scene = partial(Scene, bearings=BEARING, wear_updates=0)
+
+
+def wheels(drive: Drive) -> Linkage:
+    """Return two geared wheels whose mass centres are on their axes."""
+    return assemble(
+        bodies=[Body("first", 5.0, FIRST), Body("second", 4.0, SECOND)],
+        joints=[Pin("A", (0.0, 0.0), "first"), Pin("B", (0.5, 0.0), "second")],
+        drives=[drive, GearedDrive("second", leader="first", ratio=RATIO, angle=0.4)],
+        output="first",
+    )
+
+
+UNEVEN = wheels(Drive("first", NOMINAL, harmonics=[(0.1, 0.3)]))
+
+
+def test_torques_of_two_wheels() -> None:
+    """The gears give I_2 n alpha, the drive (I_1 + n^2 I_2) alpha."""
+    ideal = ideal_motion(UNEVEN, UNEVEN.period)
+    time = np.linspace(0.0, UNEVEN.period, 37)
+    motion = ideal.at(time)
+    turned = 0.4 + RATIO * motion.position[:, 2]
+    np.testing.assert_allclose(motion.position[:, 5], turned, atol=1e-12)
+    cosine, sine = np.cos(NOMINAL * time), np.sin(NOMINAL * time)
+    acceleration = -(NOMINAL**2) * (0.1 * cosine + 0.3 * sine)
+    of_drive, of_gears = needed_torques(UNEVEN, ideal, time).T
+    np.testing.assert_allclose(of_gears, SECOND * RATIO * acceleration, atol=1e-10)
+    np.testing.assert_allclose(of_drive, REFLECTED * acceleration, atol=1e-10)
+
+
+@pytest.mark.parametrize("engine", [InHouse(), ExudynJoints()], ids=lambda e: e.word)
+def test_a_run_has_these_torques(engine: Engine) -> None:
+    run = pw.simulate(UNEVEN, duration=0.1, engine=engine)
+    cosine, sine = math.cos(NOMINAL * run.time), math.sin(NOMINAL * run.time)
+    acceleration = -(NOMINAL**2) * (0.1 * cosine + 0.3 * sine)
+    expected = [REFLECTED * acceleration, SECOND * RATIO * acceleration]
+    np.testing.assert_allclose(run.recorder.records.torque, expected, rtol=1e-9)
+    assert residual(run) < 1e-7
+
+
+@pytest.mark.parametrize("engine", [InHouse(), ExudynJoints()], ids=lambda e: e.word)
+def test_a_motor_speeds_up_both_wheels(engine: Engine) -> None:
+    """w = w_0 (1 - exp(-t / T)), T = (I_1 + n^2 I_2) w_0 s_n / M_n."""
+    motor = Motor(10.0, slip=0.1, breakdown=None)
+    linkage = wheels(Drive("first", NOMINAL, motor=motor)).released
+    start = Start(np.array([0.0, 0.0, 0.0, 0.5, 0.0, 0.4]), np.zeros(6))
+    run = pw.simulate(linkage, start, 0.1, engine)
+    constant = REFLECTED * NOMINAL * 0.1 / 10.0
+    decay = math.exp(-run.time / constant)
+    speed = run.end.velocity[2]
+    assert speed == pytest.approx(NOMINAL * (1.0 - decay), rel=1e-9)
+    assert run.end.velocity[5] == pytest.approx(RATIO * speed, rel=1e-12)
+    acceleration = NOMINAL * decay / constant
+    expected = [REFLECTED * acceleration, SECOND * RATIO * acceleration]
+    np.testing.assert_allclose(run.recorder.records.torque, expected, rtol=1e-7)
+    work = 0.5 * REFLECTED * speed**2
+    assert run.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-8)
+
+
+def test_mirrored_cranks_guide_the_pin_of_their_rods() -> None:
+    """Between equal cranks with the ratio -1 it stays in the middle."""
+    linkage = geared_five_bar()
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 61)
+    motion = ideal.at(time)
+    head = linkage.output.attachment
+    x = motion.of_point(linkage, head, 0.0)[:, 0]
+    y = motion.of_point(linkage, head, 0.5 * math.pi)[:, 0]
+    angle = 0.3 + SPEED * time
+    reach = 0.2 - RADIUS * np.cos(angle)
+    expected = RADIUS * np.sin(angle) + np.sqrt(0.4**2 - reach**2)
+    np.testing.assert_allclose(x, 0.0, atol=1e-13)
+    np.testing.assert_allclose(y, expected, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("motor", "joints"),
+    [(None, "E"), (None, "C"), (None, "O1"), (None, "O2"), (MOTOR, "E"), (MOTOR, "C")],
+)
+def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints: str) -> None:
+    scene = _scene(geared_five_bar(motor=motor), joints=joints)
+    ours, reference, joined = (
+        run_scene(scene, engine, DURATION)
+        for engine in (
+            InHouse(integration_tolerance=1e-11),
+            InHouse(integration_tolerance=1e-11, coordinates="all"),
+            ExudynJoints(),
+        )
+    )
+    runs = [ours]
+    if not isinstance(branches_of(scene.linkage()), str):
+        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
+    torques = reference.recorder.records.torque
+    for run in runs:
+        assert np.abs(run.end.position - reference.end.position).max() < 1e-9
+        assert residual(run) < 1e-8
+        np.testing.assert_allclose(run.recorder.records.torque, torques, rtol=1e-6)
+    assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
+    assert residual(joined) < 3e-5
+    work = "drive_work_J"
+    expected = pytest.approx(float(reference.diagnostics[work]), rel=1e-4)
+    assert joined.diagnostics[work] == expected
+
+
+def test_free_gears_are_no_tree() -> None:
+    linkage = _scene(geared_five_bar(motor=MOTOR), joints="E").linkage()
+    assert branches_of(linkage) == "gears couple driver and follower"
+
+
+def test_gears_give_no_power(tmp_path: Path) -> None:
+    """The power of both cranks is that of the motor."""
+    scene = _scene(
+        geared_five_bar(motor=Motor(60.0, slip=0.1, inertia=0.5)),
+        joints="E",
+        engine="dae",
+        cycles=2,
+        replicates=1,
+        drive_torque="on",
+    )
+    result = pw.run(scene, tmp_path / "result")
+    drives = drives_of(scene, result.stages[0])
+    assert drives["follower"].duty.power.rms == 0.0
+    assert drives["follower"].ideal.power.rms == 0.0
+    assert drives["follower"].duty.torque.rms > 0.0
+    assert drives["driver"].duty.power.rms > 0.0
+    assert result.report().stat().st_size > 0
+
+
+def test_a_ratio_of_a_half_repeats_after_two_turns() -> None:
+    linkage = wheels(Drive("first", NOMINAL))
+    gears = GearedDrive("second", leader="first", ratio=0.5)
+    slow = linkage.changed(drives=[linkage.drives[0], gears])
+    assert slow.period == pytest.approx(2.0 * linkage.period)
+
+
+def test_gears_are_stored_and_follow_a_changed_leader() -> None:
+    plain = UNEVEN.as_plain()
+    assert (plain["drives"][1]["leader"], plain["drives"][1]["ratio"]) == (
+        "first",
+        -2.0,
+    )
+    assert linkage_from(plain, "mechanism") == UNEVEN
+    faster = UNEVEN.changed(drives=[Drive("first", 30.0), UNEVEN.drives[1]])
+    assert faster.drives[1].mean_speed == -60.0
+    assert not faster.drives[1].repeats
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"leader": "frist"}, "unknown driven body in drive of second 'frist'.*first"),
+        ({"leader": "second"}, "leader of second = second: must be another body"),
+        ({"ratio": 0.0}, "ratio of second = 0: must not be 0"),
+        ({"ratio": 1e4}, "ratio of second = 10000: allowed is -1000 to 1000"),
+        ({"speed": 3.0}, "speed of second: a drive with a leader has none"),
+        ({"motor": Motor(stiffness=1e5)}, "motor of second: a drive with a leader has"),
+    ],
+)
+def test_wrong_gears_are_refused_by_name(changes: dict[str, Any], message: str) -> None:
+    values: dict[str, Any] = {"body": "second", "leader": "first", "ratio": 2.0}
+    with pytest.raises(InputError, match=message):
+        UNEVEN.changed(drives=[UNEVEN.drives[0], GearedDrive(**values | changes)])
+
+
+def test_a_cylinder_is_no_leader() -> None:
+    linkage = cylinder()
+    bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
+    joints = [*linkage.joints, Pin("F", (2.0, 0.0), "fan")]
+    gears = GearedDrive("fan", leader="piston", ratio=2.0)
+    with pytest.raises(InputError, match="drive of fan: leader = piston: allowed is a"):
+        linkage.changed(bodies=bodies, joints=joints, drives=[*linkage.drives, gears])
