@@ -23,6 +23,8 @@ class LifeEstimate:
     strokes: float
     sampling: float  # half width over the histories
     step: float
+    # of the logarithm of each refinement in that of the life, with sum 1
+    weights: tuple[float, ...] = ()
 
     @property
     def error(self) -> float:
@@ -41,19 +43,28 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
     end = refinements[-1].crossing(limits)
     if not 0.0 < end < math.inf:
         return LifeEstimate(end, math.inf, math.inf)
-    ended = [item for item in refinements if 0.0 < item.crossing(limits) < math.inf]
+    is_ended = np.array(
+        [0.0 < item.crossing(limits) < math.inf for item in refinements]
+    )
+    ended = [
+        item for item, has_end in zip(refinements, is_ended, strict=True) if has_end
+    ]
     logarithms = np.log([item.crossing(limits) for item in ended])
     cycles = np.array([item.cycles_until(item.crossing(limits)) for item in ended])
     halves = np.array([item.sampling_error(limits) for item in ended])
     freedom = np.array([item.histories - 1 for item in ended])
     slope = _step_slope(cycles, logarithms)
-    last = LifeEstimate(end, float(halves[-1]), slope / float(cycles[-1]))
+    alone = (*np.zeros(len(refinements) - 1), 1.0)
+    last = LifeEstimate(end, float(halves[-1]), slope / float(cycles[-1]), alone)
     if not last.step < last.sampling < math.inf:
         return last
     weights = cycles / cycles.sum()
     strokes = math.exp(float(weights @ logarithms))
     step = slope * len(ended) / float(cycles.sum())
-    return LifeEstimate(strokes, _pooled_half_width(weights, halves, freedom), step)
+    sampling = _pooled_half_width(weights, halves, freedom)
+    each = np.zeros(len(refinements))
+    each[is_ended] = weights
+    return LifeEstimate(strokes, sampling, step, tuple(each.tolist()))
 
 
 def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:

@@ -111,11 +111,20 @@ def life_result(
             )
         )
     stored = []
-    for each in refinements:
+    weights = life.weights or (0.0,) * len(refinements)
+    for each, weight in zip(refinements, weights, strict=True):
         strokes = each.crossing(problem.limits)
         error = each.sampling_error(problem.limits)
+        logarithms = each.logarithms(problem.limits)
+        deviations = weight * (logarithms - logarithms.mean()) if weight > 0.0 else ()
         stored.append(
-            RefinementResult(each.change, each.cycles, _finite(strokes), _finite(error))
+            RefinementResult(
+                change=each.change,
+                cycles=each.cycles,
+                strokes=_finite(strokes),
+                sampling=_finite(error),
+                deviations=tuple(map(float, deviations)),
+            )
         )
     curves = {"strokes": last.strokes}
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):

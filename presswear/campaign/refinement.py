@@ -133,20 +133,23 @@ class Refinement:
         left_out = np.array([value(np.delete(np.arange(n), k)) for k in range(n)])
         return n * np.asarray(value(EVERY)) - (n - 1) * left_out
 
-    def sampling_error(self, limits: Sequence[Limit]) -> float:
-        """Return the half width of the logarithm of the strokes at the first crossing.
+    def logarithms(self, limits: Sequence[Limit]) -> Array:
+        """Return the pseudo-values of the logarithm of the strokes at the first crossing.
 
-        Infinite if the other histories have no crossing when one history is left out.
+        Empty if the other histories have no crossing when one history is left out.
         """
         if not 0.0 < self.crossing(limits) < math.inf or self.histories < 2:
-            return math.inf
+            return np.zeros(0)
         with np.errstate(divide="ignore"):
             values = self._pseudo_values(
                 lambda chosen: np.log(self.crossing(limits, chosen))
             )
-        if not np.isfinite(values).all():
-            return math.inf
-        return half_width(values) or 0.0
+        return values if np.isfinite(values).all() else np.zeros(0)
+
+    def sampling_error(self, limits: Sequence[Limit]) -> float:
+        """Return the half width of the logarithm of the strokes; infinite if it is unknown."""
+        values = self.logarithms(limits)
+        return half_width(values) or 0.0 if values.size else math.inf
 
     def cycles_until(self, strokes: float) -> float:
         """Return the cycles of each history after the first block, up to some strokes."""

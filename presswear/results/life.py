@@ -3,7 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Final, Literal
+
+import numpy as np
 
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate, quantile
@@ -52,6 +55,9 @@ class RefinementResult:
     cycles: int  # of all replicates
     strokes: float | None  # life by this refinement alone
     sampling: float | None  # half width of ln(strokes)
+    # of each replicate from their mean, in ln(strokes) of the life: those of this
+    # refinement times its weight
+    deviations: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -169,16 +175,17 @@ class LifeResult:
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     """Return how many times a life is as long as another, and the probability that it is longer.
 
-    The ratio has its 95 % interval. The probability is that of independent lives with
-    normal errors of their logarithms. Both are empty if a life has no interval or ended
-    without a limit. The scatter of the wear coefficients is left out, because it
-    changes both lives alike.
+    The ratio has its 95 % interval, from the differences of the replicates, which start
+    alike in both lives. The probability is that of a normal error of its logarithm.
+    Both are empty if a life has no interval or ended without a limit. The scatter of
+    the wear coefficients is left out, because it changes both lives alike.
     """
     ended = {life.ended, reference.ended}
     if ended != {"limit"} or life.error is None or reference.error is None:
         return "", ""
     ratio = life.strokes / reference.strokes
-    half = math.hypot(life.error, reference.error)
+    sampling = _half_width_of_ratio(life, reference)
+    half = math.hypot(sampling, life.step or 0.0, reference.step or 0.0)
     low, high = ratio / math.exp(half), ratio * math.exp(half)
     text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
     if half == 0.0:
@@ -188,6 +195,36 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     if 0.01 <= longer <= 0.99:
         return text, f"{longer:.2g}"
     return text, "over 0.99" if longer > 0.5 else "below 0.01"
+
+
+def _half_width_of_ratio(life: LifeResult, reference: LifeResult) -> float:
+    """Return the half width of the logarithm of the ratio, by the scatter of the motion.
+
+    In each refinement replicates with the same number are a pair. The variances of all
+    refinements add up, with the degrees of freedom of Welch and Satterthwaite. Lives
+    without stored deviations are independent.
+    """
+    pairs = zip_longest(
+        (each.deviations for each in life.refinements),
+        (each.deviations for each in reference.refinements),
+        fillvalue=(),
+    )
+    groups = []
+    for first, second in pairs:
+        if len(first) == len(second):
+            groups.append(np.subtract(first, second))
+        else:
+            groups += [np.array(first), np.array(second)]
+    groups = [group for group in groups if group.size > 1]
+    if not groups:
+        return math.hypot(life.sampling or 0.0, reference.sampling or 0.0)
+    variances = np.array([group.var(ddof=1) / group.size for group in groups])
+    freedoms = np.array([group.size - 1.0 for group in groups])
+    variance = float(variances.sum())
+    if variance == 0.0:
+        return 0.0
+    freedom = variance**2 / float((variances**2 / freedoms).sum())
+    return quantile(freedom) * math.sqrt(variance)
 
 
 def digits_of(error: float | None) -> int:
