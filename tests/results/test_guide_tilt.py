@@ -117,7 +117,7 @@ def test_the_friction_loss_is_that_of_the_energy_balance(
     stage = result.stages[0]
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     loss = sum(_load_of(stage.time, one, 0.1).loss(0.0, 2.0) for one in joints)
-    total = stage.diagnostics["friction_loss_J"]
+    total: Any = stage.diagnostics["friction_loss_J"]
     assert loss == pytest.approx(total, rel=0.01)
     assert tilt.friction_loss is not None
     assert tilt.friction_loss.mean == pytest.approx(0.5 * total, rel=2e-3)

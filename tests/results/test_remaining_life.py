@@ -144,8 +144,10 @@ def test_the_walls_of_a_guide_wear_beside_a_pin() -> None:
     )
     assert [limit.key for limit in scene.life_limits] == ["B.depth", "guide.depth"]
     result = result_with(scene, depth=depth_after(STROKES))
-    curves = {**result.life.curves, "guide.depth": result.life.curves["B.depth"]}
-    result = replace(result, life=replace(result.life, curves=curves))
+    life = result.life
+    assert life is not None
+    curves = {**life.curves, "guide.depth": life.curves["B.depth"]}
+    result = replace(result, life=replace(life, curves=curves))
     value = float(depth_after(1e6))
     pin, wall = (Reading(one, 1e6, "depth", value, 1e-9) for one in ("B", "guide"))
     left = remaining_life(result, [pin])

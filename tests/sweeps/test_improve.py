@@ -63,31 +63,39 @@ def test_a_guide_is_improved(tmp_path: Path) -> None:
 
 
 def test_speed_and_frame_of_a_press_are_followed(tmp_path: Path) -> None:
-    press = pw.SliderCrank(
-        crank_length="40 mm",
-        rod_length="600 mm",
-        crank_mass="60 kg",
-        rod_mass="50 kg",
-        slider_mass="300 kg",
-        gravity=0.0,
-        speed="60 rpm",
-        frame_mass=600.0,
-        frame_stiffness=0.5e9,
-        motor=pw.Motor("3 N m", ratio=24, slip=0.08, inertia="0.041 kg m^2"),
-    )
-    sheet = pw.Blanking(
-        force="100 kN",
-        height="5 mm",
-        thickness="3 mm",
-        plateau=0.4,
-        rise="0.2 mm",
-        snap="0.15 mm",
-    )
-    bearing = pw.Bearing(clearance="0.05 mm", bearing_radius="40 mm", width="80 mm")
-    settings = {"cycles": 3, "replicates": 1, "cycles_per_update": 1e3}
-    scene = pw.Scene(
-        press, process=sheet, bearings={"B": bearing}, engine="dae", **settings
-    )
+    press: dict[str, Any] = {
+        "crank_length": "40 mm",
+        "rod_length": "600 mm",
+        "crank_mass": "60 kg",
+        "rod_mass": "50 kg",
+        "slider_mass": "300 kg",
+        "gravity": 0.0,
+        "speed": "60 rpm",
+        "frame_mass": "600 kg",
+        "frame_stiffness": "0.5 GN/m",
+        "motor": pw.Motor(3.0, ratio=24, slip=0.08, inertia=0.041),
+    }
+    sheet: dict[str, Any] = {
+        "force": "100 kN",
+        "height": "5 mm",
+        "thickness": "3 mm",
+        "plateau": 0.4,
+        "rise": "0.2 mm",
+        "snap": "0.15 mm",
+    }
+    bearing: dict[str, Any] = {
+        "clearance": "0.05 mm",
+        "bearing_radius": "40 mm",
+        "width": "80 mm",
+    }
+    settings: dict[str, Any] = {
+        "cycles": 3,
+        "replicates": 1,
+        "cycles_per_update": 1e3,
+        "process": pw.Blanking(**sheet),
+        "bearings": {"B": pw.Bearing(**bearing)},
+    }
+    scene = pw.Scene(pw.SliderCrank(**press), engine="dae", **settings)
     found = improve(scene, tmp_path, jobs=1)
     assert {DROP, REVERSE} <= found.effects.keys()
     assert found.present[DROP].startswith("1")
