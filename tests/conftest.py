@@ -23,11 +23,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # Files of more than 10 s of CPU time. They begin first, so that all processes end
 # together.
 LONGEST = """
-test_scenarios test_command_line test_pages test_friction_without_clearance test_figures test_loads
-test_cases test_settled_motions test_laws_in_scenes test_soundness test_rounds test_report
+test_report test_life test_figures test_command_line test_scenarios test_pages test_sweep
+test_friction_without_clearance test_loads test_cases test_settled_motions test_laws_in_scenes test_soundness test_rounds
 test_replay_command test_runner test_export test_sensitivity test_growth test_tonnage_and_drives
 test_worn_bush test_terminal test_untrusted_laws test_browser test_initial_surfaces test_ensemble
-test_sweep test_benchmark test_processes test_campaign test_heavy_press
+test_benchmark test_processes test_campaign test_heavy_press
 """
 
 

@@ -169,7 +169,9 @@ def heat_map(
             grid[:, k] = values.ravel()
         level = shown.factor * surrogate.predict(grid).reshape(CELLS, CELLS)
         x, y = x_axis.factor * x, y_axis.factor * y
-        axes.pcolormesh(x, y, level, norm=norm, cmap=COLOURS, shading="gouraud")
+        axes.pcolormesh(
+            x, y, level, norm=norm, cmap=COLOURS, shading="gouraud", rasterized=True
+        )
     x, y = x_axis.factor * across, y_axis.factor * up
     for marker, rows in (("o", ~points.censored), ("^", points.censored)):
         rows = rows & points.has_value

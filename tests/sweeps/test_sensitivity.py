@@ -201,8 +201,6 @@ OTHERS = np.random.default_rng(5).random((500, 3))
 NORMAL = parse_distribution(
     "normal(0, 1)", "x", Quantity("", -math.inf, math.inf, "", "")
 )
-# A life of 100 exp(0.5 x + 0.3 y + 0.25 e), all normal, is lognormal.
-LIFE = stats.lognorm(math.hypot(0.5, 0.3, 0.25), scale=100.0)
 
 
 def curved(points: Array) -> Array:
@@ -222,22 +220,26 @@ def test_a_smooth_function_is_predicted() -> None:
     assert surrogate.predict(OTHERS) == pytest.approx(curved(OTHERS), rel=0.05)
 
 
-@pytest.mark.parametrize("replicates", [1, 4])
-def test_a_distribution_has_the_quantiles_of_single_runs(replicates: int) -> None:
+@pytest.mark.parametrize(("replicates", "chaos"), [(1, 0.25), (4, 0.5)])
+def test_a_distribution_has_the_quantiles_of_single_runs(
+    replicates: int, chaos: float
+) -> None:
+    """A life of 100 exp(0.5 x + 0.3 y + chaos e), all normal, is lognormal."""
+    exact = stats.lognorm(math.hypot(0.5, 0.3, chaos), scale=100.0)
+    truth = exact.ppf((0.05, 0.5, 0.95))
     hits = np.zeros(3)
-    for seed in range(1, 9):
+    for seed in range(1, 4):
         points = NORMAL.ppf(design("sobol", 64, 2, seed)).repeat(replicates, axis=0)
-        chaos = 0.25 * np.random.default_rng(seed).standard_normal(len(points))
-        life = 100.0 * np.exp(0.5 * points[:, 0] + 0.3 * points[:, 1] + chaos)
+        scatter = chaos * np.random.default_rng(seed).standard_normal(len(points))
+        life = 100.0 * np.exp(0.5 * points[:, 0] + 0.3 * points[:, 1] + scatter)
         table = replace(table_of(points, life), replicates=replicates)
         surrogate = fit(points_of(table, "y"))
         spread = surrogate.spread([NORMAL, NORMAL], Limit(40.0, True))
-        truth = LIFE.ppf((0.05, 0.5, 0.95))
         places = [4, 49, 94]
         assert spread.values[places] == pytest.approx(truth, rel=0.25)
         hits += (spread.low[places] <= truth) & (truth <= spread.high[places])
-        assert spread.violation[0] == pytest.approx(LIFE.cdf(40.0), abs=0.05)
-    assert hits.min() >= 5
+        assert spread.violation[0] == pytest.approx(exact.cdf(40.0), abs=0.05)
+    assert hits.min() >= 2
 
 
 @pytest.mark.parametrize(
