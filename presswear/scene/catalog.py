@@ -299,9 +299,11 @@ def short_name_of(scene: Scene) -> str:
 def _with_changes(first: str, scene: Scene) -> str:
     changes = changes_of(scene)
     if named_scene(scene) is None:
-        in_file = {IN_FILE, DEFAULT, None}
+        unchanged = IN_FILE, DEFAULT  # a fit in the file has its limits behind it
         changes = tuple(
-            one for one in changes if scene.origins.get(one.key) not in in_file
+            one
+            for one in changes
+            if not scene.origins.get(one.key, DEFAULT).startswith(unchanged)
         )
     if not changes:
         return first

@@ -109,7 +109,8 @@ def clearances_of(fit: Fit, diameter: float) -> tuple[float, float]:
     if abs(nominal - diameter) > _NEAR * nominal:
         raise InputError(
             f"fit {fit.text}: the bearing has a diameter of {written(diameter, 'm')}; set "
-            f"diameter = {written(nominal, 'm')}"
+            f"diameter = {written(nominal, 'm')}, or the fit without a diameter, "
+            f"{fit.hole}{fit.hole_grade}/{fit.shaft}{fit.shaft_grade}"
         )
     place = bisect_left(_SIZES, round(1e3 * nominal, 9))
     if place == len(_SIZES):

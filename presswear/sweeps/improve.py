@@ -114,7 +114,7 @@ class Improvement:
                 axes.set_xlabel(self.heading(key))
             kinds = (
                 (style.LINES[2][0], "certain improvement"),
-                (style.MUTED, "not certain"),
+                (style.MUTED, "no certain improvement"),
             )
             handles = [Patch(color=colour, label=words) for colour, words in kinds]
             sheet.legend(handles=handles, loc="outside upper center", ncols=2)

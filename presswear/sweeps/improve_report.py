@@ -63,4 +63,7 @@ def _interval(effect: Effect) -> str:
 
 
 def _verdict(effect: Effect) -> str:
-    return "certain improvement" if effect.is_better else "not certain"
+    low, high = effect.factor.low, effect.factor.high
+    if low is None or high is None or low <= 1.0 <= high:
+        return "not certain"
+    return "certain improvement" if effect.is_better else "certainly worse"

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 import presswear as pw
+from presswear.scene.catalog import name_of
+from presswear.scene.files import scene_from
 from presswear.scene.fits import (
     _DEVIATIONS,
     _SIZES,
@@ -111,7 +113,8 @@ def test_a_sweep_goes_over_a_fit() -> None:
     [
         (
             {"clearance": "110 H8/f7"},
-            "fit 110 H8/f7: the bearing has a diameter of 30 mm; set",
+            "fit 110 H8/f7: the bearing has a diameter of 30 mm; set diameter = 110 mm, or the "
+            "fit without a diameter, H8/f7",
         ),
         (
             {"clearance": "30 H7/p6"},
@@ -129,3 +132,11 @@ def test_a_fit_that_does_not_fit_is_refused(
         pw.changed(pw.scenes.wear_times(), settings)
     with pytest.raises(pw.InputError, match="such as 110 H8/f7:5"):
         values_of("clearance", "H8/f7:3", Quantity("m"))
+
+
+def test_a_fit_in_a_file_is_no_change_of_it(tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text("mechanism = 'press'\n[bearings]\nclearance = 'H8/f7'\n")
+    scene = scene_from(file)
+    assert name_of(scene) == "own"
+    assert "clearance" in name_of(pw.changed(scene, {"clearance": "H7/f7"}))

@@ -131,11 +131,13 @@ def test_the_report_has_answers_factors_and_failed_runs(tmp_path: Path) -> None:
     one = Estimate.symmetric(1.0, 0.01)
     two = Estimate.symmetric(2.0, 0.01)
     effect = _effect(CHANGE, LIFE, one, two)
-    found = Improvement({LIFE: [effect]}, {"joint A, <b>": "it <i>ended</i>"})
+    effects = {LIFE: [effect], FORCE: [_effect("worse", FORCE, two, one)]}
+    found = Improvement(effects, {"joint A, <b>": "it <i>ended</i>"})
     file = write_report(found, pw.scenes.wear_times(), tmp_path)
     page = file.read_text().replace("\xa0", " ")
     assert "Life: best is joint B, clearance times 0.5: 2.00 (1.98 to 2.02)" in page
     assert "<td>2.00</td><td>1.98 to 2.02</td><td>certain improvement</td>" in page
+    assert "<td>1.98 to 2.02</td><td>certainly worse</td>" in page
     assert "it &lt;i&gt;ended&lt;/i&gt;" in page
     assert f"presswear report {tmp_path}/as-it-is {tmp_path}/joint-B" in page
     assert (tmp_path / "figures" / "improve.png").stat().st_size > 5000
