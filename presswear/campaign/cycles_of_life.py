@@ -24,9 +24,11 @@ from presswear.campaign.wear_update import STEP_SAFETY
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 
 # Expected distance of the lives of the first two refinements: a part of the tolerance,
-# or of the half width over the histories (the mean for equal distributions)
+# or of the half width over the histories. With one life known it is the mean for equal
+# distributions; before, that with which half of the lives need more cycles.
 FIRST_DISTANCE = 0.3
 FIRST_SCATTER = 0.4
+EARLY_SCATTER = 0.7
 
 
 def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> float:
@@ -74,7 +76,8 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         pooled = ends[-1]
     if math.isinf(sampling):
         return left
-    distance = max(FIRST_DISTANCE * problem.tolerance, FIRST_SCATTER * sampling)
+    part = FIRST_SCATTER if coarser else EARLY_SCATTER
+    distance = max(FIRST_DISTANCE * problem.tolerance, part * sampling)
     if coarser:
         change = abs(
             math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits))

@@ -171,7 +171,8 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
 def needed(cycles: float, seconds: float) -> str:
     """Return what a life will still take, in words."""
     count = large(cycles, digits=2)
-    return f"needs about {count} cycles of all replicates, {lasting(seconds)} more"
+    chance = "half to three times as much by chance"
+    return f"needs about {count} cycles of all replicates, {lasting(seconds)} more ({chance})"
 
 
 def least_needed(cycles: float) -> str:

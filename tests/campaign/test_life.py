@@ -32,7 +32,7 @@ from presswear.campaign.service_life import (
     next_refinement,
     run_refinements,
 )
-from presswear.campaign.wear_histories import WearHistories
+from presswear.campaign.wear_histories import MEASURED_BLOCKS, WearHistories
 from presswear.engines import driver
 from presswear.physics.dead_centre import bottom_of
 from presswear.physics.wear import map_shape
@@ -302,6 +302,27 @@ def test_cycles_left_are_estimated(limit: Limit) -> None:
     """Most estimates are right within a factor of 1.5."""
     ratios = [ratio for seed in range(4) for ratio in estimates(limit, seed)]
     assert np.mean([1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]) > 0.5
+
+
+def announced(seed: int, noise: float) -> float:
+    """Return the cycles that are announced after two load blocks over those that follow."""
+    life, wear = problem(DEPTH), KnownWear(seed, noise=noise)
+    moment = []
+
+    def advance(done: Refinements, plan: Any) -> LoadBlock:
+        if len(done) == 1 and len(done[0].blocks) == MEASURED_BLOCKS:
+            moment.append((ran(done), cycles_left(life, done)))
+        return wear(done, plan)
+
+    whole = ran(run_refinements(life, advance))
+    [(cycles, left)] = moment
+    return left / (whole - cycles)
+
+
+def test_half_of_all_lives_take_longer_than_announced() -> None:
+    """Chance decides about the number of refinements: lives alike differ by a factor of four."""
+    ratios = [announced(seed, noise) for seed in range(8) for noise in (0.5, 1.0)]
+    assert 0.7 < np.median(ratios) < 1.6
 
 
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
