@@ -94,11 +94,9 @@ def _rows(linkage: Linkage) -> tuple[Constraints, slice, slice]:
     Guides with clearance are the last ones before the drives.
     """
     ideal = linkage.ideal
-    first, loose = (
-        len(linkage.revolutes),
-        len(linkage.clearances) - len(linkage.corners),
-    )
     rows = constraints_of(ideal)
+    first_pin = 2 * len(linkage.revolutes)
+    pins = len(linkage.clearances) - len(linkage.corners)
     end = rows.rows - len(ideal.prescribed_drives)
     guides = slice(end - 2 * len(linkage.loose_guides), end)
-    return rows, slice(2 * first, 2 * (first + loose)), guides
+    return rows, slice(first_pin, first_pin + 2 * pins), guides

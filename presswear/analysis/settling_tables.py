@@ -12,9 +12,8 @@ from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import quantity_text, readable, whole
 
-Table = tuple[
-    Sequence[str], list[list[object]]
-]  # names of the columns with units, and the rows
+# Names of the columns with units, and the rows
+Table = tuple[Sequence[str], list[list[object]]]
 
 
 def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
@@ -49,11 +48,10 @@ def _how_many(settled: FinalMotionsAt, cycles: int) -> str:
         return f"{words}: half-life longer than {least} cycles at 95 %."
     regular = [motion for motion in settled.motions if motion.period is not None]
     after = settled.runs.settled[settled.runs.settled >= 0]
-    where = (
-        "the same motion" if len(regular) == 1 else f"{len(regular)} different motions"
-    )
     if len(regular) == 1:
-        where += _peak(regular[0].peak_force)
+        where = f"the same motion{_peak(regular[0].peak_force)}"
+    else:
+        where = f"{len(regular)} different motions"
     words = (
         f"{whole(at_rest)} of {whole(settled.counted)} starts came to rest on {where}"
     )
@@ -68,7 +66,7 @@ def _how_many(settled: FinalMotionsAt, cycles: int) -> str:
 
 
 def _peak(force: Mapping[str, float]) -> str:
-    """Return the largest of the peak forces in brackets."""
+    """Return the largest of the peak forces as a text in brackets, or an empty text."""
     forces = {name: each for name, each in force.items() if math.isfinite(each)}
     if not forces:
         return ""
@@ -135,11 +133,19 @@ def tables(result: FinalMotions) -> dict[str, Table]:
 
 
 _HALF_LIFE = (
-    *("starts", "settled", "irregular", "failed", "half_life (cycles)"),
-    *("half_life_low (cycles)", "half_life_high (cycles)"),
+    "starts",
+    "settled",
+    "irregular",
+    "failed",
+    "half_life (cycles)",
+    "half_life_low (cycles)",
+    "half_life_high (cycles)",
 )
 _KICKS = (
-    *("motion", "joint", "rattles (m/s)", "returns (m/s)"),
+    "motion",
+    "joint",
+    "rattles (m/s)",
+    "returns (m/s)",
     "direction from the axis of the body of the bearing (deg)",
 )
 
@@ -171,10 +177,7 @@ def _start_rows(result: FinalMotions) -> list[list[object]]:
         for k, run in enumerate(settled.runs):
             is_settled = run.settled >= 0
             row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
-            row += [
-                int(run.settled) if is_settled else "",
-                int(run.period) if is_settled else "",
-            ]
+            row += [int(run.settled), int(run.period)] if is_settled else ["", ""]
             for place, speed, force, count in zip(
                 run.eccentricity,
                 run.velocity,

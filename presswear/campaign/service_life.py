@@ -85,15 +85,20 @@ def run_refinements(
             done.append(further)
             continue
         done[-1] = replace(last, blocks=(*last.blocks, advance(done, plan)))
-        for limit in () if last.blocks else problem.limits:
-            each = [
-                done[-1].curve(limit.key, np.array([k]))
-                for k in range(done[-1].histories)
-            ]
-            # A limit is refused if the lower end of the interval of the new value exceeds it.
-            if np.mean(each) - (half_width(np.ravel(each)) or 0.0) >= limit.value:
-                raise _exceeded_when_new(limit, done[-1])
+        if not last.blocks:
+            _check_new(problem.limits, done[-1])
         keep(tuple(done))
+
+
+def _check_new(limits: Sequence[Limit], refinement: Refinement) -> None:
+    """Raise InputError if a limit is below the interval of the value in the first block."""
+    for limit in limits:
+        values = [
+            refinement.curve(limit.key, np.array([k]))
+            for k in range(refinement.histories)
+        ]
+        if np.mean(values) - (half_width(np.ravel(values)) or 0.0) >= limit.value:
+            raise _exceeded_when_new(limit, refinement)
 
 
 def _exceeded_when_new(limit: Limit, refinement: Refinement) -> InputError:

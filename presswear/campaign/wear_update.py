@@ -1,17 +1,18 @@
 """Wear update between two stages; each replicate wears its surfaces.
 
-Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of
-which one cycle of a chaotic motion is a sample.  A wear update cycle by cycle applies
-after each cycle what this cycle stands for.  A bump carries more pressure and wears
-faster, so that noise is worn away again, as long as a cycle's share is less than the
-elastic overlap of the surfaces.  The error of the step goes as one over the number of
-cycles; a refinement with twice as many shows it, and twice the difference is stated.
+Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h. One
+cycle of a chaotic motion is a sample of it. A wear update cycle by cycle applies the wear
+of many cycles after each computed cycle. A bump carries more pressure and wears faster,
+so that noise is worn away again, as long as the depth of one step is less than the
+elastic overlap of the surfaces. The error of the steps is proportional to one over the
+number of cycles. A refinement with twice as many cycles shows it, and twice the
+difference is stated.
 
-In one jump, as in the paper, a map is multiplied with its noise: the surface is the
-rougher, the fewer cycles the map is of.  Maps are therefore smoothed, unless the scene
-keeps them raw.  The replicates then run twice: together, on the mean of all their maps,
-and each alone on its own map. Those alone are independent and give the scatter; their
-distance from those together is counted as an error.
+In one jump, as in the paper, a map is multiplied with its noise: the fewer cycles a map
+has, the rougher is the surface. Maps are therefore smoothed, unless the scene keeps them
+raw. The replicates then run twice: together, on the mean of all their maps, and each
+alone on its own map. The runs alone are independent and give the scatter. The distance of
+their mean from that of the runs together is counted as an error.
 """
 
 import math
@@ -84,9 +85,10 @@ def initial_depth(scene: Scene) -> Array:
 class CycleWear:
     """The ``wear`` of a plan in which each cycle after the start-up stands for some cycles.
 
-    Each adds an extra depth as well. Where this would give more material back than a
-    cycle takes, nothing is taken, and elsewhere so much less that the volume stays.
-    Surfaces that run in lose the depth that belongs to this depth of Archard's law.
+    Each cycle adds an extra depth as well, which may be negative. No bin gains material:
+    a bin whose sum is negative stays as it is, and the depth of the other bins is reduced
+    so that the volume is that of the sum. Surfaces that run in lose the depth that
+    corresponds to this depth of Archard's law.
     """
 
     share: float  # cycles that each stands for
@@ -103,6 +105,7 @@ class CycleWear:
 
 
 def _material_loss(share: float, extra: Array | float, added_depth: Array) -> Array:
+    """Return the depth by Archard's law, m, without a negative one; see ``CycleWear``."""
     wanted = added_depth * share + extra
     if np.ndim(extra) == 0:
         return wanted
@@ -118,13 +121,12 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     """Return a wear update in one jump, of all replicates together and of each alone."""
     together = ensemble.together
     alone = ensemble.alone
-    mean = np.broadcast_to(
-        smoothed_mean(together.maps, ensemble.bins), together.depth.shape
-    )
-    sets = [(together.depth, mean), (alone.depth, alone.added_by_run())]
-    if ensemble.replicates == 1:
-        sets = sets[:1]
-    before, per_cycle = (np.concatenate(arrays) for arrays in zip(*sets, strict=True))
+    mean = smoothed_mean(together.maps, ensemble.bins)
+    before = together.depth
+    per_cycle = np.broadcast_to(mean, before.shape)
+    if ensemble.replicates > 1:
+        before = np.concatenate([before, alone.depth])
+        per_cycle = np.concatenate([per_cycle, alone.added_by_run()])
     recorders = together.recorders
     joints = ensemble.linkage.clearances
     laws = running_in_of(joints)
@@ -195,11 +197,9 @@ def _largest_reached(
     for limit in scene.life_limits:
         k = names.index(limit.joint)
         depth = added_depth[k, :, : joints[k].bins]
-        wear = (
-            worn_volume(joints[k], depth)
-            if limit.name == "wear_volume"
-            else float(depth.max())
-        )
+        wear = float(depth.max())
+        if limit.name == "wear_volume":
+            wear = worn_volume(joints[k], depth)
         reached.append(wear / limit.value)
     return max(reached)
 
@@ -254,8 +254,8 @@ def cycle_by_cycle(
     added_depth = smoothed(added_depth, widths, bins)
     depth = ensemble.depth + added_depth
     mean = added_depth.mean(axis=0)
-    # Smoothed once more, a map loses about as much again, without the noise of the raw
-    # map.
+    # A second smoothing lowers a map by about as much as the first, without the noise of
+    # the raw map.
     flattening = mean - smoothed(mean, widths, bins)
     return WearUpdate(
         depth,
@@ -321,8 +321,8 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
         return RunSpec(scene.cycles)
     if scene.is_quick:
         return RunSpec(STARTUP_CYCLES + QUICK_CYCLES)
-    # A jump multiplies the noise of its map, which changes whatever comes after it long
-    # before it shows in the map: all the cycles that are allowed, as in the paper.
+    # A jump multiplies the noise of its map. The noise changes the motion afterwards long
+    # before it shows in the map. All allowed cycles therefore run, as in the paper.
     jumps = index < scene.wear_updates and not scene.wears_in_steps
     most = max(scene.max_cycles // scene.replicate_count, 1)
     return RunSpec(

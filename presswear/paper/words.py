@@ -70,11 +70,15 @@ def detail(evidence: Evidence, part: Comparison) -> str:
     """Return our value of a comparison on the standard geometry, the printed one, the verdict."""
     ours = compared(evidence, BASE, part)
     row = QUANTITIES[part.quantity]
-    unit, sign, after = (
-        (row.unit, "", f" {row.unit}") if part.is_difference else ("", "×", "")
-    )
-    text = f"{row.label}, {comparison_text(part)}: {sign}{text_of(ours, unit)}{after}"
-    if part.printed is not None:
-        text += f"; printed {sign}{readable(unit_factor(unit) * part.printed)}{after}"
+    if part.is_difference:
+        ours_text = f"{text_of(ours, row.unit)} {row.unit}"
+    else:
+        ours_text = f"×{text_of(ours)}"
+    text = f"{row.label}, {comparison_text(part)}: {ours_text}"
+    if part.printed is not None and part.is_difference:
+        printed = readable(unit_factor(row.unit) * part.printed)
+        text += f"; printed {printed} {row.unit}"
+    elif part.printed is not None:
+        text += f"; printed ×{readable(part.printed)}"
     wide = compared(evidence, BASE, part, COMPARISONS)
     return f"{text}; {verdicts.verdict(wide, part)}"

@@ -104,8 +104,9 @@ def _regular(settling: Settling) -> list[Motion]:
 
 def _strokes_before(settling: Settling) -> str:
     starts = [start for start in settling.starts if start is not None]
-    texts = dict.fromkeys(f"{start}" for start in (min(starts), max(starts)))
-    return f"{' to '.join(texts)} strokes"
+    first = min(starts)
+    last = max(starts)
+    return f"{first} strokes" if first == last else f"{first} to {last} strokes"
 
 
 def _irregular(settling: Settling) -> str:
@@ -116,8 +117,8 @@ def _irregular(settling: Settling) -> str:
     life = settling.half_life
     if life is None or life.low is None or life.high is None:
         return f"{text} an unknown time"
-    low, high = readable(life.low, 2), readable(life.high, 2)
-    return f"{text} {readable(life.mean, 2)} strokes at the median ({low} to {high})"
+    interval = f"{readable(life.low, 2)} to {readable(life.high, 2)}"
+    return f"{text} {readable(life.mean, 2)} strokes at the median ({interval})"
 
 
 _SENTENCES: dict[str, Callable[[Settling], str]] = {

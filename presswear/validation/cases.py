@@ -95,9 +95,8 @@ def outcomes(case: Case) -> Iterator[Outcome]:
             started = ended
     except (InputError, RunFailed, ArithmeticError) as error:
         is_refusal = case.refusal and not isinstance(error, ArithmeticError)
-        status = (
-            "refused" if is_refusal and re.search(case.refusal, str(error)) else "MISS"
-        )
+        is_expected = is_refusal and re.search(case.refusal, str(error))
+        status = "refused" if is_expected else "MISS"
         yield Outcome(case, None, status, str(error), clock.perf_counter() - started)
 
 
@@ -137,10 +136,10 @@ def sound(run: Run, plan: Plan) -> Run:
         raise RunFailed(
             f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s"
         )
-    unresolved, count = (
-        int(records.counters[n].sum()) for n in ("unresolved", "contacts")
-    )
-    if unresolved > (GRAZED * count if depths_of(records.packed).any() else 0):
+    unresolved = int(records.counters["unresolved"].sum())
+    count = int(records.counters["contacts"].sum())
+    is_worn = depths_of(records.packed).any()
+    if unresolved > (GRAZED * count if is_worn else 0):
         raise RunFailed(f"{unresolved} of {count} contacts unresolved")
     return run
 
@@ -180,7 +179,7 @@ def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
 
 
 def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Plan:
-    """Return a plan of cycles of a duration, s, that fails after so much CPU time, s.
+    """Return a plan of cycles of a duration, s, that fails after ``patience``, s of CPU time.
 
     The time counts from the first report of progress.
     """

@@ -1,11 +1,11 @@
 """Equations of motion, in all coordinates or in the fewest.
 
-In all coordinates they are of index 1 (equations 14 to 20 of the paper): M q'' +
-Phi_q^T lambda
-= g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  Where clearance cuts every loop that has
-a freedom, the coordinates of the open tree do, and there are no constraints. These
-equations are written for the linkage (``physics.equations``) and called by the address
-of their machine code, as are the forces on all bodies in the other case.
+In all coordinates they are of index 1 (equations 14 to 20 of the paper):
+M q'' + Phi_q^T lambda = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.
+If clearance cuts every loop that has a freedom, the coordinates of the open tree suffice,
+and there are no constraints. These equations are written for the linkage
+(``physics.equations``) and called by the address of their machine code. With constraints
+the forces on all bodies are called in this way.
 
 The state is y = (x, x', states of interactions, integrals), see
 ``physics.equations.layout``.
@@ -45,7 +45,7 @@ class System(NamedTuple):
 
     packed: Packed
     constraints: ConstraintSystem | None  # in all coordinates
-    equations: Written  # where there are constraints, the forces on all bodies
+    equations: Written  # with constraints only the forces on all bodies
     layout: Layout  # places of the parts of the state
     # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3
     # bodies)
@@ -124,7 +124,7 @@ def evaluate_constrained(
     packed, layout = system.packed, system.layout
     n = layout.coordinates
     energies = out[layout.first_energy : layout.first_dose]
-    # They stay where no contact rubs, and without motors.
+    # Without friction in contacts and without motors nothing else fills these rates.
     energies[FRICTION_LOSS] = energies[DRIVE_WORK] = energies[DRIVE_EXCHANGE] = 0.0
     place_held(system, t, y, out, level)
     _, v, a, force, _ = system.state

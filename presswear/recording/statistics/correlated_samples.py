@@ -15,7 +15,7 @@ import numpy as np
 from presswear.recording.statistics.estimate import MIN_SAMPLES, Estimate, quantile
 from presswear.tools.arrays import Array
 
-# that are no samples; if no more ran, the last of them is the only one
+# Cycles that are no samples. If no more cycles ran, the last of them is the only sample
 STARTUP_CYCLES = 2
 RANGE_STROKES = 10  # successive strokes of which the range is computed
 
@@ -50,10 +50,9 @@ def half_width_of_runs(series: Sequence[Array]) -> float | None:
     samples = np.concatenate(series)
     if samples.size < 2:
         return None
-    worth = samples.size / inefficiency(series)
-    return quantile(max(worth - 1.0, 1.0)) * (
-        float(samples.std(ddof=1)) / math.sqrt(worth)
-    )
+    worth = samples.size / inefficiency(series)  # number of independent samples
+    standard_error = float(samples.std(ddof=1)) / math.sqrt(worth)
+    return quantile(max(worth - 1.0, 1.0)) * standard_error
 
 
 def inefficiency(series: Sequence[Array]) -> float:
@@ -76,10 +75,8 @@ def inefficiency(series: Sequence[Array]) -> float:
     total = -1.0
     last = math.inf
     for lag in range(0, longest - 1, 2):
-        first, second = (
-            _autocovariance(deviations, each, variance / count)
-            for each in (lag, lag + 1)
-        )
+        first = _autocovariance(deviations, lag, variance / count)
+        second = _autocovariance(deviations, lag + 1, variance / count)
         pair = min((first + second) / variance, last)
         if pair <= 0.0:
             break
@@ -121,9 +118,8 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
         means = np.array([after_startup(rows).mean() for rows in alone])
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
         return Estimate.symmetric(mean, half, everything.size), True
-    return Estimate.symmetric(mean, _half_width_of(samples), everything.size), differ(
-        samples
-    )
+    estimate = Estimate.symmetric(mean, _half_width_of(samples), everything.size)
+    return estimate, differ(samples)
 
 
 def _half_width_of(samples: Sequence[Array]) -> float | None:
@@ -149,7 +145,7 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     squares = sum(float(run @ run) for run in centred)
     value = math.sqrt(squares / free)
     count = sum(run.size for run in centred)
-    # The other samples of the run have another mean: the sum of all is zero.
+    # Sum of squares without each sample: the mean of the others in its run changes, too.
     without = [
         (squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1)
         for run in centred
@@ -188,7 +184,7 @@ def mean_range(runs: Sequence[Array]) -> tuple[Estimate | None, int]:
 def differ(samples: Sequence[Array]) -> bool:
     """Return whether the means of some runs differ (one-way analysis of variance, 1 %).
 
-    Their successive samples count as so many independent ones as they are worth.
+    Successive samples are correlated: each counts as 1 / ``inefficiency`` of a sample.
     """
     groups = [group for group in samples if group.size >= MIN_SAMPLES]
     if len(groups) < 2 or all(np.ptp(group) == 0.0 for group in groups):
