@@ -30,12 +30,10 @@ def wall_statistics(
     samples = [walls_of(linkage, each) for each in batches]
     statistics: dict[str, dict[str, WallStatistics]] = {}
     for name, corner in _corners(linkage).items():
-        statistics[name] = {
-            side: _of_wall(
-                corner, means[name][row], [each[name][:, row] for each in samples]
-            )
-            for row, side in enumerate(WALLS)
-        }
+        statistics[name] = {}
+        for row, side in enumerate(WALLS):
+            of_side = [each[name][:, row] for each in samples]
+            statistics[name][side] = _of_wall(corner, means[name][row], of_side)
     return statistics
 
 

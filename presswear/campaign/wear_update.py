@@ -133,11 +133,10 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     added_depth = worn_off(laws, before, cycles_per_update * per_cycle)
     depth = before + added_depth
     cycles = sum(maps.samples for maps in together.maps)
-    indices = range(len(joints))
-    peaks = [
-        [after_startup(run.each_cycle("force_max", k)).max() for k in indices]
-        for run in recorders
-    ]
+    peaks = np.zeros((len(recorders), len(joints)))
+    for i, run in enumerate(recorders):
+        for k in range(len(joints)):
+            peaks[i, k] = after_startup(run.each_cycle("force_max", k)).max()
     step = WearStep(
         cycles_per_update=cycles_per_update,
         cycles=cycles,
@@ -224,27 +223,25 @@ def cycle_by_cycle(
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
     deepest = growth[:, :, 1].mean(axis=0)
-    forces = np.max(
-        [
-            [run.each_cycle("force_max", k) for k in range(len(joints))]
-            for run in recorders
-        ],
-        axis=0,
-    )[:, start_up:]
+    forces = []  # largest of all replicates in each cycle, by joint
+    for k in range(len(joints)):
+        in_runs = [run.each_cycle("force_max", k) for run in recorders]
+        forces.append(np.max(in_runs, axis=0)[start_up:])
     cycles = growth.shape[1]
     share = cycles_per_update / cycles
-    steps = tuple(
-        WearStep(
-            cycles_per_update=share,
-            cycles=len(recorders),
-            factor=share,
-            clearance_change=float(change[n]),
-            max_depth=by_side(joints, deepest[n]),
-            peak_force=by_joint(joints, forces[:, n]),
-            wall_s=ensemble.state.wall / cycles,
+    steps = []
+    for n in range(cycles):
+        steps.append(
+            WearStep(
+                cycles_per_update=share,
+                cycles=len(recorders),
+                factor=share,
+                clearance_change=float(change[n]),
+                max_depth=by_side(joints, deepest[n]),
+                peak_force=by_joint(joints, [force[n] for force in forces]),
+                wall_s=ensemble.state.wall / cycles,
+            )
         )
-        for n in range(cycles)
-    )
     added_depth = ensemble.surface_depth - ensemble.depth
     runs = len(added_depth)
     bins = ensemble.bins
@@ -260,7 +257,7 @@ def cycle_by_cycle(
     return WearUpdate(
         depth,
         added_depth,
-        steps,
+        tuple(steps),
         None if coarser is None else coarser.added_depth,
         flattening,
     )

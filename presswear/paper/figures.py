@@ -47,14 +47,13 @@ class Line:
 
 def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
     several = len({setting for setting, _ in stages}) > 1
-    names = [
-        f"{SETTINGS[one].short}, {STAGES[k]}" if several else STAGES[k]
-        for one, k in stages
-    ]
-    pens = [
-        Pen(name, *line_style) for name, line_style in zip(names, LINES, strict=False)
-    ]
-    return tuple(Line(*stage, pen) for stage, pen in zip(stages, pens, strict=True))
+    lines = []
+    for (setting, wear_updates), line_style in zip(stages, LINES, strict=False):
+        name = STAGES[wear_updates]
+        if several:
+            name = f"{SETTINGS[setting].short}, {name}"
+        lines.append(Line(setting, wear_updates, Pen(name, *line_style)))
+    return tuple(lines)
 
 
 _WEARS = _lines(*((settings.WEAR, k) for k in (0, 1, 2)))

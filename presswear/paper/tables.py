@@ -58,13 +58,13 @@ def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
 
 def count_table(claims: Sequence[Judged]) -> Table:
     """Return how many claims have which verdict, by case."""
-    lines = (
-        (
-            word,
-            *(str(sum(one.verdict(case) == word for one in claims)) for case in JUDGED),
-        )
-        for word in get_args(verdicts.Verdict)
-    )
+    lines = []
+    for word in get_args(verdicts.Verdict):
+        counts = []
+        for case in JUDGED:
+            count = sum(claim.verdict(case) == word for claim in claims)
+            counts.append(str(count))
+        lines.append((word, *counts))
     return plain_table(("claims", *GEOMETRIES, "refined conventions"), lines)
 
 
@@ -256,27 +256,28 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
 def long_table(evidence: Evidence) -> Table:
     """Return the standard runs beside those of 200 cycles of each replicate."""
     lines = []
-    places = [
-        (Place(setting, wear_updates, joint), quantity)
-        for setting in settings.CASES[LONG].settings
-        for quantity, wear_updates in TEXTS["tables"]["long"]
-        for joint in (("",) if quantity in ("velocity", "acceleration") else JOINTS)
-    ]
+    places = []
+    for setting in settings.CASES[LONG].settings:
+        for quantity, wear_updates in TEXTS["tables"]["long"]:
+            is_of_slider = quantity in ("velocity", "acceleration")
+            for joint in ("",) if is_of_slider else JOINTS:
+                places.append((Place(setting, wear_updates, joint), quantity))
     for place, quantity in places:
-        short, long = (
-            evidence.measured(case, place, quantity) for case in (BASE, LONG)
-        )
+        short = evidence.measured(BASE, place, quantity)
+        long = evidence.measured(LONG, place, quantity)
         text, differs = case_ratio(evidence, place, quantity, (BASE, LONG), len(places))
         if short is None or long is None or text == NOTHING:
             continue
-        cycles = (
-            f"{short.estimate.samples} of {short.replicates}",
-            str(long.estimate.samples),
-        )
-        texts = (value_text(evidence, case, place, quantity) for case in (BASE, LONG))
-        ours = [text for pair in zip(texts, cycles, strict=True) for text in pair]
         lines.append(
-            (place_text(place, quantity), *ours, text, "no" if differs else "yes")
+            (
+                place_text(place, quantity),
+                value_text(evidence, BASE, place, quantity),
+                f"{short.estimate.samples} of {short.replicates}",
+                value_text(evidence, LONG, place, quantity),
+                str(long.estimate.samples),
+                text,
+                "no" if differs else "yes",
+            )
         )
     heads = (
         "run",

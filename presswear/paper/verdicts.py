@@ -201,16 +201,13 @@ def judge(evidence: Evidence) -> list[Judged]:
     def judged(case: str, part: Comparison) -> Verdict:
         return verdict(compared(evidence, case, part, COMPARISONS), part)
 
-    return [
-        Judged(
-            claim,
-            {
-                case: tuple(judged(case, part) for part in claim.parts)
-                for case in JUDGED
-            },
-        )
-        for claim in CLAIMS
-    ]
+    claims = []
+    for claim in CLAIMS:
+        by_case = {}
+        for case in JUDGED:
+            by_case[case] = tuple(judged(case, part) for part in claim.parts)
+        claims.append(Judged(claim, by_case))
+    return claims
 
 
 def position(number: Printed, ours: Measured | None) -> Position:
@@ -247,8 +244,9 @@ def agreement(printed: float, ours: pw.Estimate | None) -> Position:
 
 def positions(evidence: Evidence) -> list[tuple[Printed, Position]]:
     """Return the position of every printed number, for each stage that it may belong to."""
-    return [
-        (number, position(number, evidence.measured(BASE, place, number.quantity)))
-        for number in PRINTED
-        for place in number.places
-    ]
+    result = []
+    for number in PRINTED:
+        for place in number.places:
+            ours = evidence.measured(BASE, place, number.quantity)
+            result.append((number, position(number, ours)))
+    return result

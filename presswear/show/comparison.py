@@ -96,19 +96,14 @@ def _origin(result: Result) -> str:
 
 def number_pairs(first: Result, second: Result) -> list[NumberPair]:
     """Return the key numbers of two results by name, with their ratios."""
-    ours, theirs = (
-        {number.name: number for number in key_numbers(result)}
-        for result in (first, second)
-    )
-    return [
-        NumberPair(
-            name,
-            ours.get(name),
-            theirs.get(name),
-            _ratio_of(ours.get(name), theirs.get(name)),
-        )
-        for name in dict.fromkeys([*ours, *theirs])
-    ]
+    ours = {number.name: number for number in key_numbers(first)}
+    theirs = {number.name: number for number in key_numbers(second)}
+    pairs = []
+    for name in dict.fromkeys([*ours, *theirs]):
+        our = ours.get(name)
+        their = theirs.get(name)
+        pairs.append(NumberPair(name, our, their, _ratio_of(our, their)))
+    return pairs
 
 
 def _ratio_of(first: KeyNumber | None, second: KeyNumber | None) -> Ratio:
@@ -143,15 +138,16 @@ def _verdict_on(quotient: Estimate) -> str:
 
 def limit_pairs(first: Result, second: Result) -> list[LimitPair]:
     """Return the limits of the last sound stages of two results by their names."""
-    ours, theirs = (
-        {
-            line.number.name: line
-            for line in limit_lines(result.scene, stages_with_numbers(result)[-1])
-        }
-        for result in (first, second)
-    )
+    ours = _last_limits(first)
+    theirs = _last_limits(second)
     names = dict.fromkeys([*ours, *theirs])
     return [LimitPair(name, ours.get(name), theirs.get(name)) for name in names]
+
+
+def _last_limits(result: Result) -> dict[str, LimitLine]:
+    """Return the limits of the last sound stage of a result by their names."""
+    stage = stages_with_numbers(result)[-1]
+    return {line.number.name: line for line in limit_lines(result.scene, stage)}
 
 
 def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:

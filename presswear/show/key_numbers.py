@@ -42,10 +42,10 @@ def key_numbers(result: Result) -> list[KeyNumber]:
 
     def explained(peaks: list[KeyNumber]) -> list[KeyNumber]:
         """Return peak values with the reason for a missing interval as their note."""
+        if not reason:
+            return peaks
         return [
-            peak._replace(note=reason or peak.note)
-            if peak.interval == UNKNOWN
-            else peak
+            peak._replace(note=reason) if peak.interval == UNKNOWN else peak
             for peak in peaks
         ]
 

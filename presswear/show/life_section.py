@@ -26,26 +26,21 @@ def life_section(result: Result, life: LifeResult) -> Record:
     """Return the values of the section on the service life in ``report.html``."""
     first = life.first if life.ended in ("limit", *WITHOUT_CURVES) else None
     high = (life.interval.high if first else None) or 0.0
-    rivals = [
-        words_of(limit.key)
-        for limit in life.limits
-        if limit is not first
-        and limit.strokes is not None
-        and limit.strokes / math.exp(limit.error or 0.0) <= high
-    ]
+    rivals = []  # limits that may be exceeded first, too
+    for limit in life.limits:
+        if limit is not first and limit.strokes is not None:
+            earliest = limit.strokes / math.exp(limit.error or 0.0)
+            if earliest <= high:
+                rivals.append(words_of(limit.key))
     period = mean_period(result)
     limits = [_limit_line(period, limit) for limit in life.limits]
-    wear_rates = [
-        (
-            f"{rate.joint}: {rate.surfaces}",
-            numbers.large(rate.since, rate.until),
-            numbers.with_interval(1e15 * rate.rate, 1e15 * rate.half_width),
-        )
-        for rate in life.wear_rates
-    ]
-    end = numbers.large(
-        float(life.curves["strokes"][-1]) if life.curves else life.strokes
-    )
+    wear_rates = []
+    for rate in life.wear_rates:
+        span = numbers.large(rate.since, rate.until)
+        value = numbers.with_interval(1e15 * rate.rate, 1e15 * rate.half_width)
+        wear_rates.append((f"{rate.joint}: {rate.surfaces}", span, value))
+    last = float(life.curves["strokes"][-1]) if life.curves else life.strokes
+    end = numbers.large(last)
     return {
         "result": life,
         "period": period,

@@ -77,15 +77,13 @@ def _bearing_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
 def _tilt_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     """Return the tilt of the slide in each guide with clearance, under load."""
     tilts = guide_tilts(scene, stage) if scene.process is not None else {}
-    return [
-        LimitLine(
-            measured("Tilt of the slide", largest.scaled(1e6), "µm/m", text),
-            f"{1e6 * ALLOWED_TILT:.0f} µm/m",
-            verdict_on(largest, ALLOWED_TILT),
-        )
-        for name, tilt in tilts.items()
-        for largest, text in _largest_tilt(name, tilt)
-    ]
+    limit = f"{1e6 * ALLOWED_TILT:.0f} µm/m"
+    lines = []
+    for name, tilt in tilts.items():
+        for largest, text in _largest_tilt(name, tilt):
+            number = measured("Tilt of the slide", largest.scaled(1e6), "µm/m", text)
+            lines.append(LimitLine(number, limit, verdict_on(largest, ALLOWED_TILT)))
+    return lines
 
 
 def _largest_tilt(guide: str, tilt: GuideTilt) -> list[tuple[Estimate, str]]:
@@ -126,16 +124,16 @@ def _motor_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
 
 def _frame_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     """Return the reverse force of each elastic frame after the fracture."""
-    return [
-        _percent(
-            "Reverse force of the frame",
-            load.reverse_fraction,
-            ALLOWED_REVERSE,
-            f"Of {name} after the fracture, over its greatest force; press makers allow the limit.",
-        )
-        for name, load in frame_loads(scene, stage).items()
-        if load.reverse_fraction is not None
-    ]
+    lines = []
+    for name, load in frame_loads(scene, stage).items():
+        part = load.reverse_fraction
+        if part is not None:
+            text = f"Of {name} after the fracture, over its greatest force; press makers allow "
+            text += "the limit."
+            lines.append(
+                _percent("Reverse force of the frame", part, ALLOWED_REVERSE, text)
+            )
+    return lines
 
 
 def _percent(name: str, part: Estimate, limit: float, meaning: str) -> LimitLine:

@@ -12,7 +12,7 @@ from presswear.analysis.contact_modes import (
     timeline_of,
 )
 from presswear.analysis.periods import period_of
-from presswear.analysis.spectra import spectra_of
+from presswear.analysis.spectra import Spectrum, spectra_of
 from presswear.results.result import Result
 from presswear.results.sampled_cycles import has_motion, sampled_span
 from presswear.results.stage import StageResult
@@ -80,15 +80,18 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
         "shares": together.shares if together else {},
         "changes": {joint: changes(line) for joint, line in lines.items()},
         "period": str(period_of(scene, stage)),
-        "harmonics": {
-            name: ", ".join(
-                numbers.readable(spectrum.amplitude(order)) for order in HARMONICS
-            )
-            for name, spectrum in spectra.items()
-        },
-        "whole": {
-            name: spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None
-            for name, spectrum in spectra.items()
-        },
+        "harmonics": {name: _amplitudes(one) for name, one in spectra.items()},
+        "whole": {name: _harmonic_share(one) for name, one in spectra.items()},
         "resonance": {joint: resonance(stage, joint) for joint in joints},
     }
+
+
+def _amplitudes(spectrum: Spectrum) -> str:
+    """Return the amplitudes of the first harmonics as a text."""
+    amplitudes = (spectrum.amplitude(order) for order in HARMONICS)
+    return ", ".join(map(numbers.readable, amplitudes))
+
+
+def _harmonic_share(spectrum: Spectrum) -> float | None:
+    """Return the share of the power at whole orders; None if too few lines resolve it."""
+    return spectrum.harmonic_share if spectrum.lines >= _MIN_LINES else None

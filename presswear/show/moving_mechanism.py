@@ -184,11 +184,11 @@ def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> 
             f'<circle cx="{drawing.scale * end.x:.1f}" cy="{drawing.scale * end.y:.1f}" r="2"/>'
             for end in shapes.attachments(linkage, body.name)
         )
-        slots = "".join(
-            f'<path d="{_path(drawing.scale * slot)}" fill="none" stroke="{colour}"/>'
-            for guide in shapes.slots_of(linkage, body.name)
-            for slot in [shapes.slot_outline(linkage, film.position, guide, 0.7 * bar)]
-        )
+        slots = ""
+        for guide in shapes.slots_of(linkage, body.name):
+            slot = shapes.slot_outline(linkage, film.position, guide, 0.7 * bar)
+            path = _path(drawing.scale * slot)
+            slots += f'<path d="{path}" fill="none" stroke="{colour}"/>'
         shown = f'<path d="{_path(outline)}" {style}/>{slots}{holes}'
         parts.append(f'<g class="body">{shown}</g>')
     parts.append("</g>")

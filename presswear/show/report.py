@@ -115,13 +115,11 @@ def _written(
     sheets += drawings(result, also) if also else []
     notify(len(sheets))
     folder = inside(path, "figures")
-    figures = [
-        figure._replace(
-            title=in_words_of(result.scene, figure.title),
-            caption=in_words_of(result.scene, figure.caption),
-        )
-        for figure in page.illustrated(sheets, folder)
-    ]
+    figures = []
+    for figure in page.illustrated(sheets, folder):
+        title = in_words_of(result.scene, figure.title)
+        caption = in_words_of(result.scene, figure.caption)
+        figures.append(figure._replace(title=title, caption=caption))
     remove_others(folder, [figure.file for figure in figures])
     command = ""
     if not has_all_figures:

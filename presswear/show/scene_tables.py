@@ -91,18 +91,20 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     # With clearance in its guide a slide tilts, and gets an inertia.
     moving = {body.name: body for body in scene.linkage().bodies}
     start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
-    bodies = [
-        {
-            "name": body.name,
-            "mass": _engineers(MASS, body.mass),
-            "inertia": None
-            if body.name in guided
-            else _engineers(INERTIA, moving[body.name].inertia),
-            "start": position,
-            "speed": speeds.get(body.name),
-        }
-        for body, position in zip(linkage.bodies, start, strict=True)
-    ]
+    bodies = []
+    for body, position in zip(linkage.bodies, start, strict=True):
+        inertia = None
+        if body.name not in guided:
+            inertia = _engineers(INERTIA, moving[body.name].inertia)
+        bodies.append(
+            {
+                "name": body.name,
+                "mass": _engineers(MASS, body.mass),
+                "inertia": inertia,
+                "start": position,
+                "speed": speeds.get(body.name),
+            }
+        )
     places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
     titles = {}
     for guide in linkage.guides:

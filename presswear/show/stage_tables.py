@@ -37,16 +37,15 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
     unless they are trusted.
     """
     scene = result.scene
-    records = [
-        {"name": name, **_stage_record(scene, stage), **_bottom_record(result, stage)}
-        for name, stage in zip(
-            stage_names(result, result.stages), result.stages, strict=True
-        )
-    ]
     endings = filled_tables(result)["endings"]
-    for record, stage in zip(records, result.stages, strict=True):
+    records = []
+    titles = stage_names(result, result.stages)
+    for title, stage in zip(titles, result.stages, strict=True):
+        record = {"name": title, **_stage_record(scene, stage)}
+        record |= _bottom_record(result, stage)
         ending = endings.get(stage.status, stage.status)
         record["ending"] = f"failed: {stage.message}" if stage.failed else ending
+        records.append(record)
     sound = [record for record in records if not record["stage"].failed]
     names = ["joints", "bottom", "tonnage"]
     if scene.loose_guides:
@@ -63,12 +62,10 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
 def _stage_record(scene: Scene, stage: StageResult) -> Record:
     """Return the values of a stage, other than those of bottom dead centre."""
     speed = leader_speed(scene, stage)
-    angles = {
-        joint: {
-            side: _direction(peak.angle) for side, peak in statistics.wear_peaks.items()
-        }
-        for joint, statistics in stage.statistics.joints.items()
-    }
+    angles = {}
+    for joint, statistics in stage.statistics.joints.items():
+        peaks = statistics.wear_peaks.items()
+        angles[joint] = {side: _direction(peak.angle) for side, peak in peaks}
     return {
         "stage": stage,
         "angles": angles,
@@ -125,15 +122,15 @@ def _walls_of(stage: StageResult, guide: str) -> Record:
     """Return the wear of both walls of a guide, by side; rates in a million strokes; SI units."""
     walls = stage.statistics.walls.get(guide, {})
     depths = stage.wall_depth(guide)[1].max(axis=1) if walls else ()
-    return {
-        side: {
+    record: Record = {}
+    for (side, wall), worn in zip(walls.items(), depths, strict=True):
+        record[side] = {
             "depth": wall.depth_per_cycle.scaled(1e6),
             "place": wall.place,
             "volume": wall.volume_per_cycle.scaled(1e6),
             "worn": float(worn) or None,
         }
-        for (side, wall), worn in zip(walls.items(), depths, strict=True)
-    }
+    return record
 
 
 def heights_at_rest(

@@ -22,12 +22,13 @@ def wear_per_million_strokes(
     of different updates can be compared.
     """
     for stage in reversed(stages):
-        wear = {
-            (name, side): peak.depth.scaled(1e6 / stage.cycles_per_update)
-            for name, joint in pins_of(scene, stage).items()
-            for side, peak in joint.wear_peaks.items()
-            if side != "both" and peak.depth.mean > 0.0 and not joint.is_unworn
-        }
+        per_million = 1e6 / stage.cycles_per_update
+        wear = {}
+        for name, joint in pins_of(scene, stage).items():
+            for side, peak in joint.wear_peaks.items():
+                is_worn = peak.depth.mean > 0.0 and not joint.is_unworn
+                if side != "both" and is_worn:
+                    wear[name, side] = peak.depth.scaled(per_million)
         if wear:
             place = key_of_greatest(wear)
             name, _ = place

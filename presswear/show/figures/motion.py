@@ -339,14 +339,13 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         return []
     shown, window = sampled(result, moving)
     linear = linear_bodies(scene.base_linkage.drives)
-    places = [
-        (drive, *name)
-        for drive in drives
-        for name in (
-            ("torque", *(("force", "N") if drive in linear else ("torque", "N m"))),
-            ("power", "power", "W"),
-        )
-    ]
+    places = []  # drive, field of its curves, label and unit
+    for drive in drives:
+        if drive in linear:
+            places.append((drive, "torque", "force", "N"))
+        else:
+            places.append((drive, "torque", "torque", "N m"))
+        places.append((drive, "power", "power", "W"))
     height = 0.8 + min(1.7, (_TALLEST - 0.8) / len(places)) * len(places)
     sheet, panels, zones = window.rows(len(places), height)
     curves = [(stage, curves_of(scene, stage.data)) for stage in shown]

@@ -459,11 +459,12 @@ class EnlargedJoint:
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""
-        places = self.centre, self.centre + self.gap_factor * (pin - bearing)[:2]
+        pin_place = self.centre + self.gap_factor * (pin - bearing)[:2]
         return [
-            np.append(place, angle)
-            for place, pose in zip(places, (bearing, pin), strict=True)
-            for angle in (self._map_angle(pose), pose[2])
+            np.append(self.centre, self._map_angle(bearing)),
+            np.append(self.centre, bearing[2]),
+            np.append(pin_place, self._map_angle(pin)),
+            np.append(pin_place, pin[2]),
         ]
 
     def _map_angle(self, pose: Array) -> float:
