@@ -19,9 +19,15 @@ GUIDE = pw.Guide("guide", "slide", direction=UP)
 
 def upright_crank(**more: Any) -> pw.SliderCrank:
     """Return the press as a slider-crank with more settings."""
-    sizes = {"crank_length": 0.04, "rod_length": 0.6, "speed": 2.0 * math.pi}
-    masses = {"crank_mass": 60.0, "rod_mass": 50.0, "slider_mass": 300.0}
-    return pw.SliderCrank(**sizes, **masses, **more)
+    return pw.SliderCrank(
+        crank_length=0.04,
+        rod_length=0.6,
+        crank_mass=60.0,
+        rod_mass=50.0,
+        slider_mass=300.0,
+        speed=2.0 * math.pi,
+        **more,
+    )
 
 
 def upright_press(
