@@ -189,10 +189,12 @@ def step_table(stored: Stored) -> list[str]:
 
 def start_table(stored: Stored) -> list[str]:
     """Return the CPU times of first and second starts."""
-    lines = ["| | first start | second start |", "|---|---:|---:|"]
+    heads = "first start", "second start", "compilation"
+    lines = [f"| | {' | '.join(heads)} |", "|---|---:|---:|---:|"]
     for row in stored["starts"]["rows"]:
         first, second = row["first_start_s"], row["second_start_s"]
-        lines.append(f"| `{row['engine']}` | {first:.1f} | {second:.1f} |")
+        cells = f"{first:.1f} | {second:.1f} | {first - second:.1f}"
+        lines.append(f"| `{row['engine']}` | {cells} |")
     return [*lines, "", measured_on(stored["starts"])]
 
 
