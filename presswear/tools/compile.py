@@ -32,7 +32,7 @@ from presswear.tools.compile_errors import short_errors
 from presswear.tools.intrinsic import intrinsic_with
 from presswear.tools.kernel_cache import KernelCache
 from presswear.tools.kernel_compiler import COMPILER, CalleeCompiler, KernelCompiler
-from presswear.tools.kernel_digest import function_digest
+from presswear.tools.kernel_digest import function_digest, options_text
 from presswear.tools.processes import signals_held
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -117,7 +117,8 @@ class Kernel:
             dispatcher = decorator(self.py_func)
         if self._is_stored:
             code = function_digest(self.py_func)
-            dispatcher._cache = KernelCache(self._name, options, code, COMPILER)
+            text = options_text(options)
+            dispatcher._cache = KernelCache(self._name, text, code, COMPILER)
         return dispatcher
 
     @cached_property

@@ -7,7 +7,7 @@ compiled again. Comments, docstrings and types of parameters are not covered.
 
 import dis
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -30,6 +30,16 @@ def function_digest(function: Callable[..., Any]) -> str:
         if name in function.__globals__:
             parts += [name, *_parts(function.__globals__[name])]
     return digest("\n".join(parts).encode())
+
+
+def options_text(options: Mapping[str, Any]) -> str:
+    """Return options of a kernel as a text; the order of a set differs between processes."""
+    return repr(
+        [
+            (name, sorted(value) if isinstance(value, set) else value)
+            for name, value in options.items()
+        ]
+    )
 
 
 def _names(code: types.CodeType) -> set[str]:
@@ -63,7 +73,7 @@ def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[
 def _parts(value: Any) -> Iterator[str]:
     """Yield texts that describe a value to which a function refers."""
     if hasattr(value, "py_func"):
-        yield f"{value.options} {value.is_inside_callers}"
+        yield f"{options_text(value.options)} {value.is_inside_callers}"
         if value.is_inside_callers:
             yield function_digest(value.py_func)
         else:

@@ -234,6 +234,28 @@ def stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "presswear" / "kernels"
 
 
+FILES = """
+from presswear.physics.contact import note_foundation
+kernel = note_foundation.from_python
+print(kernel._cache.files((), kernel.targetctx)[0].name)
+"""
+
+
+def test_a_stored_kernel_is_found_by_every_process() -> None:
+    """Sets, such as ``fastmath`` of ``vectorised``, have another order in each process."""
+    names = {
+        subprocess.run(
+            [sys.executable, "-c", FILES],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(names) == 1
+
+
 @pytest.mark.parametrize(
     "damage", ["empty", "cut", "garbage", "bit of code", "bit of digest"]
 )
