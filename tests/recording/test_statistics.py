@@ -218,7 +218,7 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     """The deepest of noisy bins is too deep on average; the interval must know that."""
     generator = np.random.default_rng(7)
     truth = np.exp(-0.5 * ((np.arange(360) - 90.0) / width) ** 2)
-    draws = 200
+    draws = 100
     deep = 0
     turned = 0
     bias = 0.0
