@@ -638,7 +638,7 @@ for kernel, of in (outer, numpy.ones(3)), (outer_of_rare, numpy.ones(3)), (law_a
     except Exception as error:
         print(type(error).__name__, error)
 """
-PLACES = """\
+BEYOND_PLACES = """\
 RunFailed {0}:8: element
     return numbers[i]
 index is out of bounds
@@ -652,7 +652,7 @@ InputError user law fails: law, line 4, law: "return TABLE[int(x)]": index is ou
 def test_index_errors_in_kernels_are_found_on_request(tmp_path: Path) -> None:
     file = tmp_path / "beyond.py"
     file.write_text(BEYOND)
-    for value, found in (("0", ""), ("1", PLACES.format(file))):
+    for value, found in (("0", ""), ("1", BEYOND_PLACES.format(file))):
         environment = {**os.environ, "NUMBA_BOUNDSCHECK": value}
         ran = subprocess.run(
             [sys.executable, file],
