@@ -233,8 +233,10 @@ class WearHistories:
             if owner != service.joint:
                 continue
             worn = depth[:, k, 0, : joint.bins]
-            turned = np.roll(worn, joint.bins // 2, axis=1)
-            worn[...] = turned if service.is_turned else 0.0
+            if service.is_turned:
+                worn[...] = np.roll(worn, joint.bins // 2, axis=1)
+            else:
+                worn[...] = 0.0
         interval = last.interval + 1
         return replace(
             last,

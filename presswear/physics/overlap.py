@@ -204,7 +204,7 @@ def slope_at(p: Cubic, x: float) -> float:
 
 
 @inlined
-def bend_at(p: Cubic, x: float) -> float:
+def half_curvature_at(p: Cubic, x: float) -> float:
     """Return half of the second derivative of a polynomial."""
     return p.a2 + x * (3.0 * p.a3 + x * 6.0 * p.a4)
 
@@ -217,15 +217,17 @@ def only_root(p: Cubic) -> float:
     cubic.
     """
     first = p.a1 - 0.5 * p.a3
-    bend = p.a2 + 1.5 * p.a3
-    size = math.sqrt(max(first * first - 4.0 * p.a0 * bend, 0.0))
+    half_curvature = p.a2 + 1.5 * p.a3
+    size = math.sqrt(max(first * first - 4.0 * p.a0 * half_curvature, 0.0))
     x = -2.0 * p.a0 / (first + math.copysign(size, -p.a0))
     for _ in range(HALLEY_STEPS):
-        value, slope, bend = value_at(p, x), slope_at(p, x), bend_at(p, x)
-        step = value * slope / (slope * slope - value * bend)
+        value = value_at(p, x)
+        slope = slope_at(p, x)
+        half_curvature = half_curvature_at(p, x)
+        step = value * slope / (slope * slope - value * half_curvature)
         x -= step
-        turn = abs(step * bend)  # of the slope, half of its change over the step
-        if abs(step) < HALLEY_TOL and turn < HALLEY_TOL * abs(slope):
+        change = abs(step * half_curvature)  # half of that of the slope over the step
+        if abs(step) < HALLEY_TOL and change < HALLEY_TOL * abs(slope):
             break
     else:
         x = -1.0

@@ -149,17 +149,17 @@ def _distance(part: Records, q: Array) -> float:
     b = part["body"]
     p = part["before"]
     turn = q[p + 2] if p >= 0 else 0.0
-    x, y = _turned(part["before_x"], part["before_y"], turn)
-    end_x, end_y = _turned(part["end_x"], part["end_y"], q[b + 2])
+    x, y = _rotated(part["before_x"], part["before_y"], turn)
+    end_x, end_y = _rotated(part["end_x"], part["end_y"], q[b + 2])
     if p >= 0:
         x += q[p]
         y += q[p + 1]
-    cosine, sine = _turned(part["cosine"], part["sine"], turn)
+    cosine, sine = _rotated(part["cosine"], part["sine"], turn)
     return (q[b] + end_x - x) * cosine + (q[b + 1] + end_y - y) * sine
 
 
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    """Return a vector turned by an angle."""
+def _rotated(x: float, y: float, angle: float) -> tuple[float, float]:
+    """Return a vector rotated by an angle, rad."""
     c, s = math.cos(angle), math.sin(angle)
     return c * x - s * y, s * x + c * y
 

@@ -133,11 +133,9 @@ def _friction_loss(scene: Scene, stage: StageResult, guide: Guide) -> Estimate |
     coefficients = []
     for joint in (stage.joints[name] for name in names):
         normal, tangential = joint.force.T
-        lost, distance = (
-            float(np.trapezoid(power, stage.clock))
-            for power in (-tangential * joint.sliding, normal * np.abs(joint.sliding))
-        )
-        coefficients.append(lost / distance if distance > 0.0 else 0.0)
+        loss = np.trapezoid(-tangential * joint.sliding, stage.clock)
+        distance = np.trapezoid(normal * np.abs(joint.sliding), stage.clock)
+        coefficients.append(float(loss / distance) if distance > 0.0 else 0.0)
     return mean_of_strokes(distances @ coefficients)
 
 

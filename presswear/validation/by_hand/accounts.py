@@ -93,9 +93,9 @@ def stored_energy(press: Records, t: float, y: Array, contacts: Array) -> float:
     b = rod_3 - 0.5 * p.length_3 * np.array([math.cos(y[1]), math.sin(y[1])])
     d = np.array([at.x, at.y])
     d_t = np.array([at.vx, at.vy])
-    plate_t = d_t + y[4] * turned(plate - d)
-    rod_3_t = d_t + y[4] * turned(b - d) + y[5] * turned(rod_3 - b)
-    rod_5_t = np.array([0.0, y[6]]) + y[7] * turned(rod_5 - [p.o2_x, y[2]])
+    plate_t = d_t + y[4] * perpendicular_to(plate - d)
+    rod_3_t = d_t + y[4] * perpendicular_to(b - d) + y[5] * perpendicular_to(rod_3 - b)
+    rod_5_t = np.array([0.0, y[6]]) + y[7] * perpendicular_to(rod_5 - [p.o2_x, y[2]])
     masses = p.mass_4, p.mass_3, p.mass_5, p.mass_6
     speeds = plate_t, rod_3_t, rod_5_t, np.array([0.0, y[6]])
     kinetic = sum(0.5 * m * float(v @ v) for m, v in zip(masses, speeds, strict=True))
@@ -111,8 +111,8 @@ def stored_energy(press: Records, t: float, y: Array, contacts: Array) -> float:
     return float(kinetic + weights @ heights + elastic.sum())
 
 
-def turned(vector: Array) -> Array:
-    """Return a vector turned by a right angle."""
+def perpendicular_to(vector: Array) -> Array:
+    """Return a vector rotated by +90 degrees."""
     return np.array([-vector[1], vector[0]])
 
 
@@ -187,11 +187,11 @@ def force_and_slope(
     twist = a + b - 2.0 * rise
     depth = before[DEPTH] + s * (a + s * (curve + s * twist))
     rate = a + s * (2.0 * curve + s * 3.0 * twist)
-    bend = 2.0 * curve + 6.0 * s * twist
+    curvature = 2.0 * curve + 6.0 * s * twist
     factor = joint.damping / (h * onset)
     root = math.sqrt(max(depth, 0.0))
     force = joint.stiffness * depth * root * (1.0 + factor * rate)
-    return force, 1.5 * rate * (1.0 + factor * rate) + depth * factor * bend
+    return force, 1.5 * rate * (1.0 + factor * rate) + depth * factor * curvature
 
 
 @compiled
