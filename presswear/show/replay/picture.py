@@ -12,14 +12,8 @@ from numpy.typing import NDArray
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
-from presswear.show.replay.shapes import (
-    FORCE,
-    INK,
-    STEEL,
-    EnlargedJoint,
-    Shape,
-    points_of,
-)
+from presswear.show.replay.enlarged_joint import EnlargedJoint
+from presswear.show.replay.shapes import FORCE, INK, STEEL, Shape, points_of
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
 

@@ -10,14 +10,9 @@ from synthetic_clip import FRAMES, synthetic_clip
 
 import presswear as pw
 from presswear.show.replay.clip import Chapter, equal_limits
+from presswear.show.replay.enlarged_joint import EnlargedJoint
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.shapes import (
-    BODY_COLOURS,
-    FORCE,
-    EnlargedJoint,
-    attachments,
-    points_of,
-)
+from presswear.show.replay.shapes import BODY_COLOURS, FORCE, attachments, points_of
 from presswear.tools.arrays import Array
 
 CLIP = synthetic_clip()
