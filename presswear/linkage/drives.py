@@ -1,4 +1,4 @@
-"""Drives: mean speeds, harmonics, tables, rises, and curves that a point follows.
+"""Drives that turn a body, move it along its guide or follow another one through gears.
 
 A motion is a mean speed and a part that repeats with the cycle of the drive: a Fourier
 series, and the pieces of a table or of rises.
@@ -352,7 +352,9 @@ class GearedDrive(Drive):
     def placed(self, leader: Drive) -> "GearedDrive":
         """Return the drive with the motion of its leader times the ratio."""
         n = self.ratio
-        rows = [(phase, *(n * value for value in row)) for phase, *row in leader.table]
+        rows: Any = [
+            (phase, *(n * value for value in row)) for phase, *row in leader.table
+        ]
         return replace(
             self,
             speed=n * leader.speed,

@@ -273,8 +273,8 @@ def constraints_of(linkage: Linkage) -> Constraints:
     records["ratio"] = rows.ratio
     records["drive"] = -1
     drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
-    first = len(records) - len(drives)
-    records["drive"][first:] = drives
-    for row, k in enumerate(drives, first):
+    of_drives = len(records) - len(drives)  # first row of the drives
+    records["drive"][of_drives:] = drives
+    for row, k in enumerate(drives, of_drives):
         records["geared"][row] = isinstance(linkage.drives[k], GearedDrive)
     return Constraints(records, motions_of(linkage), rows.names)

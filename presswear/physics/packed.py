@@ -180,26 +180,24 @@ def _pack_driven(linkage: Linkage, offset: Mapping[str, int]) -> Records:
     """Return the coordinates of drives as records of DRIVEN."""
     driven = np.zeros(len(linkage.drives), DRIVEN)
     for record, drive in zip(driven, linkage.drives, strict=True):
+        record["index"] = offset[drive.body]
         if isinstance(drive, LinearDrive):
             direction = linkage.guide_of(drive).direction
-            record["index"], record["is_linear"] = offset[drive.body], True
+            record["is_linear"] = True
             record["cosine"], record["sine"] = math.cos(direction), math.sin(direction)
-        else:
-            record["index"] = offset[drive.body] + 2
-        if isinstance(drive, GearedDrive):
-            record["is_geared"], record["ratio"] = True, drive.ratio
+        elif isinstance(drive, GearedDrive):
+            # Its leader gives its power: a rate of 0 in a direction of no length.
+            record["is_linear"] = record["is_geared"] = True
+            record["ratio"] = drive.ratio
             record["leader"] = linkage.number_of_drive(drive.leader)
+        else:
+            record["index"] += 2
     return driven
 
 
 @inlined
 def drive_rate(driven: Records, k: int, v: Array) -> float:
-    """Return the rate, rad/s or along a guide m/s, with which drive ``k`` gives power.
-
-    Gears give none.
-    """
-    if driven[k].is_geared:
-        return 0.0
+    """Return the rate, rad/s or along a guide m/s, with which drive ``k`` gives power."""
     i = driven[k].index
     if driven[k].is_linear:
         return v[i] * driven[k].cosine + v[i + 1] * driven[k].sine

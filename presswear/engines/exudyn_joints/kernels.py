@@ -216,25 +216,40 @@ def drive_power(
         drive_torques(
             prescribed, body_state.q, body_state.axes, drives.force, records.torque
         )
-    driven = records.packed.driven
-    for i in range(driven.shape[0]):
-        if driven[i].is_geared and drives.multiplier[i] < 0:
-            leader = driven[i].leader
-            records.torque[leader] += driven[i].ratio * records.torque[i]
     power = 0.0
     for i in range(records.motions.shape[0]):
         if drives.has_motor[i]:
             first = body_state.layout.first_torque + TORQUE_INTEGRALS * i
             records.torque[i] = body_state.rates[first + TORQUE]
-            power += records.torque[i] * drive_rate(driven, i, body_state.v)
+            power += records.torque[i] * drive_rate(
+                records.packed.driven, i, body_state.v
+            )
             continue
         if drives.multiplier[i] >= 0:
             records.torque[i] = -drives.multipliers[drives.multiplier[i]]
-        if driven[i].is_geared:
-            if drives.multiplier[i] >= 0:  # their body is the first of the constraint
-                records.torque[i] = -records.torque[i]
-            continue
         power += records.torque[i] * drive_motion(records.motions[i], t)[1]
+    return power
+
+
+@compiled
+def pass_on_torques(
+    drives: Drives, records: RecorderState, power: float, t: float
+) -> float:
+    """Correct the torques of gears and their leaders; return the power of all drives, W.
+
+    Exudyn has the body of gears first in their constraint. Torques of bodies that are not
+    in its model are those of drives of their own. Power of gears is that of the leader.
+    """
+    driven = records.packed.driven
+    for i in range(driven.shape[0]):
+        if not driven[i].is_geared:
+            continue
+        rate = drive_motion(records.motions[i], t)[1]
+        if drives.multiplier[i] >= 0:
+            power -= records.torque[i] * rate
+            records.torque[i] = -records.torque[i]
+        else:
+            records.torque[driven[i].leader] += driven[i].ratio * records.torque[i]
     return power
 
 
@@ -285,7 +300,9 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     if settle(records, t, LEAST_STEPS) > 0:
         fill_forces(body_state, t, END)
         copy_contacts(records.contacts, body_state.model.contact_records)
-    sum_step(body_state, records, drive_power(body_state, drives, records, t), t, h)
+    power = drive_power(body_state, drives, records, t)
+    power = pass_on_torques(drives, records, power, t)
+    sum_step(body_state, records, power, t, h)
     sum_drives(records, h, body_state.v)
     packed = records.packed
     records.energies[LOAD_WORK] += work_beyond_trapezoid(
