@@ -133,24 +133,15 @@ def test_modules_that_workers_share_exist() -> None:
         )
 
 
-WORDS = [
-    "sweep",
-    "slider-crank",
-    "--engine",
-    "dae",
-    "--cycles",
-    "3",
-    "--set",
-    "wear_updates=0",
-]
-WORDS += [
-    "--set",
-    "replicates=1",
-    "--vary",
-    "clearance=0.1mm:0.5mm:8",
-    "--response",
-    "bdc_error",
-]
+WORDS = (
+    "sweep slider-crank --engine dae --cycles 3 --set wear_updates=0 --set replicates=1"
+)
+WORDS += " --vary clearance=0.1mm:0.5mm:8 --response bdc_error"
+
+
+def command_of(folder: Path, jobs: int) -> list[str]:
+    line = f"-m presswear {WORDS} --out {folder} --jobs {jobs}"
+    return [sys.executable, *line.split()]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -159,16 +150,7 @@ def test_a_killed_sweep_loses_only_the_running_rows(
     number: int, tmp_path: Path
 ) -> None:
     folder = tmp_path / "sweep"
-    command = [
-        sys.executable,
-        "-m",
-        "presswear",
-        *WORDS,
-        "--out",
-        str(folder),
-        "--jobs",
-        "2",
-    ]
+    command = command_of(folder, 2)
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
@@ -199,16 +181,7 @@ def test_a_killed_sweep_loses_only_the_running_rows(
 
 def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
-    command = [
-        sys.executable,
-        "-m",
-        "presswear",
-        *WORDS,
-        "--out",
-        str(folder),
-        "--jobs",
-        "1",
-    ]
+    command = command_of(folder, 1)
     parts = [subprocess.Popen([*command, "--shard", f"{k}/2"]) for k in (1, 2)]
     assert [part.wait() for part in parts] == [0, 0]
     assert np.isfinite(load_sweep(folder).table.values).all()
