@@ -5,12 +5,12 @@ from dataclasses import InitVar, dataclass, fields
 from typing import Any, get_args
 
 from presswear.linkage import elements, laws
-from presswear.physics.friction_and_normal import FRICTION_FORCES
-from presswear.physics.interactions.friction import (
+from presswear.linkage.friction_settings import (
     FRICTIONS,
     WITH_SETTINGS,
+    WITHOUT_SETTINGS,
     FrictionSettings,
-    settings_of,
+    friction_settings,
 )
 from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
@@ -235,20 +235,20 @@ class Bearing(FrictionSettings, DryContact):
 
     def _check_friction_settings(self) -> None:
         """Raise InputError for settings that the friction law refuses or does not read."""
-        for law in WITH_SETTINGS.values():
-            if self.friction_law == law.name:
+        for law, settings in WITH_SETTINGS.items():
+            if self.friction_law == law:
                 if self.clearance == 0.0:
                     raise InputError(
-                        f"friction_law = {law.name}: with clearance = 0 allowed is "
-                        f"{', '.join(FRICTION_FORCES)}"
+                        f"friction_law = {law}: with clearance = 0 allowed is "
+                        f"{', '.join(WITHOUT_SETTINGS)}"
                     )
-                law.check(self, self.friction)
+                settings.check(self, self.friction)
                 continue
-            for item in fields(law.settings):
+            for item in fields(settings):
                 value = getattr(self, item.name)
                 if item.default is None and value is not None:
                     raise InputError(
-                        f"{item.name} = {value:g}: it needs friction_law = {law.name}"
+                        f"{item.name} = {value:g}: it needs friction_law = {law}"
                     )
 
     @property
@@ -288,7 +288,7 @@ class Bearing(FrictionSettings, DryContact):
         if self.friction_law in [*WITH_SETTINGS]:
             raise InputError(
                 f"friction_law = {self.friction_law}: with film = run allowed is "
-                f"{', '.join(FRICTION_FORCES)} or a user law"
+                f"{', '.join(WITHOUT_SETTINGS)} or a user law"
             )
         if self.materials.pressure_exponent != 1.0:
             raise InputError(
@@ -326,9 +326,9 @@ class Bearing(FrictionSettings, DryContact):
             names.append("asperity_pressure")
         if self.viscosity is None:
             names.append("film")
-        for law in WITH_SETTINGS.values():
-            if self.friction_law != law.name:
-                names += [item.name for item in fields(law.settings)]
+        for law, settings in WITH_SETTINGS.items():
+            if self.friction_law != law:
+                names += [item.name for item in fields(settings)]
         if self.normal_law != laws.KELVIN_VOIGT and not self.has_film:
             names.append("viscous_damping")
         if not self._reads_roughness:
@@ -390,4 +390,4 @@ class Bearing(FrictionSettings, DryContact):
         )
         name = "ramp" if function else str(self.friction_law)
         ramp = self.friction, self.lower_speed, self.upper_speed
-        return laws.FrictionLaw(*ramp, name, function, settings_of(name, self))
+        return laws.FrictionLaw(*ramp, name, function, friction_settings(name, self))

@@ -16,11 +16,11 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage import laws
+from presswear.linkage.friction_settings import FRICTIONS
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.curve_following import motion_of
-from presswear.physics.interactions.friction import FRICTIONS
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene

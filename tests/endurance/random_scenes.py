@@ -17,6 +17,12 @@ from typing import Any
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.elements import MAX_SLIDE, MIN_SLIDE
+from presswear.linkage.friction_settings import (
+    LEAST_RELAXATION,
+    LEAST_SLIP,
+    LuGreSettings,
+    greatest_bristle_damping,
+)
 from presswear.linkage.laws import (
     DAMPINGS,
     KELVIN_VOIGT,
@@ -24,12 +30,6 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.physics.interactions.lugre import (
-    LEAST_RELAXATION,
-    LEAST_SLIP,
-    LuGre,
-    greatest_bristle_damping,
-)
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (
     LEAST_CLEARANCE,
@@ -120,7 +120,9 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     if values["elasticity"] in ("liu", "foundation"):
         values["exponent"] = 1.5
     held = max(values["static_friction"], values["friction"])
-    values["static_friction"] = held if values["friction_law"] == LuGre.name else None
+    values["static_friction"] = (
+        held if values["friction_law"] == LuGreSettings.law else None
+    )
     most = greatest_bristle_damping(values["friction"], held, values["stribeck_speed"])
     stiffest = min(values["friction"] / LEAST_SLIP, most / LEAST_RELAXATION)
     stiffness = min(values["bristle_stiffness"], stiffest)

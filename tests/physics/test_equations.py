@@ -19,6 +19,7 @@ from sub_chains import ARM, PUMP, STEPHENSON
 
 import presswear as pw
 from presswear.linkage.elements import ClearanceJoint, WearLaw
+from presswear.linkage.friction_settings import LuGreSettings
 from presswear.linkage.laws import (
     FRICTION_PARAMETERS,
     NORMAL_PARAMETERS,
@@ -37,7 +38,6 @@ from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.equations.text import Text
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ideal import Motion
-from presswear.physics.interactions.lugre import LuGreSettings
 from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.prescribed import begin_motion

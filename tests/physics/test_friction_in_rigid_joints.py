@@ -7,10 +7,10 @@ import pytest
 
 import presswear as pw
 from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.friction_settings import LuGreSettings
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.linkage import Linkage
 from presswear.physics.curve_following import motion_of
-from presswear.physics.interactions.lugre import LuGreSettings
 from presswear.physics.inverse_dynamics import (
     check_drives,
     constraint_forces,

@@ -1,18 +1,19 @@
-"""Friction laws of a contact: their names, their settings, and their text in the equations."""
+"""Friction laws of a contact: their text in the equations, and their steady force."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Protocol
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
 
 import numpy as np
 
+from presswear.linkage.friction_settings import FRICTIONS
 from presswear.linkage.laws import FrictionLaw
 from presswear.physics.friction_and_normal import (
     FRICTION_FORCES,
     fill_friction,
     friction_record,
 )
-from presswear.physics.interactions.lugre import LuGre, LuGreSettings
+from presswear.physics.interactions.lugre import LuGre
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
@@ -77,10 +78,6 @@ class FrictionWithoutState:
 class FrictionWithSettings(FrictionText, Protocol):
     """Friction law of joints with clearance that has settings, and perhaps a state."""
 
-    name: ClassVar[str]
-    meaning: ClassVar[str]  # in help texts
-    settings: ClassVar[type[Any]]  # data class whose fields become fields of a bearing
-
     def __init__(self, page: Page, prefix: str, joint: int, law: FrictionLaw) -> None:
         """Take the page, the beginning of names, the number of the joint, and the law."""
         ...
@@ -90,41 +87,13 @@ class FrictionWithSettings(FrictionText, Protocol):
         """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
         ...
 
-    @staticmethod
-    def check(settings: Any, friction: float) -> None:
-        """Raise InputError for settings that do not fit the friction coefficient."""
-        ...
 
-
-WITH_SETTINGS: Mapping[str, type[FrictionWithSettings]] = {
-    law.name: law for law in (LuGre,)
-}
-"""Friction laws with settings by name."""
-
-
-@dataclass(frozen=True)
-class FrictionSettings(LuGreSettings):
-    """Settings of all laws of ``WITH_SETTINGS``, which are fields of a bearing."""
-
-
-FRICTIONS: Mapping[str, str] = {
-    "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
-    "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
-    **{name: law.meaning for name, law in WITH_SETTINGS.items()},
-}
-"""Friction laws by name."""
+LAWS_WITH_SETTINGS: Mapping[str, type[FrictionWithSettings]] = {"lugre": LuGre}
+"""Friction laws of ``WITH_SETTINGS`` by name."""
 FRICTION_KERNELS = (
     *FrictionWithoutState.kernels,
-    *(kernel for law in WITH_SETTINGS.values() for kernel in law.kernels),
+    *(kernel for law in LAWS_WITH_SETTINGS.values() for kernel in law.kernels),
 )
-
-
-def settings_of(name: str, bearing: FrictionSettings) -> Any:
-    """Return the settings of a bearing that its law reads; None for a law without settings."""
-    if name not in WITH_SETTINGS:
-        return None
-    kind = WITH_SETTINGS[name].settings
-    return kind(**{item.name: getattr(bearing, item.name) for item in fields(kind)})
 
 
 def friction_of(
@@ -133,13 +102,13 @@ def friction_of(
     """Return the friction law of a joint; its variables in the text begin with ``prefix``."""
     if law.name not in FRICTIONS:
         raise unknown("friction law", law.name, FRICTIONS)
-    if law.name in WITH_SETTINGS and law.coefficient > 0.0:
-        return WITH_SETTINGS[law.name](page, prefix, joint, law)
+    if law.name in LAWS_WITH_SETTINGS and law.coefficient > 0.0:
+        return LAWS_WITH_SETTINGS[law.name](page, prefix, joint, law)
     return FrictionWithoutState(page, prefix, law, record)
 
 
 def steady_friction(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
     """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
-    if law.name in WITH_SETTINGS:
-        return WITH_SETTINGS[law.name].steady_force(law, sliding, normal)
+    if law.name in LAWS_WITH_SETTINGS:
+        return LAWS_WITH_SETTINGS[law.name].steady_force(law, sliding, normal)
     return FrictionWithoutState.steady_force(law, sliding, normal)
