@@ -30,6 +30,7 @@ CARRYING = 0.1
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
 MAX_UNBALANCED = 1e-8  # largest unbalanced force of a solution, over the joint force
+DIFFERENCE = 1e-5  # of an offset, over the deepest penetration, for a finite difference
 
 
 class Equilibrium(NamedTuple):
@@ -166,16 +167,20 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     unknown = loaded[:, np.newaxis] & (rest.offset_rows >= 0)
     scale = np.broadcast_to(size[:, np.newaxis], unknown.shape)[unknown]
 
+    start = offsets[unknown]
+    deepest = float(depth.max())
+
     def residual(x: Array) -> Array:
-        offsets[unknown] = x
+        offsets[unknown] = start + deepest * (x - 1.0)
         rest.move(offsets)
         return np.asarray(rest.unbalanced()[unknown] / scale)
 
-    start = offsets[unknown]
-    solution = root(residual, start, tol=1e-15, options={"maxfev": 4000})
+    # From ones: differences are parts of an unknown, and one near zero would have none.
+    options = {"maxfev": 4000, "eps": DIFFERENCE**2}
+    solution = root(residual, np.ones_like(start), tol=1e-15, options=options)
     left = float(np.abs(residual(solution.x)).max())
     # The error of a small penetration is the round-off of the position.
-    if not (left <= MAX_UNBALANCED or left * depth.max() <= rest.tolerance):
+    if not (left <= MAX_UNBALANCED or left * deepest <= rest.tolerance):
         raise RunFailed(
             f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
             "forces are not balanced"

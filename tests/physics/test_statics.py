@@ -8,6 +8,7 @@ import pytest
 from closed_form import press_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from upright_press import upright_crank
 
 import presswear as pw
 from presswear.engines.base import Plan, Start
@@ -225,3 +226,23 @@ def test_oil_is_squeezed_out_at_rest() -> None:
         for values in ({}, oil)
     )
     assert oiled == dry > 6e-5
+
+
+def test_a_pin_rests_where_its_groove_lies_beside_the_pull() -> None:
+    """The offset across the pull begins at zero; a stable linkage rises with each pull."""
+    angle = np.radians(np.arange(360) + 0.5)
+    above, below = (
+        1e-4 * np.exp(-8.0 * (1.0 - np.cos(angle - math.radians(place))))
+        for place in (97.0, 262.0)
+    )
+    groove = above + below
+    bearing = pw.Bearing(clearance=1e-4, bearing_radius=0.1, width=0.2)
+    scene = pw.Scene(
+        upright_crank(slide_angle=-0.5 * math.pi),
+        bearings={"A": bearing, "B": bearing},
+        surfaces={"A": (groove, 0.2 * groove), "B": (groove, 0.2 * groove)},
+        wear_updates=0,
+    )
+    pulls = np.linspace(-1e6, 1e6, 21)
+    heights = heights_at_bottom(scene.linkage(), list(map(float, pulls)))
+    assert (np.diff(heights) > 0.0).all()
