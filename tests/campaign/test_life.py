@@ -365,14 +365,20 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert samples["A.force_max"].tolist() == [0.0, 0.0]
     names = {name.partition(".")[2] or name for name in (*levels, *samples)}
     press = pw.scenes.press_off_centre()
-    flat = np.zeros((1, *map_shape(press.linkage().clearances)))
+    corners = press.linkage().clearances
+    flat = np.zeros((1, *map_shape(corners)))
     names |= {"tilt"}  # of guides
     assert names == FOLLOWED.keys()
     levels = levels_of(press, flat, tuple(FOLLOWED))
     of_guides = [
         f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.kinds
     ]
-    assert {*of_guides, "total_clearance"} == levels.keys()
+    strokes = np.zeros((1, 2, cycle_columns(len(corners), 1)))
+    strokes[0, :, cycle_column("force_max", 0)] = 10.0
+    strokes[0, 1, cycle_column("force_max", 2)] = 30.0
+    samples = samples_of(press, strokes)
+    assert samples["guide.force_max"] == 20.0  # of the corner that presses most
+    assert {*of_guides, "total_clearance"} == {*levels, "guide.force_max"}
 
 
 JOINTS = {"A": 1e-4, "B": 2e-4}
