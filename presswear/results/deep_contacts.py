@@ -155,8 +155,8 @@ def _dry_contacts(
             peaks.append(_forces_by_law_text(scene, name, force))
     peaks = [words for words in peaks if words]
     if peaks:
-        text += " Peak forces, and those of an impact of the same elastic energy by other laws: "
-        text += f"{'; '.join(peaks)}. A load that prescribes the force gives the same by all."
+        text += " The peak force of an impact of the same elastic energy is, at joint "
+        text += f"{'; at joint '.join(peaks)}. Where the load prescribes the force, all laws agree."
     return f"{text} A measured contact_stiffness reduces this doubt."
 
 
@@ -177,4 +177,5 @@ def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:
     used = elastic_law(scene.bearing(joint), scene.conventions.contact)
     order = [used, *(law for law in forces if law != used)]
     texts = [f"{quantity_text(forces[law], 'N')} by {LAW_WORDS[law]}" for law in order]
-    return f"{joint} {', '.join(texts)}"
+    texts[0] += " (as in this run)"
+    return f"{joint}, {', '.join(texts)}"

@@ -37,15 +37,13 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     largest = numbers.quantity_text(joints[at].peak_force, "N")
     where = "" if last is first else " of the last stage"
     sentences = [
-        f"At joint {at}: greatest force in a stroke, on average.",
+        f"Greatest force in a stroke at joint {at}, on average.",
         f"Largest of all strokes{where}: {largest}.",
     ]
     if scene.linkage().elastic_joints:
         sentences.append("Impacts are included.")
     else:
-        sentences.append(
-            "Impacts are included; a real frame bends and makes them smaller."
-        )
+        sentences.append("Impacts are included; a frame that bends makes them smaller.")
     ideal = 0.0
     if not scene.has_untrusted_loads:
         ideal = float(abs(ideal_forces(scene)[1][at]).max())
@@ -145,8 +143,7 @@ def _with_laws(
     if ideal > 0.0:
         pressed = range_of(forces_by_law(scene, joint, force, ideal))
         laws += f", {pressed} under a prescribed force"
-    meaning = f"{peak.meaning} The pin sinks in deep: the ranges of the contact laws power, liu "
-    meaning += "and foundation are estimates, for an impact of the same elastic energy, and for an "
-    meaning += "impact beyond the peak with rigid joints. A run with each law shows the difference."
+    meaning = f"{peak.meaning} The pin sinks in deep, and the contact law matters: estimates by "
+    meaning += "the laws power, liu and foundation. A run with each law decides."
     interval = f"{peak.interval}; {laws}" if peak.interval else laws
     return peak._replace(interval=interval, meaning=meaning)
