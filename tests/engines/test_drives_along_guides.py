@@ -121,7 +121,7 @@ def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
     np.testing.assert_allclose(table["piston_distance"], place, atol=1e-12)
     report = result.report().read_text(encoding="utf-8")
     assert "Peak drive force" in report
-    assert "force, largest (N)" in report
+    assert "force, largest (kN)" in report
     assert "Peak drive torque" not in report
 
 

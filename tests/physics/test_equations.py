@@ -127,7 +127,7 @@ class Subject:
         torques = np.array(
             [-multipliers[drives == k][0] for k in range(len(self.linkage.drives))]
         )
-        speeds = v[packed.driven]
+        speeds = v[packed.driven["index"]]
         acceleration = solution[: q.size]
         return Expected(speeds, phi, phi_t, acceleration, torques, found)
 

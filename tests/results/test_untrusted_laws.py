@@ -71,7 +71,7 @@ for line in (
 ):
     assert main(line.split()) == 0, line
 result = pw.load("out")
-print(result, result.table(), load_sweep(__import__("pathlib").Path("sweep")).plan.example)
+print(result, result.to_pandas(), load_sweep(__import__("pathlib").Path("sweep")).plan.example)
 for compute in (
     lambda: result.drives(0),
     lambda: pw.total_clearance(result.scene.linkage()),
