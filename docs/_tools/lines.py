@@ -97,6 +97,9 @@ def _run(
     line: str, folder: Path, output: str, environment: dict[str, str], started: Any
 ) -> None:
     """Run a command in this process, which is a new one, and end it with the exit code."""
+    # Where other processes were started before, it inherits blocked signals.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)

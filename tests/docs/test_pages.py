@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from importlib import import_module
 from itertools import takewhile
+from multiprocessing.forkserver import ensure_running
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,7 @@ from presswear.show import figures
 from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines
 from presswear.tools.errors import NARROW
+from presswear.tools.processes import starting_processes
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -134,6 +136,8 @@ def test_names_imported_by_a_page_exist(
 
 
 def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
+    with starting_processes():  # a server that starts here blocks signals
+        ensure_running()
     (message,) = failures({"page": ["list", "list wear-tims"]}, longest=60.0)
     assert message.startswith("page: presswear list wear-tims: exit code 2")
     assert failures({"page": ["run wear-times --cycles 200"]}) == []
