@@ -94,10 +94,13 @@ class LinkDrive(Mechanism):
         None, f"inertia of the rod{DEFAULT_OF_ROD}"
     )
     gravity: float = gravity()
-    speed: float = number_field(
-        *("rad/s", MIN_SPEED, 5000.0, _OF_PRESS),
+    speed: float = quantity(
         25.0 * math.pi / 30.0,
-        "crank speed omega",
+        unit="rad/s",
+        low=MIN_SPEED,
+        high=5000.0,
+        origin=_OF_PRESS,
+        text="crank speed omega",
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()

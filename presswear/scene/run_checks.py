@@ -1,7 +1,6 @@
 """Checks before a run that take longer than the checks of single settings."""
 
 from collections.abc import Sequence
-from importlib import import_module
 
 import numpy as np
 
@@ -30,9 +29,9 @@ def check_masses(bodies: Sequence[Body]) -> None:
 def check_springs(linkage: Linkage, ideal: IdealMotion) -> None:
     """Raise InputError if a spring does not fit the linkage at the start of its ideal motion."""
     if linkage.springs:
-        # Imported here, because it loads numba.
-        springs = import_module("presswear.physics.interactions.spring")
-        springs.check_springs(linkage, ideal.at(np.zeros(1)).position[0])
+        from presswear.physics.interactions import spring  # slow import
+
+        spring.check_springs(linkage, ideal.at(np.zeros(1)).position[0])
 
 
 def check_torque_limits(

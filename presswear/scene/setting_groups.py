@@ -12,11 +12,26 @@ _WORK = "Process and life"
 _RUN = "Run"
 # Keys outside the mechanism, the process and the life that a user changes first
 _FIRST = {
-    *("joints", "clearance", "bearing_radius", "width", "materials", "youngs_modulus"),
-    *("wear_coefficient", "friction", "restitution", "viscosity"),
-    *("pressure_limit", "pv_limit"),
-    *("engine", "conventions", "wear_updates", "cycles", "cycles_per_update"),
-    *("max_cycles", "replicates", "tolerance"),
+    "joints",
+    "clearance",
+    "bearing_radius",
+    "width",
+    "materials",
+    "youngs_modulus",
+    "wear_coefficient",
+    "friction",
+    "restitution",
+    "viscosity",
+    "pressure_limit",
+    "pv_limit",
+    "engine",
+    "conventions",
+    "wear_updates",
+    "cycles",
+    "cycles_per_update",
+    "max_cycles",
+    "replicates",
+    "tolerance",
 }
 
 
