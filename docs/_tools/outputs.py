@@ -70,9 +70,9 @@ def read(text: str, page: str) -> Any:
 def _smaller(picture: str) -> str:
     """Return a picture, base64 as in a notebook, with few colours."""
     with Image.open(io.BytesIO(base64.b64decode(picture))) as image:
-        image = image.convert("RGB").quantize(COLOURS)
+        few = image.convert("RGB").quantize(COLOURS)
     data = io.BytesIO()
-    image.save(data, "png", optimize=True)
+    few.save(data, "png", optimize=True)
     return base64.b64encode(data.getvalue()).decode()
 
 

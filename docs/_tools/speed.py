@@ -66,8 +66,13 @@ def silent(name: str, part: float) -> None:
 def origin() -> Stored:
     """Return date, machine and versions of a measurement of today."""
     now = provenance()
-    names = "machine", "python", "packages", "revision"
-    return {"date": now["started"][:10], **{name: now[name] for name in names}}
+    return {
+        "date": now["started"][:10],
+        "machine": now["machine"],
+        "python": now["python"],
+        "packages": now["packages"],
+        "revision": now["revision"],
+    }
 
 
 def measure_methods(repeats: int, names: Sequence[str]) -> Stored:
@@ -170,8 +175,14 @@ def error_table(stored: Stored) -> list[str]:
 
 def step_table(stored: Stored) -> list[str]:
     """Return the cost of a step of the loop and of ``dae``."""
-    heads = "µs per step", "relative to the loop", "µs per trial step"
-    heads += "relative", "steps per cycle", "ms per cycle"
+    heads = (
+        "µs per step",
+        "relative to the loop",
+        "µs per trial step",
+        "relative",
+        "steps per cycle",
+        "ms per cycle",
+    )
     lines = [f"| | {' | '.join(heads)} |", f"|---|{'---:|' * len(heads)}"]
     for row in stored["steps"]["rows"]:
         is_loop = row["method"] == LOOP
@@ -200,8 +211,13 @@ def start_table(stored: Stored) -> list[str]:
 
 def feature_table(stored: Stored) -> list[str]:
     """Return the cost of each feature."""
-    heads = "feature", "engine", "s per simulated second", "µs per step"
-    heads += ("relative to the row without it",)
+    heads = (
+        "feature",
+        "engine",
+        "s per simulated second",
+        "µs per step",
+        "relative to the row without it",
+    )
     lines = [f"| {' | '.join(heads)} |", "|---|---|---:|---:|---:|"]
     for row in stored["features"]["rows"]:
         cells = (
@@ -270,11 +286,11 @@ def filled(text: str) -> str:
     """Return the text of a page with the tables between their marks."""
     stored = json.loads(FILE.read_text())
     for name, table in TABLES.items():
-        marks = rf"(?s)(<!-- speed: {name} -->\n).*?(<!-- end -->)"
-        lines = "\n".join(table(stored))
-        text = re.sub(
-            marks, lambda match, lines=lines: f"{match[1]}\n{lines}\n\n{match[2]}", text
-        )
+        before, mark, after = text.partition(f"<!-- speed: {name} -->\n")
+        if mark:
+            lines = "\n".join(table(stored))
+            _, end, after = after.partition("<!-- end -->")
+            text = f"{before}{mark}\n{lines}\n\n{end}{after}"
     return text
 
 
