@@ -8,8 +8,9 @@ from runs import in_all_coordinates, residual, run_scene
 from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
-from presswear.engines.base import Plan, Start
+from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.dynamics import evaluate_constrained
+from presswear.engines.dae.engine import _Solver
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
 from presswear.linkage.linkage import assemble
@@ -256,3 +257,16 @@ def test_a_parting_as_slow_as_round_off_is_located() -> None:
     plan = Plan(scene.mechanism.period, 1, 1)
     run = InHouse("dopri5", 1e-6).simulate(scene.linkage(), start, plan)
     assert run.status == "completed", run.message
+
+
+def test_a_resumed_run_searches_where_the_last_step_was_deepest() -> None:
+    """Sums over the cells begin there, so that another place changes their last digits."""
+    scene = wear_times()
+    linkage = scene.linkage()
+    start = start_of(scene)
+    plan = Plan(scene.mechanism.period, 1)
+    recorder = recorder_of(linkage, start, plan)
+    solver = _Solver(linkage, start, InHouse().resolved(), plan, recorder)
+    recorder.records.contacts["place"] = 1.0, 2.0
+    solver.advance(0.0)
+    assert solver.model.contact_records["place"].tolist() == [1.0, 2.0]

@@ -386,6 +386,8 @@ def start_march(address: PackedArguments) -> None:
     records = run.records
     motion = run.motion
     state = run.control[0]
+    # The deepest place is searched from the last one, in a resumed run as well.
+    copy_contacts(system.contacts, records.contacts)
     if not state.has_slope:
         rates(address, state.time, motion.y, START)
         state.has_slope = True

@@ -146,6 +146,8 @@ def begin_step(address: PackedArguments, t: float) -> None:
     first_state = body_state.layout.first_state
     first_energy = body_state.layout.first_energy
     copy_to(body_state.y[first_state:first_energy], body_state.states[STEP_START])
+    # The deepest place is searched from the last one, in a resumed run as well.
+    copy_contacts(body_state.model.contact_records, records.contacts)
     fill_forces(body_state, t, END)
     start_states(body_state, t)
     copy_contacts(records.contacts, body_state.model.contact_records)
