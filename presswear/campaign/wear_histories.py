@@ -233,7 +233,7 @@ class WearHistories:
             if owner != service.joint:
                 continue
             worn = depth[:, k, 0, : joint.bins]
-            if service.is_turned:
+            if service.is_rotated:
                 worn[...] = np.roll(worn, joint.bins // 2, axis=1)
             else:
                 worn[...] = 0.0

@@ -35,7 +35,7 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     change: Callable[[Scene], Scene] = partial(_with_life, arguments=arguments)
     if arguments.readings is not None:
         change = partial(_with_readings, arguments=arguments)
-    if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
+    if _changes_a_life(arguments):
         return _compare(
             change(terminal.load_scene(arguments.scene)), arguments, console
         )
@@ -70,14 +70,25 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     return with_options(scene, arguments, **life)
 
 
+def _changes_a_life(arguments: argparse.Namespace) -> bool:
+    """Return whether other lives are compared with the one of the scene."""
+    changes = (
+        arguments.replace,
+        arguments.rotate,
+        arguments.compare,
+        arguments.materials,
+    )
+    return any(changes)
+
+
 def _with_readings(scene: Scene, arguments: argparse.Namespace) -> Scene:
     """Return the scene with the life of this command, checked for the readings."""
     from presswear.results.readings import read_readings
     from presswear.results.remaining_life import check_for_life
 
-    if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
+    if _changes_a_life(arguments):
         raise InputError(
-            "--readings is of one life: it cannot be combined with --replace, --turn, "
+            "--readings is of one life: it cannot be combined with --replace, --rotate, "
             "--compare or --materials"
         )
     readings = read_readings(arguments.readings)
@@ -92,7 +103,7 @@ def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str
         f"bush replaced: {each}": {"life.replaced": each} for each in arguments.replace
     }
     variants |= {
-        f"bush turned: {each}": {"life.turned": each} for each in arguments.turn
+        f"bush rotated: {each}": {"life.rotated": each} for each in arguments.rotate
     }
     variants |= {
         each: terminal.parse_settings(each.split(",")) for each in arguments.compare

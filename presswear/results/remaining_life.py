@@ -203,7 +203,7 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
         raise InputError("readings: a quick life has no courses; omit --quick")
     if scene.surfaces:
         raise InputError("readings count from new surfaces; omit those of the scene")
-    if scene.life.replaced or scene.life.turned:
+    if scene.life.replaced or scene.life.rotated:
         raise InputError("readings: bushings that are serviced are not allowed")
     followed = any(limit.name in CLEARANCES for limit in limits)
     for reading in readings:

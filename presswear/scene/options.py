@@ -158,21 +158,22 @@ class Limit:
 
 @dataclass(frozen=True)
 class Service:
-    """Bushing that is replaced, or turned by half a turn, after a number of strokes.
+    """Bushing that is replaced, or rotated by half a turn, after a number of strokes.
 
     Or both walls of a guide that are replaced.
     """
 
     joint: str
     strokes: float
-    is_turned: bool
+    is_rotated: bool
     is_guide: bool = False
 
     @property
     def words(self) -> str:
         """Description."""
         part = "walls" if self.is_guide else "bushing"
-        return f"{part} of {self.joint} {'turned by half' if self.is_turned else 'replaced'}"
+        change = "rotated by half a turn" if self.is_rotated else "replaced"
+        return f"{part} of {self.joint} {change}"
 
 
 # names of limits that stand for another one, as the settings of a bearing are called
@@ -205,8 +206,8 @@ class Life(Checked):
         "'A@2e6, C@4e6'",
         "bushings, or walls of a guide, to replace after so many strokes",
     )
-    turned: str = free_text(
-        "", "'A@2e6'", "bushings to turn by half after so many strokes"
+    rotated: str = free_text(
+        "", "'A@2e6'", "bushings to rotate by half a turn after so many strokes"
     )
     quick: str = choice(
         "off",
@@ -251,7 +252,7 @@ class Life(Checked):
         """Return the services of bushings and walls, in the order of strokes; raise InputError."""
         services = []
         joints = (*pins, *guides)
-        for key, text in (("replaced", self.replaced), ("turned", self.turned)):
+        for key, text in (("replaced", self.replaced), ("rotated", self.rotated)):
             for part in filter(None, map(str.strip, text.split(","))):
                 joint, sign, strokes = map(str.strip, part.partition("@"))
                 label = f"{key} = {part!r}"
@@ -266,12 +267,12 @@ class Life(Checked):
                     raise InputError(
                         f"{label}: allowed is below at_most = {self.at_most:g}"
                     )
-                is_turned, is_guide = key == "turned", joint in guides
-                if is_turned and is_guide:
+                is_rotated, is_guide = key == "rotated", joint in guides
+                if is_rotated and is_guide:
                     raise InputError(
                         f"{label}: the walls of a guide can be replaced only"
                     )
-                services.append(Service(joint, at, is_turned, is_guide))
+                services.append(Service(joint, at, is_rotated, is_guide))
         return tuple(sorted(services, key=lambda service: service.strokes))
 
 

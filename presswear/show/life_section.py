@@ -100,7 +100,7 @@ def _pin_that_ends(result: Result, life: LifeResult) -> str:
         return ""
     return (
         f"The pin of {joint} ends this life: it is worn by {pin} at the end, its bushing by "
-        f"{bearing}. A new or turned bushing does not renew the pin."
+        f"{bearing}. A new or rotated bushing does not renew the pin."
     )
 
 

@@ -439,7 +439,7 @@ def test_limits_in_the_words_of_makers() -> None:
 
 
 def test_services_are_read_in_the_order_of_strokes() -> None:
-    life = pw.Life(replaced="A@2e6, B@4e6", turned=" B@1e6")
+    life = pw.Life(replaced="A@2e6, B@4e6", rotated=" B@1e6")
     expected = [
         Service("B", 1e6, True),
         Service("A", 2e6, False),
@@ -468,8 +468,8 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
             {"replaced": "A2e6"},
             r"replaced = 'A2e6': JOINT@STROKES is expected, such as",
         ),
-        ({"turned": "C@2e6"}, "joint with clearance in turned"),
-        ({"turned": "A@many"}, "turned: A"),
+        ({"rotated": "C@2e6"}, "joint with clearance in rotated"),
+        ({"rotated": "A@many"}, "rotated: A"),
         ({"replaced": "A@2e6", "at_most": 1e6}, "allowed is below at_most = 1e"),
     ],
 )
@@ -682,7 +682,7 @@ def test_readings_of_a_stored_life(
     printed = [line for line in output.splitlines() if line.startswith(("rem", "B: "))]
     assert len(printed) == 2
     assert [line for line in printed if line not in page] == []
-    assert "cannot be combined with --replace" in command(f"{line} --turn B@1e3", 2)
+    assert "cannot be combined with --replace" in command(f"{line} --rotate B@1e3", 2)
     file.write_text("joint,strokes,depth (um)\nB,1e6,6\n")
     assert "1 without an error" in command(line, 2)
     (folder / "readings.csv").write_text("joint\n")
@@ -690,10 +690,10 @@ def test_readings_of_a_stored_life(
 
 
 @pytest.mark.parametrize(
-    ("key", "word"), [("replaced", "replaced"), ("turned", "turned by half")]
+    ("key", "word"), [("replaced", "replaced"), ("rotated", "rotated by half a turn")]
 )
 def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -> None:
-    """It alone wears, and on one side: new or turned, the loaded side has lost nothing."""
+    """It alone wears, and on one side: new or rotated, the loaded side has lost nothing."""
     at = 0.6 * whole[1].strokes
     settings: dict[str, Any] = {key: f"B@{at!r}"}
     life = life_of_scene(scene_of(**settings))

@@ -147,7 +147,7 @@ def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> 
         ("guide@2e4", "the walls of a guide can be replaced only"),
         ("guid@2e4", "did you mean guide"),
     ):
-        wrong = pw.Life(until="guide.depth > 6 um", turned=text)
+        wrong = pw.Life(until="guide.depth > 6 um", rotated=text)
         with pytest.raises(pw.InputError, match=message):
             pw.scenes.press_off_centre(life=wrong, **settings)
 

@@ -103,7 +103,7 @@ def _draw_marks(
     for service in services:
         axes.axvline(service.strokes, **_SERVICE.line_style)
         if service.joint == joint:
-            word = "turned" if service.is_turned else "replaced"
+            word = "rotated" if service.is_rotated else "replaced"
             box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
             line_style = small | {
                 "rotation": 90.0,
