@@ -157,7 +157,7 @@ IDEAL = replace(BOTH, joints="none", wear_updates=0)
 STROKES = np.array([4.0, 2e6, 4e6, 6e6])
 LIFE = 5e6
 UNTIL = "depth > 50 um, bdc_drift > 2 mm"
-ASKED = pw.Life(UNTIL, replaced="A@2e6", turned="C@7e6", at_most=8e6)
+ASKED = pw.Life(UNTIL, replaced="A@2e6", rotated="C@7e6", at_most=8e6)
 
 
 def made_up_life(
