@@ -15,9 +15,14 @@ _THIN = '<mspace width="0.17em"></mspace>'
 
 def _spaced(match: re.Match[str]) -> str:
     """Return a function name with thin spaces, but none before a bracket."""
-    before, _, name, after = (part or "" for part in match.groups())
-    spaces = _THIN if before else "", "" if after else _THIN
-    return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
+    before = match[1] or ""  # end of a variable, a number, a root or a fraction
+    after = match[4] or ""  # start of an operator, such as a bracket
+    name = f"<mi>{match[3]}</mi>"
+    if before:
+        name = f"{_THIN}{name}"
+    if not after:
+        name = f"{name}{_THIN}"
+    return f"{before}<mrow>{name}</mrow>{after}"
 
 
 def _primed(match: re.Match[str]) -> str:

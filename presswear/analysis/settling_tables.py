@@ -18,7 +18,7 @@ Table = tuple[Sequence[str], list[list[object]]]
 
 def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
     """Return sentences on the final motions at one value of the parameter."""
-    sentences = [_how_many(settled, result.watch.cycles)]
+    sentences = [_starts_sentence(settled, result.watch.cycles)]
     if settled.half_life is not None:
         sentences.append(
             f"The irregular motion{_peak(settled.irregular_force)} has a half-life of "
@@ -26,7 +26,7 @@ def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
         )
     for number, motion in enumerate(settled.motions, 1):
         if motion.kicks is not None:
-            sentences.append(_of_kicks(result, number, motion))
+            sentences.append(_kicks_sentence(result, number, motion))
     if settled.failed:
         sentences.append(f"{whole(settled.failed)} runs failed and are not counted.")
     if result.parameter is None or settled.value is None:
@@ -35,61 +35,62 @@ def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
     return [f"{result.parameter.key} = {value}: {sentences[0]}", *sentences[1:]]
 
 
-def _how_many(settled: FinalMotionsAt, cycles: int) -> str:
-    """Return a sentence on how many starts settled."""
-    at_rest = settled.counted - settled.irregular
-    if at_rest == 0:
-        words = (
-            f"none of {whole(settled.counted)} starts settled in {whole(cycles)} cycles"
-        )
-        if not settled.least_half_life:
-            return f"{words}."
-        least = readable(settled.least_half_life, 2)
-        return f"{words}: half-life longer than {least} cycles at 95 %."
+def _starts_sentence(settled: FinalMotionsAt, cycles: int) -> str:
+    """Return a sentence on the number of starts that settled, and on their motions."""
+    settled_count = settled.counted - settled.irregular
+    if settled_count == 0:
+        return _unsettled_sentence(settled, cycles)
+    counts = f"{whole(settled_count)} of {whole(settled.counted)} starts"
     regular = [motion for motion in settled.motions if motion.period is not None]
-    after = settled.runs.settled[settled.runs.settled >= 0]
     if len(regular) == 1:
-        where = f"the same motion{_peak(regular[0].peak_force)}"
+        motions = f"the same motion{_peak(regular[0].peak_force)}"
     else:
-        where = f"{len(regular)} different motions"
-    words = (
-        f"{whole(at_rest)} of {whole(settled.counted)} starts came to rest on {where}"
-    )
-    words += f" after {whole(after.min())} to {whole(after.max())} cycles"
+        motions = f"{len(regular)} different motions"
+    settling = settled.runs.settled[settled.runs.settled >= 0]
+    range_text = f"{whole(settling.min())} to {whole(settling.max())} cycles"
+    sentence = f"{counts} came to rest on {motions} after {range_text}"
     if settled.irregular:
-        words += (
-            f", {whole(settled.irregular)} did not settle in {whole(cycles)} cycles"
-        )
-    if (after <= STARTUP_CYCLES).all() and not settled.irregular:
-        words += "; there is no irregular motion"
-    return f"{words}."
+        count = whole(settled.irregular)
+        sentence += f", {count} did not settle in {whole(cycles)} cycles"
+    elif (settling <= STARTUP_CYCLES).all():
+        sentence += "; there is no irregular motion"
+    return f"{sentence}."
 
 
-def _peak(force: Mapping[str, float]) -> str:
+def _unsettled_sentence(settled: FinalMotionsAt, cycles: int) -> str:
+    """Return a sentence on starts of which none has settled."""
+    counts = f"none of {whole(settled.counted)} starts"
+    sentence = f"{counts} settled in {whole(cycles)} cycles"
+    if not settled.least_half_life:
+        return f"{sentence}."
+    half_life = readable(settled.least_half_life, 2)
+    return f"{sentence}: half-life longer than {half_life} cycles at 95 %."
+
+
+def _peak(forces: Mapping[str, float]) -> str:
     """Return the largest of the peak forces as a text in brackets, or an empty text."""
-    forces = {name: each for name, each in force.items() if math.isfinite(each)}
-    if not forces:
+    finite = {joint: force for joint, force in forces.items() if math.isfinite(force)}
+    if not finite:
         return ""
-    joint = max(forces, key=forces.__getitem__)
-    return f" (mean peak force {readable(forces[joint], 4)} N at {joint})"
+    joint = max(finite, key=finite.__getitem__)
+    return f" (mean peak force {readable(finite[joint], 4)} N at {joint})"
 
 
-def _of_kicks(result: FinalMotions, number: int, motion: FinalMotion) -> str:
+def _kicks_sentence(result: FinalMotions, number: int, motion: FinalMotion) -> str:
     """Return a sentence on the least kick of a motion."""
     if not motion.kicks:
         return f"Motion {number} does not return after a restart without a kick."
     least = motion.least_kick
-    tried = f"from {STATES} states of the motion in {len(DIRECTIONS)} directions"
+    trials = f"from {STATES} states of the motion in {len(DIRECTIONS)} directions"
     if least is None:
-        most = readable(min(kick.returns for kick in motion.kicks))
-        return f"Motion {number} returns after kicks of {most} m/s, {tried}."
-    bearings = {
-        joint.name: joint.bearing.body for joint in result.scene.linkage().clearances
-    }
+        speed = readable(min(kick.returns for kick in motion.kicks))
+        return f"Motion {number} returns after kicks of {speed} m/s, {trials}."
+    linkage = result.scene.linkage()
+    body = {joint.name: joint.bearing.body for joint in linkage.clearances}
     return (
         f"Motion {number} rattles again after a kick of {readable(least.rattles)} m/s at "
-        f"{least.joint}, {least.direction} degrees from the axis of {bearings[least.joint]}. "
-        f"It returns after {readable(least.returns)} m/s, {tried}; other weak kicks may rattle."
+        f"{least.joint}, {least.direction} degrees from the axis of {body[least.joint]}. "
+        f"It returns after {readable(least.returns)} m/s, {trials}; other weak kicks may rattle."
     )
 
 
@@ -115,8 +116,9 @@ def motion_rows(settled: FinalMotionsAt) -> tuple[list[str], list[list[str]]]:
 
 
 def _percent(share: Estimate) -> str:
-    low, high = share.low or 0.0, share.high or 0.0
-    return f"{100.0 * share.mean:.0f} ({100.0 * low:.0f} to {100.0 * high:.0f})"
+    low = 100.0 * (share.low or 0.0)
+    high = 100.0 * (share.high or 0.0)
+    return f"{100.0 * share.mean:.0f} ({low:.0f} to {high:.0f})"
 
 
 def tables(result: FinalMotions) -> dict[str, Table]:
@@ -171,21 +173,19 @@ def _start_heads(joints: Sequence[str]) -> list[str]:
 def _start_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
-        motion_of = {
-            k: number for number, one in enumerate(settled.motions, 1) for k in one.runs
-        }
+        motion_of = {}
+        for number, motion in enumerate(settled.motions, 1):
+            motion_of |= dict.fromkeys(motion.runs, number)
         for k, run in enumerate(settled.runs):
-            is_settled = run.settled >= 0
             row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
-            row += [int(run.settled), int(run.period)] if is_settled else ["", ""]
-            for place, speed, force, count in zip(
-                run.eccentricity,
-                run.velocity,
-                run.peak_force,
-                run.contacts,
-                strict=True,
-            ):
-                row += [*place.tolist(), *speed.tolist(), float(force), float(count)]
+            if run.settled >= 0:
+                row += [int(run.settled), int(run.period)]
+            else:
+                row += ["", ""]
+            for joint in range(len(settled.joints)):
+                row += run.eccentricity[joint].tolist()
+                row += run.velocity[joint].tolist()
+                row += [float(run.peak_force[joint]), float(run.contacts[joint])]
             rows.append(row)
     return rows
 
@@ -214,14 +214,15 @@ def _motion_rows(result: FinalMotions) -> list[list[object]]:
 def _half_life_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
-        at_rest = settled.counted - settled.irregular
-        row = [*first, len(settled.runs), at_rest, settled.irregular, settled.failed]
+        count = settled.counted - settled.irregular
+        row = [*first, len(settled.runs), count, settled.irregular, settled.failed]
         life = settled.half_life
         if life is not None:
             row += [life.mean, life.low, life.high]
+        elif settled.least_half_life is not None:
+            row += ["", settled.least_half_life, ""]
         else:
-            least = settled.least_half_life
-            row += ["", "" if least is None else least, ""]
+            row += ["", "", ""]
         rows.append(row)
     return rows
 

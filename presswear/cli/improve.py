@@ -1,17 +1,12 @@
 """``presswear improve``: each joint changed in one way at a time."""
 
 import argparse
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from presswear.cli import terminal
-from presswear.scene.settings import changed
-
-if TYPE_CHECKING:
-    pass
-
 from presswear.cli.several_runs import several_runs
+from presswear.scene.settings import changed
 
 
 def improve(arguments: argparse.Namespace, console: Console) -> int:
@@ -24,14 +19,12 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     settings = terminal.parse_settings(arguments.set)
     scene = changed(scene, terminal.merge_options(settings, options))
     folder = terminal.output_folder(arguments, f"{scene.name}-improve")
-    with several_runs(console, "improve", folder, 1 + len(changes_of(scene))) as (
-        show,
-        _,
-    ):
+    count = 1 + len(changes_of(scene))
+    with several_runs(console, "improve", folder, count) as (show, _):
         improvement = improve(scene, folder, arguments.jobs, show)
-    for key, items in improvement.effects.items():
-        lines = (f"  {item}" for item in items)
-        terminal.print_lines(console, f"{improvement.heading(key)}:", *lines)
+    for quantity, effects in improvement.effects.items():
+        lines = [f"  {effect}" for effect in effects]
+        terminal.print_lines(console, f"{improvement.heading(quantity)}:", *lines)
     for change, reason in improvement.failures.items():
         terminal.print_lines(console, f"{change}: the run fails: {reason}")
     terminal.print_lines(console, *improvement.sentences)

@@ -46,8 +46,8 @@ _RATIO = Quantity(
     "chosen",
     "speed of the body over that of the leader; negative: the opposite sense",
 )
-_A = Annotated[float, ANGLE]
-_L = Annotated[float, LENGTH]
+_A = Annotated[float, ANGLE]  # rad
+_L = Annotated[float, LENGTH]  # m
 
 
 class _Motion(Checked):
@@ -73,12 +73,12 @@ class _Motion(Checked):
         if self.table:
             check_table(self.table, owner)
         rises = tuple(self.rises)
-        for rise, then in zip(rises, next_starts(rises), strict=True):
-            room = then - rise.end
-            if room < -PHASE_TOL or PHASE_TOL < room < MIN_PIECE:
+        for rise, next_start in zip(rises, next_starts(rises), strict=True):
+            dwell = next_start - rise.end
+            if dwell < -PHASE_TOL or PHASE_TOL < dwell < MIN_PIECE:
                 raise InputError(
-                    f"rises of {owner}: the one that ends at {rise.end:g} rad must end "
-                    f"{MIN_PIECE:g} rad or more before the next begins, at {then:g} rad, or there"
+                    f"rises of {owner}: the rise that ends at {rise.end:g} rad must end at the "
+                    f"start of the next, {next_start:g} rad, or {MIN_PIECE:g} rad or more before"
                 )
         count = len(self.pieces.start)
         if count > MAX_PIECES:
@@ -88,11 +88,15 @@ class _Motion(Checked):
 
 
 def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Array]:
-    """Return the repeating part and two time derivatives at times, s; ``base`` in rad/s."""
+    """Return the periodic part of a motion and its two time derivatives at times, s.
+
+    ``base`` is the frequency of the cycle, rad/s. The shapes are those of ``time``.
+    """
     place, speed, acceleration = np.zeros((3, *time.shape))
     for k, (a, b) in enumerate(motion.harmonics, start=1):
         w = k * base
-        cosine, sine = np.cos(w * time), np.sin(w * time)
+        cosine = np.cos(w * time)
+        sine = np.sin(w * time)
         place = place + (a * (cosine - 1.0) + b * sine)
         speed = speed + w * (b * cosine - a * sine)
         acceleration = acceleration - w * w * (a * cosine + b * sine)
@@ -106,7 +110,7 @@ def series(motion: _Motion, base: float, time: Array) -> tuple[Array, Array, Arr
 
 @dataclass(frozen=True)
 class Follow(_Motion):
-    """Curve that a point of a driven body follows: way along a direction from its start, m."""
+    """Displacement of a point of a driven body along a direction over the cycle, m."""
 
     point: Attachment | OutputPoint | str
     direction: float | None = angle("direction of the curve that a point follows", None)
@@ -175,6 +179,7 @@ class Drive(_Motion):
             raise InputError(
                 f"drive of {self.body}: {names[0]} and follow cannot be combined"
             )
+        # Their cycle has the frequency, or the mean speed if this is not 0.
         if names and not self.base > 0.0:
             fault = f"with {names[0]} and a mean speed of 0 it must be above 0"
             raise InputError(

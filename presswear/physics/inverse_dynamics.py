@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition, OverTime
-from presswear.linkage.loads import Force
+from presswear.linkage.loads import Force, Moment
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import IdealMotion, Motion
 from presswear.physics.interactions.friction import steady_friction
@@ -20,7 +20,9 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
-_INSTANTS = 8 * 720  # of a cycle at which a torque is compared with its limit
+# Instants of a cycle, every eighth of half a degree, at which a torque is compared with
+# its limit
+_INSTANTS = 8 * 720
 # Largest change of friction moments in the last iteration, over the largest moment
 FRICTION_TOL = 1e-12
 MAX_ITERATIONS = 50  # of Newton's method for friction moments
@@ -69,21 +71,19 @@ def forces_in_motion(
         If friction blocks the motion: no forces are in equilibrium.
     """
     packed = pack(linkage)
-    right = packed.mass * motion.acceleration
-    right -= packed.weight
+    needed = packed.mass * motion.acceleration
+    needed -= packed.weight
     if packed.loads is not None:
-        levels = motion.position, motion.velocity, motion.acceleration
-        right -= load_forces(packed.loads, motion.time, np.array(levels))
+        states = np.array([motion.position, motion.velocity, motion.acceleration])
+        needed -= load_forces(packed.loads, motion.time, states)
     if linkage.springs:
         without_loads = replace(linkage, loads=linkage.dead_loads)
         forces = BodyForces(without_loads, packed._replace(loads=None))
-        states = zip(motion.time, motion.position, motion.velocity, strict=True)
-        for k, state in enumerate(states):
-            right[k] -= forces(*state)
-    forces_of = partial(
-        ideal.rows.forces, motion.position.reshape(motion.time.size, -1, 3)
-    )
-    reactions = forces_of(right[..., np.newaxis])[..., 0]
+        for k, t in enumerate(motion.time):
+            needed[k] -= forces(t, motion.position[k], motion.velocity[k])
+    body_positions = motion.position.reshape(motion.time.size, -1, 3)
+    forces_of = partial(ideal.rows.forces, body_positions)
+    reactions = forces_of(needed[..., np.newaxis])[..., 0]
     rubbing = [joint for joint in bushings if joint.friction.coefficient > 0.0]
     if not rubbing:
         return reactions
@@ -126,7 +126,7 @@ class _Friction:
         self._joints = joints
         self._motion = motion
         columns, self._spin = relative_spins(linkage, motion, joints)
-        names = [one.name for one in linkage.revolutes]
+        names = [revolute.name for revolute in linkage.revolutes]
         self._rows = np.array([2 * names.index(joint.name) for joint in joints])
         coordinates = 3 * len(linkage.bodies)
         units = np.zeros((coordinates, len(joints)))
@@ -165,19 +165,11 @@ class _Friction:
             scale = np.abs(friction).max(axis=1, initial=0.0, keepdims=True)
             if np.all(np.abs(error) <= FRICTION_TOL * scale):
                 return np.asarray(total)
-            # A zero force has no direction: quotients by it are zero.
-            per_force = np.divide(
-                friction, size, out=np.zeros_like(friction), where=size > 0.0
-            )
-            unit = np.divide(
-                force,
-                size[..., np.newaxis],
-                out=np.zeros_like(force),
-                where=size[..., None] > 0.0,
-            )
-            slope = per_force[..., np.newaxis] * np.einsum(
-                "nkc,nkcj->nkj", unit, changes
-            )
+            # Moment of 1 N, and direction of the joint force; 0 for a force of zero
+            per_force = _quotient(friction, size)
+            direction = _quotient(force, size[..., np.newaxis])
+            size_changes = np.einsum("nkc,nkcj->nkj", direction, changes)
+            slope = per_force[..., np.newaxis] * size_changes
             matrix = np.eye(len(self._joints)) + slope
             moments = moments - np.linalg.solve(matrix, error[..., np.newaxis])[..., 0]
         worst = int((np.abs(error) - FRICTION_TOL * scale).max(axis=1).argmax())
@@ -185,6 +177,12 @@ class _Friction:
             f"friction blocks the motion of rigid joints at t = {self._motion.time[worst]:.6g} s: "
             "no joint forces hold it"
         )
+
+
+def _quotient(dividend: Array, divisor: Array) -> Array:
+    """Return a quotient of arrays, 0 where the divisor is 0."""
+    zeros = np.zeros_like(dividend)
+    return np.divide(dividend, divisor, out=zeros, where=divisor > 0.0)
 
 
 def friction_corners(
@@ -223,22 +221,29 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime):
             period = linkage.period if load.law.period is None else load.law.period
-            last = time[-1] / period if period > 0.0 else 0.0
-            turns = period * np.arange(last + 1.0)
-            corners += [node + turns for node, _ in load.law.table]
+            turns = time[-1] / period if period > 0.0 else 0.0
+            starts = period * np.arange(turns + 1.0)
+            for node, _ in load.law.table:
+                corners.append(starts + node)
         elif isinstance(load.law, OverPosition):
-            if isinstance(load, Force):
-                place, speed, _ = motion.of_point(
-                    linkage, load.attachment, load.direction
-                ).T
-            else:
-                column = 3 * linkage.index(load.body) + 2
-                place = motion.position[:, column]
-                speed = motion.velocity[:, column]
+            place, speed = _load_motion(linkage, motion, load)
             curve = CubicHermiteSpline(time, place - load.law.zero, speed)
-            corners += [curve.solve(node, False, False) for node, _ in load.law.table]
+            for node, _ in load.law.table:
+                instants = curve.solve(node, discontinuity=False, extrapolate=False)
+                corners.append(instants)
     instants = np.concatenate(corners)
     return np.asarray(instants[(instants >= time[0]) & (instants <= time[-1])])
+
+
+def _load_motion(
+    linkage: Linkage, motion: Motion, load: Force | Moment
+) -> tuple[Array, Array]:
+    """Return position and speed along a load, shape (n,), m and m/s or rad and rad/s."""
+    if isinstance(load, Force):
+        along = motion.of_point(linkage, load.attachment, load.direction)
+        return along[:, 0], along[:, 1]
+    column = 3 * linkage.index(load.body) + 2
+    return motion.position[:, column], motion.velocity[:, column]
 
 
 def check_drives(
@@ -251,20 +256,20 @@ def check_drives(
     """
     start = linkage.run_up_time
     time = np.linspace(start, start + 2.0 * ideal.period, 2 * _INSTANTS + 1)
-    corners = load_corners(linkage, ideal, time)
-    time = np.union1d(
-        np.union1d(time, corners), friction_corners(linkage, ideal, time, bushings)
-    )
+    time = np.union1d(time, load_corners(linkage, ideal, time))
+    time = np.union1d(time, friction_corners(linkage, ideal, time, bushings))
+    # The modes of loads are followed through the first cycle.
     is_second = time >= start + ideal.period
     torques = needed_torques(linkage, ideal, time, bushings)[is_second]
-    second = time[is_second]
+    time = time[is_second]
     for drive, torque in zip(linkage.drives, torques.T, strict=True):
-        k = int(np.abs(torque).argmax())
         if drive.torque_limit is None or drive.motor is not None:
             continue
-        if not abs(torque[k]) <= drive.torque_limit:
+        k = int(np.abs(torque).argmax())
+        peak = abs(torque[k])
+        if not peak <= drive.torque_limit:  # NaN is refused, too
+            angle = 360.0 * (time[k] - start) / ideal.period % 360.0
             raise InputError(
                 f"torque_limit of {drive.body} = {written(drive.torque_limit, 'N m')}: the ideal "
-                f"motion needs {written(abs(torque[k]), 'N m')}, at "
-                f"{360.0 * (second[k] - start) / ideal.period % 360.0:.4g} degrees of a cycle"
+                f"motion needs {written(peak, 'N m')}, at {angle:.4g} degrees of a cycle"
             )

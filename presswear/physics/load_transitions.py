@@ -24,7 +24,8 @@ from presswear.physics.loads import (
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
-# Transitions from a mode: beyond its high and low position, its high and low speed
+# Transitions from a mode: above its high position, below its low one, above its fast
+# speed, below its slow one
 TRANSITIONS = 4
 MAX_CHANGES = 8  # largest number of changes of a mode after a step
 # Time between the end of a step and a node of a table, within which they coincide, s
@@ -66,32 +67,39 @@ def is_past(value: float, rate: float) -> bool:
 
 @compiled
 def set_limits(load: Records, nodes: Array, mode: Records) -> None:
-    """Set the limits of a mode: positions, or times, and speeds."""
-    mode.low = mode.slow = -math.inf
-    mode.high = mode.fast = math.inf
+    """Set the limits of a mode: low and high positions, or times, and slow and fast speeds."""
+    mode.low = -math.inf
+    mode.slow = -math.inf
+    mode.high = math.inf
+    mode.fast = math.inf
     if load.kind == SERIES or load.kind == USER:
         return
-    piece = mode.piece
     branch = mode.branch
-    after = load.first + mode.piece
-    high = mode.turn * load.period + nodes[after, 0] if piece < load.count else math.inf
+    next_node = math.inf
+    if mode.piece < load.count:
+        next_node = mode.turn * load.period + nodes[load.first + mode.piece, 0]
     if branch == RELEASED:
         mode.low = nodes[load.first, 0]
     elif load.unloading > 0.0:
         free = mode.deepest + mode.deepest_size / load.unloading
         if branch == OFF:
-            mode.low, mode.high = nodes[load.first, 0], free
+            mode.low = nodes[load.first, 0]
+            mode.high = free
         elif branch == ELASTIC:
-            mode.low, mode.high = free, mode.deepest
+            mode.low = free
+            mode.high = mode.deepest
         else:
-            mode.high = high
-            mode.slow = 0.0 if piece > 0 else -math.inf
+            mode.high = next_node
+            # A motion that turns back inside the table unloads.
+            mode.slow = 0.0 if mode.piece > 0 else -math.inf
     else:
         if branch != OFF:
-            mode.high = high
-            if piece > 0:
-                mode.low = mode.turn * load.period + nodes[after - 1, 0]
+            mode.high = next_node
+            if mode.piece > 0:
+                before = load.first + mode.piece - 1
+                mode.low = mode.turn * load.period + nodes[before, 0]
         if load.sense != 0.0:
+            # Speeds at the ends of OFF, RISING and WHOLE
             mode.fast = (0.0, RAMP_SPEED, math.inf)[branch]
             mode.slow = (-math.inf, 0.0, RAMP_SPEED)[branch]
 
@@ -101,22 +109,23 @@ def place_mode(
     load: Records,
     nodes: Array,
     mode: Records,
-    at: float,
-    onward: float,
+    place: float,
+    rate: float,
     v: float,
     a: float,
 ) -> None:
     """Set the piece of a table from a position or time, and the branch from the motion.
 
-    A position exactly at a node is in the next piece if ``onward`` is positive.
+    ``place`` is the position or the time. Exactly at a node it is in the next piece if
+    its ``rate`` is positive.
     """
     mode.turn = 0
     if load.period > 0.0:
-        mode.turn = math.floor(at / load.period)
-        at -= mode.turn * load.period
+        mode.turn = math.floor(place / load.period)
+        place -= mode.turn * load.period
     mode.piece = 0
     while mode.piece < load.count and is_past(
-        at - nodes[load.first + mode.piece, 0], onward
+        place - nodes[load.first + mode.piece, 0], rate
     ):
         mode.piece += 1
     if load.period > 0.0:
@@ -158,6 +167,32 @@ def change_mode(
 
 
 @compiled
+def pass_nodes(load: Records, nodes: Array, mode: Records, t: float) -> int:
+    """Set the piece of a table over time at the time ``t``; return the number of nodes passed."""
+    count = 0
+    while load.kind == TIME and mode.high <= t + TIME_NOISE:
+        mode.piece += 1
+        if mode.piece == load.count and load.period > 0.0:
+            mode.turn += 1
+            mode.piece = 1
+        set_limits(load, nodes, mode)
+        count += 1
+    return count
+
+
+@compiled
+def is_beyond_limits(
+    load: Records, mode: Records, s: float, v: float, a: float
+) -> bool:
+    """Return whether a state of a load is beyond a limit of its mode."""
+    for transition in range(TRANSITIONS):
+        value, rate, _, _ = switching(load, mode, transition, s, v, a, 0.0)
+        if is_past(value, rate):
+            return True
+    return False
+
+
+@compiled
 def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
     """Update the modes after an accepted step; return the number of changes."""
     if loads is None:
@@ -167,41 +202,27 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     for k in range(loads.records.shape[0]):
         load = loads.records[k]
         mode = loads.modes[k]
-        changes_before = changes
         s, speed, acceleration = load_motion(load, q, v, a)
-        before = load_size(load, nodes, mode, t, s, speed)
-        while load.kind == TIME and mode.high <= t + TIME_NOISE:
-            mode.piece += 1
-            if mode.piece == load.count and load.period > 0.0:
-                mode.turn += 1
-                mode.piece = 1
-            set_limits(load, nodes, mode)
-            changes += 1
-        mode.change = (
-            (acceleration - mode.acceleration) / (t - mode.time)
-            if t > mode.time
-            else 0.0
-        )
+        size_before = load_size(load, nodes, mode, t, s, speed)
+        changes_of_load = pass_nodes(load, nodes, mode, t)
+        mode.change = 0.0
+        if t > mode.time:
+            mode.change = (acceleration - mode.acceleration) / (t - mode.time)
         mode.time = t
         mode.place = s
         mode.speed = speed
         mode.acceleration = acceleration
-        for _ in range(MAX_CHANGES):
-            past = False
-            for transition in range(TRANSITIONS):
-                value, rate, _, _ = switching(
-                    load, mode, transition, s, speed, acceleration, 0.0
-                )
-                past = past or is_past(value, rate)
-            if not past:
-                break
+        while changes_of_load < MAX_CHANGES and is_beyond_limits(
+            load, mode, s, speed, acceleration
+        ):
             change_mode(load, nodes, mode, s, speed, acceleration)
-            changes += 1
-        after = load_size(load, nodes, mode, t, s, speed)
-        if changes > changes_before:
+            changes_of_load += 1
+        if changes_of_load > 0:
             mode.changed = t
-        greater = max(abs(before), abs(after))
-        mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
+        changes += changes_of_load
+        size = load_size(load, nodes, mode, t, s, speed)
+        greater = max(abs(size_before), abs(size))
+        mode.jump = abs(size - size_before) / greater if greater > 0.0 else 0.0
     return changes
 
 
@@ -268,7 +289,10 @@ def last_change(loads: Loads | None) -> float:
 
 @compiled
 def greatest_jump(loads: Loads | None) -> float:
-    """Return the greatest jump of a load that settled last, part of the greater size."""
+    """Return the greatest jump of a load after the last step.
+
+    It is the change over the greater size before and after.
+    """
     jump = 0.0
     if loads is not None:
         for k in range(loads.modes.shape[0]):
@@ -285,10 +309,9 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         s, speed, _ = load_motion(load, q, v, v)
         mode.place = s
         mode.speed = speed
-        place_mode(
-            load, loads.nodes, mode, 0.0 if load.kind == TIME else s, 1.0, speed, 0.0
-        )
+        place = 0.0 if load.kind == TIME else s
+        place_mode(load, loads.nodes, mode, place, 1.0, speed, 0.0)
         set_limits(load, loads.nodes, mode)
-        # A motion out of the table begins at its deepest place.
+        # A motion out of the table starts at its deepest place.
         if load.unloading > 0.0 and speed < mode.slow:
             change_mode(load, loads.nodes, mode, s, speed, 0.0)

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import ClassVar, NamedTuple
 
 from presswear.engines import settings
@@ -31,15 +32,15 @@ class Numerics:
     ) -> "Numerics":
         """Return a copy with unspecified tolerances set for the purpose; see the engines."""
         return Numerics(
-            **{k: one.resolved(purpose, error) for k, one in vars(self).items()}
+            tree=self.tree.resolved(purpose, error),
+            joints=self.joints.resolved(purpose, error),
+            dae=self.dae.resolved(purpose, error),
         )
 
     def of(self, engine: settings.Engine) -> "Numerics":
         """Return a copy with the settings of one engine."""
-        name = next(
-            name for name, one in vars(self).items() if type(one) is type(engine)
-        )
-        return Numerics(**{**vars(self), name: engine})
+        names = {type(current): name for name, current in vars(self).items()}
+        return Numerics(**{**vars(self), names[type(engine)]: engine})
 
 
 @dataclass(frozen=True)
@@ -90,19 +91,21 @@ class Recording(Checked):
     def phases(self) -> tuple[float, ...]:
         """Fractions of a cycle at which the Poincaré sections lie, increasing, in (0, 1]."""
         first = self.section_angle / (2.0 * math.pi)
-        count = self.sections
-        return tuple(
-            sorted(1.0 - (1.0 - first - k / count) % 1.0 for k in range(count))
-        )
+        phases = []
+        for k in range(self.sections):
+            # The start of a cycle, 0, is 1: the end of the cycle before.
+            phases.append(1.0 - (1.0 - first - k / self.sections) % 1.0)
+        return tuple(sorted(phases))
 
 
 class Followed(NamedTuple):
     """Number that is followed over strokes, of each joint or of the whole mechanism."""
 
     unit: str
-    kinds: tuple[str, ...]  # of joints: pin, guide; none: the whole mechanism
-    words: str
-    text: str
+    # kinds of joints that have the number, pin or guide; none: the whole mechanism has it
+    kinds: tuple[str, ...]
+    words: str  # name in sentences
+    text: str  # description
 
 
 _BDC = "bottom dead centre"
@@ -114,7 +117,8 @@ _TILT = "largest tilt of the slide between the worn walls"
 _FORCE = "peak normal force of a stroke, at a pin or at a corner of a slide, mean over strokes"
 _PIN = ("pin",)
 _ANY = ("pin", "guide")
-FOLLOWED: dict[str, Followed] = {  # quantities that a limit can be put on, by name
+# Quantities that can have a limit, by name
+FOLLOWED: dict[str, Followed] = {
     "depth": Followed(
         "m", _ANY, "depth", "largest wear depth of bearing or pin, or of both walls"
     ),
@@ -158,13 +162,10 @@ class Limit:
 
 @dataclass(frozen=True)
 class Service:
-    """Bushing that is replaced, or rotated by half a turn, after a number of strokes.
-
-    Or both walls of a guide that are replaced.
-    """
+    """Replacement of a bushing or of both walls of a guide, or half a turn of a bushing."""
 
     joint: str
-    strokes: float
+    strokes: float  # after which it is done
     is_rotated: bool
     is_guide: bool = False
 
@@ -176,9 +177,9 @@ class Service:
         return f"{part} of {self.joint} {change}"
 
 
-# names of limits that stand for another one, as the settings of a bearing are called
+# Names of settings of a bearing that are used for a quantity of FOLLOWED
 _ALIASES = {"clearance": "radial_clearance"}
-# Of a new joint, in radial clearances
+# Values of a new joint over its radial clearance
 CLEARANCES = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
 _TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new")
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>=?\s*(\S.*?)\s*$")
@@ -187,7 +188,7 @@ _STROKES = Quantity("", 1.0, 1e15)
 
 @dataclass(frozen=True)
 class Life(Checked):
-    """Service life: the joints are worn until the first of some limits is exceeded."""
+    """Service life: the joints wear until the first of some limits is exceeded."""
 
     kind: ClassVar[str] = "limits"
 
@@ -221,13 +222,22 @@ class Life(Checked):
     def limits(
         self, clearances: Mapping[str, float], tilts: Mapping[str, float]
     ) -> tuple[Limit, ...]:
-        """Return the limits, of all joints with clearance where none is named; raise InputError.
+        """Return the limits; a limit without a joint is one for each joint that has the number.
 
-        ``clearances`` are the radial clearances of the new pins, m, and ``tilts`` those
-        of the slides in new guides, rad.
+        Parameters
+        ----------
+        clearances : mapping of str to float
+            Radial clearances of the new pin joints by name, m.
+        tilts : mapping of str to float
+            Largest tilts of the slides in the new guides by name, rad.
+
+        Raises
+        ------
+        InputError
+            If a limit cannot be read, or does not fit its joint.
         """
         limits = []
-        of_kinds = {"pin": clearances, "guide": tilts}
+        names_of_kind = {"pin": tuple(clearances), "guide": tuple(tilts)}
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
             if match is None:
@@ -235,72 +245,90 @@ class Life(Checked):
                 raise InputError(
                     f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}"
                 )
-            joint, name, size = match.groups()
+            specified, name, size = match.groups()
             name = _ALIASES.get(name, name)
             if name not in FOLLOWED:
                 raise unknown("number in until", name, (*_ALIASES, *FOLLOWED))
-            for one in _owners_of(text, joint, name, of_kinds):
-                new = CLEARANCES.get(name, 0.0) * clearances.get(one, 0.0)
-                new = tilts[one] if name == "tilt" else new
+            for joint in _joints_of_limit(text, specified, name, names_of_kind):
+                if name == "tilt":
+                    new = tilts[joint]
+                else:
+                    new = CLEARANCES.get(name, 0.0) * clearances.get(joint, 0.0)
                 value = _limit_value(text, name, size, new)
-                limits.append(Limit(name, one, value, new))
+                limits.append(Limit(name, joint, value, new))
         return tuple(limits)
 
     def services(
         self, pins: Sequence[str], guides: Sequence[str]
     ) -> tuple[Service, ...]:
-        """Return the services of bushings and walls, in the order of strokes; raise InputError."""
+        """Return the services in the order of strokes.
+
+        ``pins`` and ``guides`` are the names of the joints with clearance.
+
+        Raises
+        ------
+        InputError
+            If a service cannot be read, or does not fit its joint.
+        """
         services = []
         joints = (*pins, *guides)
         for key, text in (("replaced", self.replaced), ("rotated", self.rotated)):
             for part in filter(None, map(str.strip, text.split(","))):
-                joint, sign, strokes = map(str.strip, part.partition("@"))
-                label = f"{key} = {part!r}"
-                if not (joint and sign and strokes):
-                    raise InputError(
-                        f"{label}: JOINT@STROKES is expected, such as 'A@2e6'"
-                    )
+                joint, strokes = self._parse_service(key, part)
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
-                at = float(parse_quantity(f"{key}: {joint}", strokes, _STROKES))
-                if at >= self.at_most:
-                    raise InputError(
-                        f"{label}: allowed is below at_most = {self.at_most:g}"
-                    )
-                is_rotated, is_guide = key == "rotated", joint in guides
+                is_rotated = key == "rotated"
+                is_guide = joint in guides
                 if is_rotated and is_guide:
                     raise InputError(
-                        f"{label}: the walls of a guide can be replaced only"
+                        f"{key} = {part!r}: the walls of a guide can be replaced only"
                     )
-                services.append(Service(joint, at, is_rotated, is_guide))
+                services.append(Service(joint, strokes, is_rotated, is_guide))
         return tuple(sorted(services, key=lambda service: service.strokes))
 
+    def _parse_service(self, key: str, text: str) -> tuple[str, float]:
+        """Return the joint and the strokes of a text such as A@2e6."""
+        label = f"{key} = {text!r}"
+        joint, sign, size = map(str.strip, text.partition("@"))
+        if not (joint and sign and size):
+            raise InputError(f"{label}: JOINT@STROKES is expected, such as 'A@2e6'")
+        strokes = float(parse_quantity(f"{key}: {joint}", size, _STROKES))
+        if strokes >= self.at_most:
+            raise InputError(f"{label}: allowed is below at_most = {self.at_most:g}")
+        return joint, strokes
 
-def _owners_of(
-    text: str, joint: str | None, name: str, of_kinds: Mapping[str, Mapping[str, float]]
-) -> tuple[str, ...]:
-    """Return the joints that a limit is of; an empty name for the whole mechanism."""
+
+def _joints_of_limit(
+    text: str,
+    specified: str | None,
+    name: str,
+    names_of_kind: Mapping[str, Sequence[str]],
+) -> Sequence[str]:
+    """Return the joints to which a limit applies; an empty name for the whole mechanism."""
     kinds = FOLLOWED[name].kinds
-    every = [one for names in of_kinds.values() for one in names]
     if not kinds:
-        if joint is not None:
+        if specified is not None:
             raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
         return ("",)
-    if joint is not None and joint not in every:
-        raise unknown("joint with clearance in until", joint, every)
-    owners = tuple(one for kind in kinds for one in of_kinds[kind])
-    if joint in owners:
-        return (joint,)
-    if joint is not None or not owners:
-        which = f"such as {owners[0]}" if owners else "and none has clearance"
+    with_clearance = list(chain.from_iterable(names_of_kind.values()))
+    if specified is not None and specified not in with_clearance:
+        raise unknown("joint with clearance in until", specified, with_clearance)
+    joints = list(chain.from_iterable(names_of_kind[kind] for kind in kinds))
+    if specified in joints:
+        return (specified,)
+    if specified is not None or not joints:
+        which = f"such as {joints[0]}" if joints else "and none has clearance"
         raise InputError(
             f"until = {text!r}: {name} is of a {' or '.join(kinds)}, {which}"
         )
-    return owners
+    return joints
 
 
 def _limit_value(text: str, name: str, size: str, new: float) -> float:
-    """Return the value of a limit, SI; ``new`` is that of the new joint, 0 if there is none."""
+    """Return the value of a limit, SI.
+
+    ``new`` is the value of the new joint, SI; 0 for a quantity that is 0 of a new joint.
+    """
     followed = FOLLOWED[name]
     if size.endswith("new"):
         times = _TIMES_NEW.fullmatch(size)
@@ -320,4 +348,4 @@ def _limit_value(text: str, name: str, size: str, new: float) -> float:
     return value
 
 
-LIVES = {Life.kind: Life}  # kinds of life that a scene may have
+LIVES = {Life.kind: Life}  # kinds of life in a scene file

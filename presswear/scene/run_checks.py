@@ -62,10 +62,10 @@ def check_open_tree(linkage: Linkage, engines: Sequence[str]) -> None:
 
     ``engines`` are the names of all engines.
     """
-    reason = branches_of(linkage)
-    if isinstance(reason, str) and reason:
+    branches = branches_of(linkage)
+    if isinstance(branches, str):  # the reason
         allowed = ", ".join(name for name in engines if name != ExudynTree.word)
         raise InputError(
             f"engine = {ExudynTree.word!r}: it needs a linkage without free loops, but "
-            f"{reason}; allowed is one of {allowed}"
+            f"{branches}; allowed is one of {allowed}"
         )

@@ -18,52 +18,55 @@ _HEAD = ("change", "factor", "95 % interval", "verdict")
 def write_report(improvement: Improvement, scene: Scene, folder: Path) -> Path:
     """Write ``report.html`` and its figure into the folder of an improvement; return the page."""
     figures = page.illustrated([improvement.draw()], inside(folder, "figures"))
-    sections = [
-        Section("Factors on each quantity", figures=figures, is_open=True),
-        *(
-            _section(improvement.heading(key), items, folder)
-            for key, items in improvement.effects.items()
-        ),
-    ]
+    sections = [Section("Factors on each quantity", figures=figures, is_open=True)]
+    for quantity, effects in improvement.effects.items():
+        sections.append(_section(improvement.heading(quantity), effects, folder))
     if improvement.failures:
-        lines = improvement.failures.items()
-        table = plain_table(("change", "reason"), lines, numeric=False)
+        rows = improvement.failures.items()
+        table = plain_table(("change", "reason"), rows, numeric=False)
         sections.append(Section("Runs that failed", tables=[("", table)]))
     text = page.render_page(
         f"{title_of(scene)}: changes of one joint at a time",
         page.FirstScreen(),
         sections,
-        answer=[f"{line[:1].upper()}{line[1:]}." for line in improvement.sentences],
+        answer=[f"{_capitalized(text)}." for text in improvement.sentences],
     )
     file = folder / REPORT
     write_bytes(file, text.encode())
     return file
 
 
-def _section(heading: str, items: list[Effect], folder: Path) -> Section:
+def _capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _section(heading: str, effects: list[Effect], folder: Path) -> Section:
     """Return the section of a quantity, with the command that compares the first change."""
-    lines = [
-        (one.change, readable(one.factor.mean), _interval(one), _verdict(one))
-        for one in items
-    ]
+    rows = []
+    for effect in effects:
+        factor = readable(effect.factor.mean)
+        rows.append((effect.change, factor, _interval(effect), _verdict(effect)))
+    table = plain_table(_HEAD, rows, numeric=False)
     notes = []
-    if items:
-        runs = (folder / name_for(name) for name in (PLAIN, items[0].change))
-        command = " ".join(shlex.quote(f"{run}") for run in runs)
-        notes.append(f"Side by side with the first change: presswear report {command}")
-    table = plain_table(_HEAD, lines, numeric=False)
-    return Section(f"{heading[:1].upper()}{heading[1:]}", (), [("", table)], (), notes)
+    if effects:
+        plain = shlex.quote(f"{folder / name_for(PLAIN)}")
+        changed = shlex.quote(f"{folder / name_for(effects[0].change)}")
+        command = f"presswear report {plain} {changed}"
+        notes.append(f"Side by side with the first change: {command}")
+    return Section(_capitalized(heading), tables=[("", table)], notes=notes)
 
 
 def _interval(effect: Effect) -> str:
-    low, high = effect.factor.low, effect.factor.high
+    low = effect.factor.low
+    high = effect.factor.high
     if low is None or high is None:
         return NOTHING
     return f"{readable(low)} to {readable(high)}"
 
 
 def _verdict(effect: Effect) -> str:
-    low, high = effect.factor.low, effect.factor.high
+    low = effect.factor.low
+    high = effect.factor.high
     if low is None or high is None or low <= 1.0 <= high:
         return "not certain"
     return "certain improvement" if effect.is_better else "certainly worse"

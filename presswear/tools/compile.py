@@ -214,7 +214,12 @@ class _LazyKernel(Kernel):
     def generate_call(
         self, context: Any, builder: Any, signature: Any, arguments: Any
     ) -> Any:
-        convention, result = context.call_conv, signature.return_type
+        """Write a call: load the address, get it from ``_compile`` if it is 0, and call it.
+
+        While ``_compile`` returns 0, after an interrupt, it is called again.
+        """
+        convention = context.call_conv
+        result = signature.return_type
         pointer = convention.get_function_type(result, signature.args).as_pointer()
         compile_first = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(pointer, ()), f"{self._name}.compile"
@@ -223,11 +228,12 @@ class _LazyKernel(Kernel):
         variable = builder.module.globals.get(name)
         if variable is None:
             variable = ir.GlobalVariable(builder.module, pointer, name)
-        stored, before = builder.load(variable), builder.block
-        missing, ready = builder.append_basic_block(), builder.append_basic_block()
-        builder.cbranch(cgutils.is_null(builder, stored), missing, ready).set_weights(
-            [1, 99]
-        )
+        stored = builder.load(variable)
+        before = builder.block
+        missing = builder.append_basic_block()
+        ready = builder.append_basic_block()
+        branch = builder.cbranch(cgutils.is_null(builder, stored), missing, ready)
+        branch.set_weights([1, 99])  # the kernel is missing at the first call only
         builder.position_at_end(missing)
         kernel = builder.call(compile_first, ())
         failed = builder.inttoptr(ir.IntType(64)(_FAILED), pointer)
@@ -259,11 +265,12 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
     def numba_type(example: Any) -> Any:
         if isinstance(example, np.dtype):
             return numba.from_dtype(example)
-        if type(example) is int:  # "A": a slice of a larger array may have gaps
-            if example == 0:
-                return types.float64
-            return types.Array(types.float64, example, "A")
-        return numba.typeof(example)
+        if type(example) is not int:
+            return numba.typeof(example)
+        if example == 0:
+            return types.float64
+        # "A": a slice of a larger array may have gaps.
+        return types.Array(types.float64, example, "A")
 
     kinds = tuple(map(numba_type, parameters))
     decorator = partial(_LazyKernel, result=numba_type(result), parameters=kinds)
@@ -273,7 +280,10 @@ def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
 def specialised(kernel: F, *arguments: Any) -> F:
     """Return the compiled function for these types, which numba would look up in each call.
 
-    RunFailed with file, line and reason for a kernel that cannot be compiled for them.
+    Raises
+    ------
+    RunFailed
+        If the kernel cannot be compiled for them; with file, line and reason.
     """
     if config.DISABLE_JIT:
         return kernel
@@ -384,6 +394,7 @@ def all_finite(first: Array, second: Array) -> bool:
     """Return whether two arrays of equal length contain no infinity and no NaN."""
     total = 0.0
     for i in range(first.shape[0]):
+        # Infinity minus infinity is NaN, and so is NaN minus NaN.
         total += first[i] - first[i] + (second[i] - second[i])
     return total == 0.0
 

@@ -57,13 +57,14 @@ from presswear.tools.compile import all_finite, compiled, copy_to
 from presswear.tools.packing import PackedArguments, unpack
 
 # Smallest relative change of a load at a transition of its law that counts as a jump
-JUMP = 1e-3
+MIN_JUMP = 1e-3
 # Largest time between the end of a step and the angle at which a section ends, s
-SECTION_NEAR = 1e-9
+SECTION_TIME_TOL = 1e-9
 # Largest relative difference between a step and the step that was chosen to end there
-SECTION_TOL = 1e-3
-FORCES, START, ACCEPTED, SHORTER = range(4)
-"""Tasks of ``run_task``."""
+SECTION_STEP_TOL = 1e-3
+# A step may be shorter than the least step, down to this part, to end at an event.
+MIN_STEP_PART = 0.1
+FORCES, START, ACCEPTED, SHORTER = range(4)  # tasks of ``run_task``
 
 
 @compiled
@@ -197,7 +198,8 @@ def project_state(
         drive = constraints.records[row].drive
         if drive >= 0 and drives.multiplier[drive] >= 0:
             change = constraints.multipliers[row]
-            change = -change if constraints.records[row].geared else change
+            if constraints.records[row].geared:
+                change = -change  # see ``pass_on_torques``
             drives.multipliers[drives.multiplier[drive]] += change
     for i in range(body_state.solved_indices.shape[0]):
         index = body_state.solved_indices[i]
@@ -318,23 +320,23 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
         records.powers[LOAD_WORK] = body_state.rates[
             body_state.layout.first_energy + LOAD_WORK
         ]
-        if greatest_jump(packed.loads) > JUMP:
+        if greatest_jump(packed.loads) > MIN_JUMP:
             # The accelerations at the start of the next step are those before the jump.
             following = steps[0].least
-    left = next_break(packed.loads) - t
-    following = step_to_break(records.motions, t, min(following, left))
+    to_break = next_break(packed.loads) - t
+    following = step_to_break(records.motions, t, min(following, to_break))
     following = step_to_section(records, following)
-    return max(following, 0.1 * steps[0].least)
+    return max(following, MIN_STEP_PART * steps[0].least)
 
 
 @compiled
 def step_to_section(records: RecorderState, h: float) -> float:
     """Return the step, s, of at most ``h``, that does not pass the angle where a section ends."""
-    p, r, a, _ = section_at_start(records.nominal, False)
-    if p >= 0.0 or math.isinf(p):
+    value, rate, acceleration, _ = section_at_start(records.nominal, False)
+    if value >= 0.0 or math.isinf(value):
         return h
-    arrival, speed, _ = time_to_event(p, r, a, 0.0)
-    if speed <= 0.0:
+    arrival, arrival_rate, _ = time_to_event(value, rate, acceleration, 0.0)
+    if arrival_rate <= 0.0:
         return h
     if arrival <= h:
         return arrival
@@ -349,17 +351,19 @@ def step_back_to_section(
 ) -> float:
     """Return the step, s, that replaces a trial step which misses the end of a section.
 
-    -1 if the trial step need not be repeated: it does not pass that angle, or it was
-    not chosen to end at that angle.
+    -1 if the trial step need not be repeated: it ends before or at the angle of the
+    section, and was not chosen to end beyond it. ``value`` is negative before the angle.
     """
-    p, r, a, _ = section_at_start(records.nominal, False)
-    if p >= 0.0 or math.isinf(p):
+    value, rate, acceleration, _ = section_at_start(records.nominal, False)
+    if value >= 0.0 or math.isinf(value):
         return -1.0
+    arrival, _, _ = time_to_event(value, rate, acceleration, 0.0)
+    is_aimed = abs(h - arrival) < SECTION_STEP_TOL * h
     value, rate = section_value(records.nominal, body_state.q, body_state.v)
-    is_aimed = abs(h - time_to_event(p, r, a, 0.0)[0]) < SECTION_TOL * h
-    if rate <= 0.0 or not (value > SECTION_NEAR or (is_aimed and value < 0.0)):
+    is_missed = value > SECTION_TIME_TOL or (is_aimed and value < 0.0)
+    if rate <= 0.0 or not is_missed:
         return -1.0
-    return h + (0.5 * SECTION_NEAR - value) / rate
+    return h + (0.5 * SECTION_TIME_TOL - value) / rate
 
 
 @compiled

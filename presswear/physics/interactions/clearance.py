@@ -6,6 +6,7 @@ from typing import ClassVar, Self
 from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
+from presswear.physics.equations.chain import Link
 from presswear.physics.equations.text import (
     ONE,
     ZERO,
@@ -44,6 +45,14 @@ _FILLED = (
     "place",
     "couple",
 )
+_FORCES = (
+    "normal_force",
+    "friction_force",
+    "force_x",
+    "force_y",
+    "pin_moment",
+    "bearing_moment",
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ class ClearanceContact:
 
     joint: ClearanceJoint
     record: Records  # of JOINT
-    number: int  # among the clearance joints
+    number: int  # index among the clearance joints
 
     kernels: ClassVar[Kernels] = (
         arc_width,
@@ -188,17 +197,13 @@ class ContactText:
             with text.block(f"if {onset} >= {ZERO} or level == END:"):
                 self._write_contact(onset)
         force = Vector(self.name("force_x"), self.name("force_y"))
-        for link, sign, end in (
-            (self.pin, ONE, "pin"),
-            (self.bearing, f"-{ONE}", "bearing"),
-        ):
-            link.forces.append(force.times(sign))
-            link.moments.append(self.name(f"{end}_moment"))
+        self.pin.forces.append(force.times(ONE))
+        self.pin.moments.append(self.name("pin_moment"))
+        self.bearing.forces.append(force.times(f"-{ONE}"))
+        self.bearing.moments.append(self.name("bearing_moment"))
 
     def _results(self) -> list[str]:
         """Return the variables that are zero in an open joint; declare powers and doses."""
-        forces = ["normal_force", "friction_force"]
-        forces += ["force_x", "force_y", "pin_moment", "bearing_moment"]
         powers = ["contact_loss"]
         if self.joint.friction.coefficient > 0.0:
             powers.append("friction_loss")
@@ -213,7 +218,7 @@ class ContactText:
         if self.wears_by_pressure:
             rates.append("wear_pressure")
             self.page.set_dose(self.number, "pressure", self.name("wear_pressure"))
-        return [self.name(word) for word in (*forces, *powers, *rates)]
+        return [self.name(word) for word in (*_FORCES, *powers, *rates)]
 
     def _write_contact(self, onset: str) -> None:
         """Write the motion of the pin, the forces, and the record at the end of a step."""
@@ -225,14 +230,16 @@ class ContactText:
             self._write_round()
         normal = self.vector("normal")
         velocity = self.vector("velocity")
-        sliding = total(
+        sum_of_speeds = total(
             normal.cross(velocity),
             product(self.pin.omega, self.value("pin_arm")),
             negative(product(self.bearing.omega, self.value("bearing_arm"))),
         )
-        sliding = self.fields["sliding"] = self.let("sliding", sliding)
-        self.friction.write_state(sliding, f"{self.value('penetration')} > {ZERO}")
-        with text.block(f"if {self.value('penetration')} > {ZERO}:"):
+        sliding = self.let("sliding", sum_of_speeds)
+        self.fields["sliding"] = sliding
+        is_closed = f"{self.value('penetration')} > {ZERO}"
+        self.friction.write_state(sliding, is_closed)
+        with text.block(f"if {is_closed}:"):
             if not self.is_worn:
                 self._write_elastic()
             with text.block(f"if {onset} >= {ZERO}:"):
@@ -255,13 +262,14 @@ class ContactText:
         self.fields["eccentricity"] = self.let("eccentricity", length)
         self._set_fields("eccentricity", eccentricity)
         self._set_fields("velocity", velocity)
-        for end, link, arm in (
-            ("bearing", bearing, self.bearing_arm),
-            ("pin", pin, self.pin_arm),
-        ):
-            self.fields[f"{end}_angle"] = link.angle
-            self.fields[f"{end}_spin"] = link.omega
-            self._set_fields(f"{end}_lever", arm if link.index >= 0 else Vector())
+        self._set_link("bearing", bearing, self.bearing_arm)
+        self._set_link("pin", pin, self.pin_arm)
+
+    def _set_link(self, end: str, link: Link, arm: Vector) -> None:
+        self.fields[f"{end}_angle"] = link.angle
+        self.fields[f"{end}_spin"] = link.omega
+        # The frame has no mass centre.
+        self._set_fields(f"{end}_lever", arm if link.index >= 0 else Vector())
 
     def _set_fields(self, name: str, vector: Vector) -> None:
         self.fields |= {f"{name}_x": vector.x, f"{name}_y": vector.y}
@@ -280,12 +288,8 @@ class ContactText:
         clearance = self.parameter("clearance", joint.clearance)
         penetration = self.let("penetration", difference(size, clearance))
         # A pin exactly in the centre is open, so that any direction is valid.
-        for axis, centred in (("x", ONE), ("y", ZERO)):
-            quotient = f"{self.value(f'eccentricity_{axis}')} / {size}"
-            cosine = self.let(
-                f"normal_{axis}", f"{quotient} if {size} > {ZERO} else {centred}"
-            )
-            self.fields[f"normal_{axis}"] = cosine
+        self._write_direction("x", size, ONE)
+        self._write_direction("y", size, ZERO)
         normal = self.vector("normal")
         velocity = self.vector("velocity")
         rate = self.let("rate", velocity.dot(normal))
@@ -294,26 +298,36 @@ class ContactText:
         self.fields["pin_arm"] = self.let("pin_arm", difference(radius, indentation))
         radius = self.parameter("bearing_radius", joint.bearing_radius)
         self.fields["bearing_arm"] = self.let("bearing_arm", total(radius, indentation))
-        self.fields |= {
-            "penetration": penetration,
-            "elastic": self.name("elastic_force"),
-        }
-        self.fields |= dict.fromkeys(("rate", "approach", "closing"), rate)
+        self.fields["penetration"] = penetration
+        self.fields["elastic"] = self.name("elastic_force")
+        # On round surfaces the point of contact approaches as the centre does.
+        self.fields["rate"] = rate
+        self.fields["approach"] = rate
+        self.fields["closing"] = rate
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
+
+    def _write_direction(self, axis: str, size: str, centred: str) -> None:
+        """Write a component of the unit vector of the eccentricity, of which ``size`` is the size.
+
+        ``centred`` is the component of a pin in the centre.
+        """
+        quotient = f"{self.value(f'eccentricity_{axis}')} / {size}"
+        component = f"{quotient} if {size} > {ZERO} else {centred}"
+        self.fields[f"normal_{axis}"] = self.let(f"normal_{axis}", component)
 
     def _write_worn(self) -> None:
         """Write the call of the kernel for worn surfaces."""
         self.fields["turning"] = self._turning()
         contact = self.let("contact", f"data.contacts[{self.number}]")
-        for word, value in self.fields.items():
-            self.text.write(f"{contact}[{FIELDS[word]}] = {value}")
+        for field, value in self.fields.items():
+            self.text.write(f"{contact}[{FIELDS[field]}] = {value}")
         is_radial = self.record["foundation"] == 0.0
         kernel = "note_radial" if is_radial else "note_foundation"
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
         self.text.write(f"{kernel}({arguments})")
-        for word in _FILLED:
-            self.fields[word] = self.let(word, f"{contact}[{FIELDS[word]}]")
+        for field in _FILLED:
+            self.fields[field] = self.let(field, f"{contact}[{FIELDS[field]}]")
 
     def _write_elastic(self) -> None:
         """Write the elastic force of the normal law."""
@@ -338,15 +352,14 @@ class ContactText:
     def _call_normal(self, depth: str, rate: str, onset: str) -> str:
         """Return the call of a normal law with all of NORMAL_PARAMETERS."""
         record = self.record["normal"]
-        arguments = [depth, rate, onset]
-        for word in ("stiffness", "exponent", "damping", "clearance"):
-            arguments.append(self.parameter(word, record[word]))
-        listed = ", ".join(arguments)
+        numbers = ("stiffness", "exponent", "damping", "clearance")
+        parameters = [self.parameter(name, record[name]) for name in numbers]
+        arguments = ", ".join([depth, rate, onset, *parameters])
         law = self.joint.round_normal
         if law.user_law is None:
-            return f"{ELASTICITIES[law.elasticity].__name__}({listed})"
+            return f"{ELASTICITIES[law.elasticity].__name__}({arguments})"
         address = self.parameter("normal_law", record["address"])
-        return f"call(int({address}), ({listed}))"
+        return f"call(int({address}), ({arguments}))"
 
     def _write_forces(self, onset: str, normal: Vector) -> None:
         """Write the forces and moments of a closed joint."""
@@ -369,7 +382,7 @@ class ContactText:
                 self._write_wear(normal_force)
 
     def _normal_force(self, onset: str) -> str:
-        """Return the normal force; write the closing speed at touchdown if it needs that."""
+        """Return the normal force; write the closing speed at touchdown for laws with damping."""
         law = self.joint.round_normal
         elastic = self.value("elastic")
         closing = self.value("closing")
@@ -395,9 +408,9 @@ class ContactText:
         if self.is_worn and self.record["foundation"] > 0.0:
             # The elastic force is zero at a penetration of some 1e-19 m, by underflow.
             elastic = self.value("elastic")
-            couple = f"{normal_force} / {elastic} * {self.value('couple')}"
-            couple = f"{couple} if {elastic} > {ZERO} else {ZERO}"
-            couple = self.let("couple_moment", couple)
+            scaled = f"{normal_force} / {elastic} * {self.value('couple')}"
+            scaled = f"{scaled} if {elastic} > {ZERO} else {ZERO}"
+            couple = self.let("couple_moment", scaled)
         if self.pin.index >= 0:
             point = self.pin_arm.plus(radius)
             point = self.text.let_vector(self.name("pin_point"), point)
@@ -414,16 +427,19 @@ class ContactText:
         write = self.text.write
         closing = self.value("closing")
         contact_loss = self.name("contact_loss")
-        loss = product(difference(normal_force, self.value("elastic")), closing)
-        write(f"{contact_loss} = {loss}")
+        damping_force = difference(normal_force, self.value("elastic"))
+        damping_power = product(damping_force, closing)
+        write(f"{contact_loss} = {damping_power}")
         if friction_force != ZERO:
             friction_power = product(friction_force, self.value("sliding"))
             write(f"{self.name('friction_loss')} = {negative(friction_power)}")
         if not self.makes_energy:
             return
         created = self.name("created")
-        write(f"{created} = -min({loss}, {ZERO})")
+        write(f"{created} = -min({damping_power}, {ZERO})")
         if self.is_worn:
+            # The radial force of a worn profile does work at the rate of ``approach``, its
+            # elastic energy changes at the rate of ``closing``.
             power = product(normal_force, difference(self.value("approach"), closing))
             write(f"{created} -= {power}")
             write(f"{contact_loss} += {power}")
@@ -493,6 +509,7 @@ class ContactText:
             self.text.write(f"{contact} = data.contacts[{self.number}]")
         self.fields["normal"] = self.name("normal_force")
         self.fields["tangential"] = self.name("friction_force")
-        for word, value in self.fields.items():
-            if not (self.is_worn and word in _FILLED):
-                self.text.write(f"{contact}[{FIELDS[word]}] = {value}")
+        for field, value in self.fields.items():
+            if self.is_worn and field in _FILLED:
+                continue
+            self.text.write(f"{contact}[{FIELDS[field]}] = {value}")
