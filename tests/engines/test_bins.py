@@ -21,61 +21,67 @@ ENGINES = [
 ]
 COARSE = 64
 FINE = 256
-PART = 0.05
-"""Of a cycle: three touches at either joint."""
+CYCLES = 0.05  # simulated part of a cycle, with three contacts at either joint
 
-each = pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
-
-
-def wave(bins: int, at: float) -> Surface:
-    """A wear with a closed form, 10 um deep, on so many bins."""
-    return Surface(5e-6 * (1.0 + np.cos(bin_centres(bins) - at)))
+each_engine = pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
 
 
-def ran(engine: Engine, bins: dict[str, int], worn: bool) -> Run:
-    """The press's joints with so many bins each, round or worn, after some touches."""
+def wave(bins: int, phase: float) -> Surface:
+    """Wear of 10 um at an angle, rad, as one wave of a cosine."""
+    return Surface(5e-6 * (1.0 + np.cos(bin_centres(bins) - phase)))
+
+
+def run_press(engine: Engine, bins: dict[str, int], is_worn: bool) -> Run:
+    """Run the press with these numbers of bins in its joints, round or worn."""
     scene = replace(wear_times(), conventions=CONVENTIONS["refined"])
-    scene = changed(scene, {f"{name}.angles": f"{own}" for name, own in bins.items()})
-    surfaces = {name: (wave(own, 0.5), wave(own, 2.0)) for name, own in bins.items()}
-    linkage = scene.linkage(surfaces if worn else None)
+    surfaces = {}
+    for joint, count in bins.items():
+        scene = changed(scene, {f"{joint}.angles": f"{count}"})
+        surfaces[joint] = (wave(count, 0.5), wave(count, 2.0))
+    linkage = scene.linkage(surfaces if is_worn else None)
     assert {joint.name: joint.bins for joint in linkage.clearances} == bins
-    run = run_scene(scene, engine, PART * scene.mechanism.period, linkage)
+    run = run_scene(scene, engine, CYCLES * scene.mechanism.period, linkage)
     assert run.recorder.records.counters["contacts"].min() > 1
     return run
 
 
-@each
-def test_each_joint_counts_its_wear_in_its_own_bins(engine: Engine) -> None:
-    """On round surfaces the motion knows no bins: a coarse map is the mean of the fine one."""
+@each_engine
+def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine) -> None:
+    """On round surfaces the motion does not depend on the bins."""
 
-    def maps(bins: dict[str, int]) -> tuple[bytes, NDArray[np.float64]]:
-        run = ran(engine, bins, worn=False)
-        return run.recorder.rows.tobytes(), run.recorder.maps.sampled
+    def run_round(bins_of_a: int, bins_of_c: int) -> tuple[bytes, NDArray[np.float64]]:
+        bins = {"A": bins_of_a, "C": bins_of_c}
+        recorder = run_press(engine, bins, is_worn=False).recorder
+        return recorder.rows.tobytes(), recorder.maps.sampled
 
-    motion, mixed = maps({"A": FINE, "C": COARSE})
-    for bins, joint in ((FINE, 0), (COARSE, 1)):
-        same, alike = maps({"A": bins, "C": bins})
-        assert motion == same
-        np.testing.assert_array_equal(mixed[joint, :, :bins], alike[joint])
-        assert alike[joint].max() > 0.0
-        if bins == FINE:
-            means = alike.reshape(2, 2, COARSE, -1).mean(axis=3)
-    # Behind a joint's own bins there is nothing.
-    assert not mixed[1, :, COARSE:].any()
+    rows, maps = run_round(FINE, COARSE)
+    fine_rows, fine_maps = run_round(FINE, FINE)
+    coarse_rows, coarse_maps = run_round(COARSE, COARSE)
+    assert rows == fine_rows
+    assert rows == coarse_rows
+    np.testing.assert_array_equal(maps[0], fine_maps[0])
+    np.testing.assert_array_equal(maps[1, :, :COARSE], coarse_maps[1])
+    assert maps[0].max() > 0.0
+    assert maps[1].max() > 0.0
+    assert not maps[1, :, COARSE:].any()
+    # The depth of a coarse bin is the mean over the fine bins in its range of angle.
+    means = fine_maps.reshape(2, 2, COARSE, -1).mean(axis=3)
     np.testing.assert_allclose(
-        mixed[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max()
+        maps[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max()
     )
 
 
-@each
-def test_worn_joints_with_different_bins_converge_to_alike_ones(engine: Engine) -> None:
-    """The surfaces are the same in the limit; few bins at either joint are told from many."""
-    alike = ran(engine, {"A": FINE, "C": FINE}, worn=True)
-    for joint in "AC":
-        few, some = (
-            np.abs(ran(engine, bins, worn=True).end.position - alike.end.position).max()
-            for bins in (
-                {"A": FINE, "C": FINE, joint: n} for n in (COARSE // 4, COARSE)
-            )
-        )
-        assert some < 5e-8 < 2e-7 < few
+@each_engine
+@pytest.mark.parametrize("joint", ["A", "C"])
+def test_motion_on_worn_surfaces_converges_with_the_bins(
+    engine: Engine, joint: str
+) -> None:
+    """A joint has 16 or 64 bins in place of 256."""
+
+    def end_position(count: int) -> NDArray[np.float64]:
+        bins = {"A": FINE, "C": FINE, joint: count}
+        return run_press(engine, bins, is_worn=True).end.position
+
+    fine = end_position(FINE)
+    assert np.abs(end_position(COARSE) - fine).max() < 5e-8
+    assert np.abs(end_position(COARSE // 4) - fine).max() > 2e-7

@@ -12,41 +12,44 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording.film import FILM_JOINT
 from presswear.scene.conventions import CONVENTIONS
 from presswear.validation.benchmark_problems import GAP
 from presswear.validation.reference_problems import REDUCED_MASS, Impact
 
+PEAK_FORCE = CONTACT_COLUMNS.index("peak_force")
+STEPS = CONTACT_COLUMNS.index("steps")
+DURATION = 5e-3  # of the run of an impact, s; the bodies have separated long before
+DURATION_IN_PRESS = 0.0175  # s; both joints have contacts
+
 
 def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -> Run:
     """Run one free impact; guides along its line make the linkage an open tree."""
-    linkage = impact.linkage
-    start = impact.start
-    joint = linkage.clearances[0]
+    joint = impact.linkage.clearances[0]
     joint = replace(joint, normal=law or joint.normal)
-    guides = tuple(
-        pw.Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies
-    )
-    start.position[3] = impact.clearance - GAP
-    if isinstance(engine, pw.ExudynJoints):
-        guides = ()
-    run = engine.simulate(
-        replace(linkage, joints=guides, clearances=(joint,)), start, Plan(5e-3, 1)
-    )
+    guides = []
+    if not isinstance(engine, pw.ExudynJoints):
+        for body in impact.linkage.bodies:
+            guides.append(pw.Guide(f"guide of {body.name}", body.name, 0.0, 0.0, 0.0))
+    linkage = replace(impact.linkage, joints=tuple(guides), clearances=(joint,))
+    start = impact.start
+    start.position[3] = impact.clearance - GAP  # x of the second body
+    run = engine.simulate(linkage, start, Plan(DURATION, 1))
     assert run.status == "completed", run.message
     assert len(run.recorder.stored_contacts(0)) == 1
     return run
 
 
 def peaks(run: Run) -> list[float]:
+    """Peak force of the contact in each place where a run stores it, N."""
     recorder = run.recorder
-    counts = recorder.records.counters
-    film = recorder.film
-    found = (
-        recorder.stored_contacts(0)[0, 4],
-        counts["peak_force"][0],
-        film.joints[..., 5].max(),
-    )
-    return [*map(float, found), float(recorder.each_cycle("force_max", 0)[0])]
+    return [
+        float(recorder.stored_contacts(0)[0, PEAK_FORCE]),
+        float(recorder.records.counters["peak_force"][0]),
+        float(recorder.film.joints[..., FILM_JOINT.index("peak")].max()),
+        float(recorder.each_cycle("force_max", 0)[0]),
+    ]
 
 
 def closed_form(impact: Impact) -> float:
@@ -56,23 +59,26 @@ def closed_form(impact: Impact) -> float:
     """
     chi = impact.damping
     n = 1.5
-    unit = (n + 1.0) * REDUCED_MASS * impact.speed**2 / impact.stiffness
+    scale = (n + 1.0) * REDUCED_MASS * impact.speed**2 / impact.stiffness
 
-    def negative(u: float) -> float:
-        reached = 0.5 * (1.0 - u * u)
+    def negative_force(u: float) -> float:
         if chi > 0.0:
-            reached = (1.0 - u) / chi - math.log((1.0 + chi) / (1.0 + chi * u)) / chi**2
-        depth = (unit * reached) ** (1.0 / (n + 1.0))
+            logarithm = math.log((1.0 + chi) / (1.0 + chi * u))
+            integral = (1.0 - u) / chi - logarithm / chi**2
+        else:
+            integral = 0.5 * (1.0 - u * u)
+        depth = (scale * integral) ** (1.0 / (n + 1.0))
         return -impact.stiffness * depth**n * (1.0 + chi * u)
 
-    found = minimize_scalar(
-        negative, bounds=(-0.2, 0.99), method="bounded", options={"xatol": 1e-9}
+    # The force is greatest at u near 0, just after the deepest place at strong damping.
+    minimum = minimize_scalar(
+        negative_force, bounds=(-0.2, 0.99), method="bounded", options={"xatol": 1e-9}
     )
-    return -float(found.fun)
+    return -float(minimum.fun)
 
 
-# At these tolerances a contact gets the fewest steps, some 21; the trapezoidal rule is
-# of order 2.
+# Engines and the bounds of their relative errors. At these tolerances a contact gets the
+# fewest steps, some 21; the trapezoidal rule is of order 2.
 ENGINES: list[tuple[Engine, float]] = [
     (pw.InHouse("dop853", 1e-6), 2e-5),
     (pw.ExudynTree(1e-6, 1e-3), 2e-5),
@@ -91,23 +97,23 @@ def test_peak_of_impact_is_exact(
 ) -> None:
     impact = Impact(nominal, law=law, speed=0.31)
     run = simulated(impact, engine)
-    found = peaks(run)
-    assert found[0] == pytest.approx(closed_form(impact), rel=bound)
-    assert found[0] == found[1] == found[2] == found[3]
-    assert found[0] >= run.recorder.series("normal", 0).max()
+    stored, *copies = peaks(run)
+    assert stored == pytest.approx(closed_form(impact), rel=bound)
+    assert copies == [stored] * 3
+    assert stored >= run.recorder.series("normal", 0).max()
 
 
 @pytest.mark.parametrize(
-    "engine", [engine for engine, _ in ENGINES], ids=lambda own: own.word
+    "engine", [engine for engine, _ in ENGINES], ids=lambda engine: engine.word
 )
-@pytest.mark.parametrize("part", [0.1, 2.0])
+@pytest.mark.parametrize("damping_ratio", [0.1, 2.0])
 def test_a_force_that_begins_with_a_jump_has_no_other_peak(
-    part: float, engine: Engine
+    damping_ratio: float, engine: Engine
 ) -> None:
     """Spring and damper: with twice the critical damping the force is greatest at touchdown."""
     stiffness = 1e7
     impact = Impact(1.0, speed=0.31)
-    damper = 2.0 * part * math.sqrt(stiffness * REDUCED_MASS)
+    damper = 2.0 * damping_ratio * math.sqrt(stiffness * REDUCED_MASS)
 
     def rates(_: float, state: np.ndarray) -> list[float]:
         return [state[1], -(stiffness * state[0] + damper * state[1]) / REDUCED_MASS]
@@ -122,13 +128,13 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(
         atol=1e-15,
         t_eval=np.linspace(0.0, 0.5 * period, 20001),
     )
-    truth = float((stiffness * motion.y[0] + damper * motion.y[1]).max())
+    exact = float((stiffness * motion.y[0] + damper * motion.y[1]).max())
     run = simulated(impact, engine, pw.NormalLaw(stiffness, 1.0, viscosity=damper))
-    found = peaks(run)[0]
-    assert run.recorder.series("normal", 0).max() <= found
-    # Of a force that falls from its beginning the first accepted state tells most.
-    assert found == pytest.approx(truth, rel=3e-4 if part < 1.0 else 3e-2)
-    assert found <= truth * (1.0 + 3e-4)
+    stored = peaks(run)[0]
+    assert run.recorder.series("normal", 0).max() <= stored
+    # A force that falls from touchdown on has its peak in the first accepted state.
+    assert stored == pytest.approx(exact, rel=3e-4 if damping_ratio < 1.0 else 3e-2)
+    assert stored <= exact * (1.0 + 3e-4)
 
 
 @pytest.mark.parametrize("conventions", [None, *CONVENTIONS])
@@ -143,13 +149,15 @@ def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -
         worn = {"A": (bearing, pw.Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
     linkage = scene.linkage(worn)
     start = start_of(scene)
-    plan = Plan(0.0175, 1)
+    plan = Plan(DURATION_IN_PRESS, 1)
     fine = pw.InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
-    exact = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
-    assert min(len(own) for own in exact) > 0
+    reference = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
+    assert min(map(len, reference)) > 0
     for tolerance in (1e-12, 1e-9):
         run = pw.InHouse("dop853", tolerance).simulate(linkage, start, plan)
-        for k, own in enumerate(exact):
-            found = run.recorder.stored_contacts(k)[: len(own)]
-            assert found[:, 5].max() < 0.2 * own[:, 5].max()
-            np.testing.assert_allclose(found[:, 4], own[:, 4], rtol=2e-5)
+        for k, exact in enumerate(reference):
+            contacts = run.recorder.stored_contacts(k)[: len(exact)]
+            assert contacts[:, STEPS].max() < 0.2 * exact[:, STEPS].max()
+            np.testing.assert_allclose(
+                contacts[:, PEAK_FORCE], exact[:, PEAK_FORCE], rtol=2e-5
+            )

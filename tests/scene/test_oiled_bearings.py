@@ -1,4 +1,4 @@
-"""Bearings whose oil film acts in the run: what is allowed, and what the joint gets."""
+"""Bearings whose oil film acts in the run: allowed settings, and the film of the joint."""
 
 import math
 import re
@@ -12,12 +12,14 @@ from presswear.tools.errors import InputError
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 OILED = {"film": "run", "viscosity": "0.1 Pa s"}
-NARROW_BUSH: dict[str, Any] = {**OILED, "clearance": "50 um"}
-NARROW = {**OILED, "clearance": "50 um", "wear_coefficient": 1e-16}
+# A film needs a smaller clearance than the dry bearings of the scenes.
+NARROW_BEARING: dict[str, Any] = {**OILED, "clearance": "50 um"}
+# Settings of a scene; its wear coefficient is a setting of the materials.
+NARROW: dict[str, Any] = {**NARROW_BEARING, "wear_coefficient": 1e-16}
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
+    ("settings", "message"),
     [
         ({"film": "run"}, "film = run: it needs a viscosity, such as 0.1 Pa s"),
         (
@@ -48,31 +50,33 @@ NARROW = {**OILED, "clearance": "50 um", "wear_coefficient": 1e-16}
         ),
     ],
 )
-def test_what_a_film_in_the_run_needs(values: dict[str, Any], words: str) -> None:
-    with pytest.raises(InputError, match=re.escape(words)):
-        pw.scenes.slider_crank(**values)
+def test_setting_that_a_film_in_the_run_does_not_allow(
+    settings: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        pw.scenes.slider_crank(**settings)
 
 
 def test_guide_has_no_film() -> None:
     sizes: dict[str, Any] = {"guide_length": "0.3 m", "guide_width": "0.2 m"}
-    bearings = {"guide": pw.Bearing(**NARROW_BUSH)}
+    bearings = {"guide": pw.Bearing(**NARROW_BEARING)}
     with pytest.raises(InputError, match="a guide has no oil film; allowed is report"):
         pw.Scene(pw.SliderCrank(**sizes), bearings=bearings)
 
 
 def test_oil_of_a_joint() -> None:
     press = pw.scene_from(SCENARIOS / "press-250kN.toml")
-    dry = press.linkage()
-    oiled = pw.changed(press, OILED).linkage()
-    assert all(joint.oil is None for joint in dry.clearances)
-    oil = oiled.clearances[0].oil
-    assert oil is not None
-    assert oil.viscosity == 0.1
-    assert oil.roughness == pytest.approx(math.sqrt(2.0) * 0.3e-6)
-    assert oil.asperity_pressure == 50e6
-    assert oiled.clearances[0].deepest_wear == pytest.approx(1e-5)
+    assert all(joint.oil is None for joint in press.linkage().clearances)
+    joint = pw.changed(press, OILED).linkage().clearances[0]
+    assert joint.oil is not None
+    assert joint.oil.viscosity == 0.1
+    # Roughness of two surfaces of 0.3 um
+    assert joint.oil.roughness == pytest.approx(math.sqrt(2.0) * 0.3e-6)
+    assert joint.oil.asperity_pressure == 50e6
+    assert joint.deepest_wear == pytest.approx(1e-5)
 
 
-def test_surfaces_of_a_film_are_hardly_worn() -> None:
+def test_wear_beyond_the_deepest_wear_of_a_film_is_refused() -> None:
+    bearing = [0.0] * 359 + [2e-5]
     with pytest.raises(InputError, match=r"allowed is 0 to 0\.01 mm"):
-        pw.scenes.slider_crank(**NARROW, surfaces={"B": [[0.0] * 359 + [2e-5], None]})
+        pw.scenes.slider_crank(**NARROW, surfaces={"B": [bearing, None]})
