@@ -173,7 +173,7 @@ def _start_heads(joints: Sequence[str]) -> list[str]:
 def _start_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
-        motion_of = {}
+        motion_of: dict[int, int] = {}
         for number, motion in enumerate(settled.motions, 1):
             motion_of |= dict.fromkeys(motion.runs, number)
         for k, run in enumerate(settled.runs):
