@@ -2,8 +2,10 @@
 
 from presswear.campaign.cycles_of_life import fewest_cycles
 from presswear.campaign.service_life import FIRST_WEAR, LifeProblem
+from presswear.linkage.laws import WEAR_PARAMETERS
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
+from presswear.tools.user_function import UserFunction
 
 
 def problem_of(scene: Scene, life: Life) -> LifeProblem:
@@ -13,16 +15,25 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     surfaces follow one another alike, and a life is inversely proportional to the
     coefficients.
     """
-    pairs = [scene.bearing(name).materials for name in scene.wearing_joints]
-    coefficient = max(
-        pair.wear_coefficient * max(pair.running_in, 1.0) for pair in pairs
-    )
+    coefficient = max(_new_coefficient(scene, name) for name in scene.wearing_joints)
     limits = scene.life_limits
     services = life.services(
         scene.loose_pins, [guide.name for guide in scene.worn_guides]
     )
     accuracy = life.at_most, scene.tolerance, life.max_cycles
     return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
+
+
+def _new_coefficient(scene: Scene, name: str) -> float:
+    """Return the larger wear coefficient of new and worn surfaces of a joint, 1/Pa."""
+    pair = scene.bearing(name).materials
+    law = scene.bearing(name).wear_law
+    coefficient = pair.wear_coefficient
+    if name not in scene.loose_pins or not isinstance(law, UserFunction):
+        return coefficient * max(pair.running_in, 1.0)
+    new = 0.0, 0.0, pair.pressure_reference, coefficient
+    state = dict(zip(WEAR_PARAMETERS, new, strict=True))
+    return max(law.number(f"{name}.wear_law", WEAR_PARAMETERS, state), coefficient)
 
 
 def fewest_cycles_of(scene: Scene) -> float:

@@ -9,7 +9,7 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.wear_update import STEP_SAFETY, WearUpdate
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import bin_centres
-from presswear.physics.running_in import running_in_of, worn_off
+from presswear.physics.running_in import depth_laws_of, worn_off
 from presswear.recording.statistics import (
     Estimate,
     differ,
@@ -75,7 +75,7 @@ def stage_wear_of(
     count = ensemble.replicates
     together = ensemble.together
     batches, weights = map_batches(together.maps)
-    laws = running_in_of(ensemble.linkage.clearances)
+    laws = depth_laws_of(ensemble.linkage.clearances)
     before = together.depth.mean(axis=0)
     samples = worn_off(laws, before, factor * batches)
     coarser = None

@@ -34,7 +34,7 @@ from presswear.campaign.service_life import (
 )
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.elements import ClearanceJoint, GuideCorner
-from presswear.physics.running_in import archard_depth, running_in_of
+from presswear.physics.running_in import archard_depth, depth_laws_of
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.life import LifeResult
@@ -120,13 +120,17 @@ class WearHistories:
         """
         joints = self.runner.scene.linkage().clearances
         laws = [joint.wear for joint in joints if joint.wear is not None]
+        is_known = all(
+            law.pressure_exponent == 1.0 and not law.depends_on_pressure for law in laws
+        )
         runs = () if self.state.watched is None else self.state.watched.runs
         maps = [run.maps for run in runs if run]
-        if not maps or all(law.pressure_exponent == 1.0 for law in laws):
+        if not maps or is_known:
             return self.problem
         removed = np.mean([one.sampled / max(one.samples, 1) for one in maps], axis=0)
         change = wear_update.largest_change(joints, removed)
-        change *= max(max(law.running_in, 1.0) for law in laws)
+        of_depth = [law for law in depth_laws_of(joints) if law is not None]
+        change *= max((law.ratio for law in of_depth if law.ratio > 1.0), default=1.0)
         share = self.problem.first_share
         if change > 0.0:
             share = min(share, FIRST_CHANGE / change)
@@ -180,7 +184,7 @@ class WearHistories:
         )
         runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, before)
 
-        laws = running_in_of(scene.linkage().clearances)
+        laws = depth_laws_of(scene.linkage().clearances)
         wear = wear_update.CycleWear(plan.share, laws, plan.extra)
         label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
         place = number + _MAX_INTERVALS * interval

@@ -28,7 +28,7 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.running_in import (
     Laws,
     archard_depth,
-    running_in_of,
+    depth_laws_of,
     worn_off,
 )
 from presswear.physics.wear import map_shape, worn_volume
@@ -129,7 +129,7 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
         per_cycle = np.concatenate([per_cycle, alone.added_by_run()])
     recorders = together.recorders
     joints = ensemble.linkage.clearances
-    laws = running_in_of(joints)
+    laws = depth_laws_of(joints)
     added_depth = worn_off(laws, before, cycles_per_update * per_cycle)
     depth = before + added_depth
     cycles = sum(maps.samples for maps in together.maps)
@@ -163,7 +163,7 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     if scene.is_quick:
         reached = _largest_reached(scene, joints, added_depth)
         return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
-    if any(laws := running_in_of(joints)):
+    if any(laws := depth_laws_of(joints)):
         depth = ensemble.depth.mean(axis=0)
         cycles = _cycles_to_change(laws, joints, depth, added_depth)
     else:
@@ -353,7 +353,7 @@ def refinement_spec(
     if is_enough:
         return None
     label = f"{stage_name(index + 1)} in {cycles} steps"
-    laws = running_in_of(scene.linkage().clearances)
+    laws = depth_laws_of(scene.linkage().clearances)
     wear = CycleWear(cycles_per_update / cycles, laws, start_up=start_up)
     # Replicates that settled in the stage start as they did there, to settle again.
     number = 1 + done if start_up == STARTUP_CYCLES else 0

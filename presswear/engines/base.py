@@ -189,7 +189,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         film_columns=_film_columns(linkage),
         film_losses=np.zeros(count),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
-        shares=np.zeros(shape[1:]),
+        shares=np.zeros((4, shape[2])),
         torque=np.zeros(drives),
         drives=np.zeros(drives, DRIVE),
         energies=np.zeros(len(ENERGIES)),

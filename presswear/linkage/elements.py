@@ -5,12 +5,18 @@ from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal, cast
 
-from presswear.linkage.laws import OILED_WEAR, FrictionLaw, NormalLaw
+from presswear.linkage.laws import (
+    OILED_WEAR,
+    WEAR_PARAMETERS,
+    FrictionLaw,
+    NormalLaw,
+)
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked, checked_arguments, converted
+from presswear.tools.user_function import UserFunction
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -331,6 +337,16 @@ class WearLaw(Checked):
     running_in_depth: float = 0.3e-6  # m
     pressure_exponent: float = 1.0  # m of dh = K_d p (p / p_ref)^(m - 1) ds
     pressure_reference: float = 10e6  # p_ref, Pa
+    # K, 1/Pa, as a function of WEAR_PARAMETERS; see ``physics.user_wear``
+    user_law: UserFunction | None = None
+
+    @property
+    def depends_on_pressure(self) -> bool:
+        """True if a user law gives the coefficient as a function of the pressure."""
+        law = self.user_law
+        return law is not None and "pressure" in law.parameters(
+            "wear_law", WEAR_PARAMETERS
+        )
 
 
 def deepest_wear(

@@ -27,6 +27,9 @@ NARROWEST, WIDEST = 0.125, 1.0
 OILED_CLEARANCE = 5e-3  # greatest clearance over radius of an oiled joint
 # wear over the clearance up to which the film has the shape of new surfaces
 OILED_WEAR = 0.2
+# m and Pa, at which user wear laws are checked
+WEAR_DEPTHS = 0.0, 1e-7, 1e-6, 1e-5, 1e-4
+WEAR_PRESSURES = 1e5, 1e6, 1e7, 1e8
 
 
 def lankarani_nikravesh_damping(restitution: float) -> float:
@@ -70,6 +73,11 @@ NORMAL_PARAMETERS = (
 
 FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
 """Parameters of a user friction law: m/s, N, -, m/s, m/s."""
+
+
+ARCHARD = "archard"
+WEAR_PARAMETERS = ("depth", "load_distance", "pressure", "coefficient")
+"""Parameters of a user wear law: m, N/m, Pa, 1/Pa."""
 
 
 def hertz_stiffness(
@@ -244,6 +252,42 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
         raise InputError(
             f"{key}: {fault}: it must be continuous; use tanh(sliding / upper_speed)"
         )
+
+
+def check_wear(key: str, law: UserFunction, coefficient: float) -> None:
+    """Raise InputError where a user wear law gives no positive coefficient, or no product.
+
+    The pressure is that of each step, and depth and load distance are those of a wear
+    update. A coefficient of both is therefore a product of a function of each.
+    """
+    used = law.parameters(key, WEAR_PARAMETERS)
+    if {"pressure", "load_distance"} <= {*used}:
+        raise InputError(
+            f"{key}: {law.name} uses pressure and load_distance; allowed is pressure and depth, "
+            "or load_distance and depth"
+        )
+
+    def size(depth: float, load_distance: float, pressure: float) -> float:
+        values = depth, load_distance, pressure, coefficient
+        state = dict(zip(WEAR_PARAMETERS, values, strict=True))
+        result = law.number(key, WEAR_PARAMETERS, state)
+        if not result > 0.0:
+            place = ", ".join(f"{name} = {state[name]:g}" for name in used)
+            raise InputError(
+                f"{key}: {law.name} gives {result:g} 1/Pa at {place}: must be above 0"
+            )
+        return result
+
+    for depth in WEAR_DEPTHS:
+        for pressure in WEAR_PRESSURES:
+            for load_distance in (0.0, depth / coefficient):
+                worn = size(depth, load_distance, pressure)
+            expected = size(depth, 0.0, WEAR_PRESSURES[0]) * size(0.0, 0.0, pressure)
+            product = worn * size(0.0, 0.0, WEAR_PRESSURES[0])
+            if "pressure" in used and abs(product - expected) > 1e-9 * expected:
+                raise InputError(
+                    f"{key}: {law.name} must be a function of depth times a function of pressure"
+                )
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,9 @@ from presswear.linkage.elements import (
     Attachment,
     ClearanceJoint,
     GuideCorner,
+    WearLaw,
 )
+from presswear.linkage.laws import WEAR_PARAMETERS
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
@@ -37,7 +39,8 @@ from presswear.physics.worn_map import (
     parts_of,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, floats, inlined
+from presswear.tools.compile import Records, address_of, floats, inlined
+from presswear.tools.user_function import compile_function
 
 # Least closing speed in the damping law of the corners of a slide, m/s. They touch down
 # slowly and stay closed under load: with a lower speed the damping would exceed the
@@ -72,6 +75,8 @@ JOINT = np.dtype(
         ("bearing_share", np.float64),  # share of the bearing in the worn depth
         # m of the wear law; see ``physics.pressure_wear``
         ("pressure_exponent", np.float64),
+        # of a user law of WEAR_PARAMETERS that depends on the pressure; 0: none
+        ("wear_address", np.int64),
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
         ("is_flat", np.bool_),  # a corner on a wall
@@ -151,6 +156,8 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
             record["wear_coefficient"] = joint.wear.coefficient
             record["bearing_share"] = joint.wear.bearing_share
             record["pressure_exponent"] = joint.wear.pressure_exponent
+            if joint.wear.depends_on_pressure:
+                record["wear_address"] = wear_address(joint.wear)
             record["slip_by_angle"] = joint.wear.slip == "angle"
             record["over_arc"] = joint.wear.wear_distribution == "arc"
         bins = _surface_bins(joint, wearing)
@@ -174,6 +181,13 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     for k, joint in enumerate(linkage.clearances):
         pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
     return packed
+
+
+def wear_address(wear: WearLaw) -> int:
+    """Return the address of the user law of wear, compiled."""
+    assert wear.user_law is not None
+    law = compile_function(wear.user_law, WEAR_PARAMETERS)
+    return address_of(law, len(WEAR_PARAMETERS))
 
 
 def _pack_driven(linkage: Linkage, offset: Mapping[str, int]) -> Records:

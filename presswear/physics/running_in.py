@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.user_wear import UserWear
 from presswear.tools.arrays import Array
 
 
@@ -45,17 +46,25 @@ class RunningIn(NamedTuple):
         return np.asarray(depth + self.depth * np.log1p(share * fading))
 
 
-Laws = tuple[RunningIn | None, ...]
+DepthLaw = RunningIn | UserWear
+Laws = tuple[DepthLaw | None, ...]
 
 
-def running_in_of(joints: Sequence[ClearanceJoint]) -> Laws:
-    """Return the law of each joint; None where the wear coefficient is constant."""
-    return tuple(
-        None
-        if joint.wear is None or joint.wear.running_in == 1.0
-        else RunningIn(joint.wear.running_in, joint.wear.running_in_depth)
-        for joint in joints
-    )
+def depth_law_of(joint: ClearanceJoint) -> DepthLaw | None:
+    """Return the law by which wear depends on the worn depth; None for Archard's."""
+    wear = joint.wear
+    if wear is None:
+        return None
+    if wear.user_law is not None:
+        return UserWear(wear)
+    if wear.running_in == 1.0:
+        return None
+    return RunningIn(wear.running_in, wear.running_in_depth)
+
+
+def depth_laws_of(joints: Sequence[ClearanceJoint]) -> Laws:
+    """Return the law of each joint by which wear depends on the depth; see ``depth_law_of``."""
+    return tuple(map(depth_law_of, joints))
 
 
 def worn_off(laws: Laws, depth: Array, archard: Array) -> Array:
@@ -63,7 +72,7 @@ def worn_off(laws: Laws, depth: Array, archard: Array) -> Array:
 
     Parameters
     ----------
-    laws : tuple of RunningIn or None
+    laws : tuple of RunningIn, UserWear or None
         Law of each joint.
     depth : ndarray
         Worn depth before, m, shape (..., joints, 2, bins) of bearings and pins.

@@ -8,6 +8,7 @@ import math
 
 from presswear.physics.packed import drive_rate
 from presswear.physics.pressure_wear import deposit_by_pressure
+from presswear.physics.user_wear import deposit_by_law
 from presswear.physics.wall_wear import deposit_on_wall
 from presswear.physics.wear import deposit_in_bins, deposit_over_arc
 from presswear.recording.columns import (
@@ -138,9 +139,20 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
     depth = records.depth[k, :, : joint.map_bins]
     if joint.over_arc:
         surfaces = records.packed.surfaces[k]
-        shares = records.shares[:, : joint.map_bins]
+        shares = records.shares[:2, : joint.map_bins]
         contact = records.contacts[k]
-        if joint.pressure_exponent != 1.0:
+        if joint.wear_address != 0:
+            deposit_by_law(
+                depth,
+                joint,
+                surfaces,
+                contact,
+                integrals.work,
+                integrals.pressure,
+                shares,
+                records.shares[2:, : joint.map_bins],
+            )
+        elif joint.pressure_exponent != 1.0:
             deposit_by_pressure(
                 depth, joint, surfaces, contact, integrals.pressure, shares
             )

@@ -13,7 +13,8 @@ from presswear.tools.compile import Records
 WEAR_INTEGRALS = np.dtype(
     [
         ("work", np.float64),  # F_n ds, N m
-        # p ds, N/m; with wear over the arc see ``physics.pressure_wear``, N m
+        # p ds, N/m; with wear over the arc see ``physics.pressure_wear``, N m; with a
+        # user law of the pressure the sliding distance, m
         ("pressure", np.float64),
         # rates at the end of the step, only filled by exudyn-joints
         ("work_rate", np.float64),  # W
@@ -105,7 +106,9 @@ class RecorderState(NamedTuple):
     film_columns: NDArray[np.int64]
     film_losses: Array  # power in the last accepted state, W, of each joint
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
-    shares: Array  # working space of ``deposit_over_arc``, (2, m)
+    shares: (
+        Array  # working space of ``deposit_over_arc`` and ``deposit_by_law``, (4, m)
+    )
     torque: Array  # of the drives in the present state, N m
     drives: Records  # of DRIVE
     # Energies in the order of ENERGIES, J, and their rates in the last state, W; only

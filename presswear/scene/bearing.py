@@ -112,6 +112,12 @@ class DryContact(Checked):
     upper_speed: float = quantity(
         1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above"
     )
+    wear_law: Law = choice(
+        laws.ARCHARD,
+        (laws.ARCHARD,),
+        "wear coefficient: constant, but for running_in and pressure_exponent, or a user law",
+        laws.WEAR_PARAMETERS,
+    )
 
 
 @dataclass(frozen=True)
@@ -206,6 +212,7 @@ class Bearing(FrictionSettings, DryContact):
             raise InputError(
                 f"friction = 0: with friction_law = {friction_law} allowed is above 0"
             )
+        self._check_wear_law()
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
@@ -251,6 +258,29 @@ class Bearing(FrictionSettings, DryContact):
                         f"{item.name} = {value:g}: it needs friction_law = {law}"
                     )
 
+    def _check_wear_law(self) -> None:
+        """Raise InputError for numbers that a user wear law does not read, and K_d = 0."""
+        if self.wear_law == laws.ARCHARD:
+            return
+        pair = self.materials
+        for key, default in (("running_in", 1.0), ("pressure_exponent", 1.0)):
+            if (value := getattr(pair, key)) != default:
+                raise InputError(
+                    f"{key} = {value:g}: with wear_law = {self.wear_law} allowed is 1"
+                )
+        if pair.wear_coefficient == 0.0:
+            raise InputError(
+                f"wear_coefficient = 0: with wear_law = {self.wear_law} allowed is above 0"
+            )
+
+    @property
+    def wears_by_pressure(self) -> bool:
+        """True if a user wear law depends on the pressure."""
+        law = self.wear_law
+        return isinstance(law, UserFunction) and "pressure" in law.parameters(
+            "wear_law", laws.WEAR_PARAMETERS
+        )
+
     @property
     def has_film(self) -> bool:
         """True if an oil film acts in the run."""
@@ -290,6 +320,10 @@ class Bearing(FrictionSettings, DryContact):
                 f"friction_law = {self.friction_law}: with film = run allowed is "
                 f"{', '.join(WITHOUT_SETTINGS)} or a user law"
             )
+        if self.wears_by_pressure:
+            raise InputError(
+                f"wear_law = {self.wear_law}: with film = run allowed is a law without pressure"
+            )
         if self.materials.pressure_exponent != 1.0:
             raise InputError(
                 f"pressure_exponent = {self.materials.pressure_exponent:g}: with film = run "
@@ -297,10 +331,17 @@ class Bearing(FrictionSettings, DryContact):
             )
 
     def check_conventions(self, where: str, conventions: Conventions) -> None:
-        """Raise InputError if asperities in an oil film cannot wear with the conventions.
+        """Raise InputError if the joint cannot wear with the conventions.
 
+        Asperities in an oil film and a user law of the pressure wear over an arc.
         ``where`` is the start of the message.
         """
+        if self.wears_by_pressure and conventions.wear_distribution != "arc":
+            raise InputError(
+                f"{where}wear_law = {self.wear_law}: with wear_distribution = "
+                f"{conventions.wear_distribution} allowed is a law without pressure; or use "
+                "wear_distribution = arc"
+            )
         if not self.has_film or self.materials.wear_coefficient == 0.0:
             return
         for key, allowed in (("wear_distribution", "arc"), ("slip", "sliding")):
@@ -337,6 +378,8 @@ class Bearing(FrictionSettings, DryContact):
             names.append("running_in_depth")
         if self.materials.pressure_exponent == 1.0:
             names.append("pressure_reference")
+        if self.wear_law != laws.ARCHARD:
+            names += "running_in", "pressure_exponent"
         return tuple(names)
 
     @property

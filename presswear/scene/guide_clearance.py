@@ -22,6 +22,7 @@ _ROUND = (
     "pressure_limit",
     "pv_limit",
     "angles",
+    "wear_law",
 )
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from presswear.linkage import elements
-from presswear.linkage.laws import OILED_WEAR
+from presswear.linkage.laws import ARCHARD, OILED_WEAR
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
 from presswear.scene.options import CLEARANCES, Life, Limit
@@ -64,6 +64,11 @@ def _check_quick_life(
     ratios = [bearing.materials.running_in for bearing in pins.values()]
     faults += [
         f"running_in = {ratio:g}: allowed is 1" for ratio in ratios if ratio != 1.0
+    ]
+    faults += [
+        f"wear_law = {bearing.wear_law}: allowed is {ARCHARD}"
+        for bearing in pins.values()
+        if bearing.wear_law != ARCHARD
     ]
     if faults:
         raise InputError(f"{faults[0]} with life.quick = on")

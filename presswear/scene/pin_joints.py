@@ -63,6 +63,10 @@ def check_user_laws(bearing: Bearing, joint: str, conventions: Conventions) -> N
         }
         laws.check_normal(key, law, {**state, "clearance": bearing.clearance})
         law.check_compiles(key, laws.NORMAL_PARAMETERS)
+    if isinstance(law := bearing.wear_law, UserFunction):
+        key = f"{joint}.wear_law"
+        laws.check_wear(key, law, bearing.materials.wear_coefficient)
+        law.check_compiles(key, laws.WEAR_PARAMETERS)
     check_user_friction(bearing, joint)
 
 
@@ -125,6 +129,7 @@ def clearance_joint(
         running_in_depth=bearing.materials.running_in_depth or bearing.roughness,
         pressure_exponent=bearing.materials.pressure_exponent,
         pressure_reference=bearing.materials.pressure_reference,
+        user_law=law if isinstance(law := bearing.wear_law, UserFunction) else None,
     )
     return elements.ClearanceJoint(
         revolute.name,

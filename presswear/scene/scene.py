@@ -330,7 +330,7 @@ class Scene(LoadedLinkage, Checked):
         laws = {
             f"{joint}.{key}": getattr(self.bearing(joint), key)
             for joint in self.all_loose_joints
-            for key in ("normal_law", "friction_law")
+            for key in ("normal_law", "friction_law", "wear_law")
         }
         laws |= {
             f"{one}.friction_law": self.bearing(one).friction_law

@@ -50,7 +50,7 @@ from presswear.show.stage_tables import (
 )
 from presswear.show.tables import Record, line_table, result_table
 from presswear.show.warnings import warnings
-from presswear.show.wear_law import wear_law_numbers
+from presswear.show.wear_law import user_wear_laws, wear_law_numbers
 from presswear.show.words import in_words_of
 from presswear.tools import numbers
 from presswear.tools.errors import (
@@ -174,6 +174,7 @@ def render_report(
         "has_rubbing_joints": bool(rubbing_joints(scene)),
         "bearings": [scene.bearing(joint) for joint in scene.wearing_joints],
         "wear_law": wear_law_numbers(scene),
+        "user_wear": user_wear_laws(scene),
         "oil": [] if untrusted else _oil_sentences(result),
         "presets": CONVENTIONS,
         "tables": {

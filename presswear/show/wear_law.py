@@ -1,6 +1,6 @@
 """Numbers of the wear law of each joint, and the origin of each of them."""
 
-from presswear.linkage.laws import UNLISTED, Materials, listed_pair
+from presswear.linkage.laws import ARCHARD, UNLISTED, Materials, listed_pair
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import DEFAULT, unread_of
 from presswear.tools.quantities import written
@@ -27,6 +27,20 @@ def wear_law_numbers(scene: Scene) -> str:
             places = f" at {' and '.join(joints)}" if len(texts) > 1 else ""
             parts.append(f"{symbol} = {text}{places}")
     return "; ".join(parts)
+
+
+def user_wear_laws(scene: Scene) -> list[str]:
+    """Return a sentence on each user wear law and its joints."""
+    joints: dict[str, list[str]] = {}
+    for name in scene.loose_pins:
+        law = scene.bearing(name).wear_law
+        if law != ARCHARD:
+            joints.setdefault(f"{law}", []).append(name)
+    return [
+        f"At {' and '.join(names)} the {law} gives the wear coefficient in place of K_d, p_ref, "
+        "m, rho and h_0."
+        for law, names in joints.items()
+    ]
 
 
 def _number(scene: Scene, joint: str, key: str, unit: str) -> str:

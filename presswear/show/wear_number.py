@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from presswear.linkage.laws import ARCHARD
 from presswear.recording.statistics import Estimate
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.stage import StageResult
@@ -59,6 +60,8 @@ def _place_text(scene: Scene, stage: StageResult, place: tuple[str, str]) -> str
         reference = written(materials.pressure_reference, "Pa")
         text += " It grows as the pressure to the power of "
         text += f"{materials.pressure_exponent:g}, and the coefficient is that at {reference}."
+    if (law := scene.bearing(name).wear_law) != ARCHARD:
+        text += f" The {law} changes this coefficient."
     return text + (f" It is for {scene.bin_remark}." if scene.bin_remark else "")
 
 

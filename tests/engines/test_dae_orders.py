@@ -7,11 +7,11 @@ from scipy.integrate import DOP853 as SCIPY_8
 from scipy.integrate import RK45
 
 from presswear.engines.base import Plan, Start
-from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.settings import Engine, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.spring import Spring
+from presswear.physics.dormand_prince import DOP853, DOPRI5
 from presswear.validation.cases import order_of
 
 FREQUENCY = 1000.0

@@ -8,7 +8,7 @@ import presswear as pw
 from presswear.physics.running_in import (
     RunningIn,
     archard_depth,
-    running_in_of,
+    depth_laws_of,
     worn_off,
 )
 from presswear.tools.errors import InputError
@@ -78,14 +78,14 @@ def test_each_side_of_each_joint_runs_in_by_its_depth() -> None:
 def test_settings_of_running_in() -> None:
     """Its depth is the roughness where none is given, and is read only with a ratio."""
     (joint,) = pw.scenes.slider_crank().linkage().clearances
-    assert running_in_of([joint]) == (None,)
+    assert depth_laws_of([joint]) == (None,)
     scene = pw.scenes.slider_crank(running_in=30.0, roughness="0.8 um")
     (joint,) = scene.linkage().clearances
-    assert running_in_of([joint]) == (RunningIn(30.0, 0.8e-6),)
+    assert depth_laws_of([joint]) == (RunningIn(30.0, 0.8e-6),)
     assert "roughness" not in scene.bearing("B").unread
     scene = pw.scenes.slider_crank(running_in=30.0, running_in_depth="2 um")
     (joint,) = scene.linkage().clearances
-    assert running_in_of([joint]) == (RunningIn(30.0, 2e-6),)
+    assert depth_laws_of([joint]) == (RunningIn(30.0, 2e-6),)
     assert "roughness" in scene.bearing("B").unread
     assert "running_in_depth" in pw.scenes.slider_crank().bearing("B").unread
 

@@ -16,13 +16,13 @@ from presswear.engines.dae.march import (
     place_state,
 )
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
-from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.contact import CONTACT
+from presswear.physics.dormand_prince import DOP853, DOPRI5
 from presswear.physics.equations.function import model_of
 from presswear.physics.equations.layout import (
     CONTACT_LOSS,

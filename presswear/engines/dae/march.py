@@ -14,9 +14,9 @@ from presswear.engines.dae.runge_kutta import (
     embedded_step,
     rates,
 )
-from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import ConstraintSystem, project
 from presswear.physics.contact import copy_contacts
+from presswear.physics.dormand_prince import Tableau
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import END
 from presswear.physics.equations.layout import (

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from presswear.engines.dae.dynamics import System, evaluate
-from presswear.engines.dormand_prince import DOP853, Tableau
+from presswear.physics.dormand_prince import DOP853, Tableau
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
 from presswear.recording.recorder_state import RecorderState

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.engines.dormand_prince import DOPRI5
 from presswear.physics.contact import corner_acceleration, penetration_acceleration
+from presswear.physics.dormand_prince import DOPRI5
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import (
     ACCELERATIONS,

@@ -160,7 +160,9 @@ class ContactText:
     def wears_by_pressure(self) -> bool:
         """True if wear needs the integral of a power of the pressure times slip."""
         return self.wears and not (
-            self.record["over_arc"] and self.record["pressure_exponent"] == 1.0
+            self.record["over_arc"]
+            and self.record["pressure_exponent"] == 1.0
+            and self.record["wear_address"] == 0
         )
 
     def name(self, word: str) -> str:
@@ -454,7 +456,9 @@ class ContactText:
             slip = f"({radius} + {depth}) * abs({turning})"
         work = self.name("wear_work")
         self.text.write(f"{work} = {normal_force} * {slip}")
-        if self.record["over_arc"] and self.wears_by_pressure:
+        if self.record["wear_address"]:
+            self.text.write(f"{self.name('wear_pressure')} = {slip}")
+        elif self.record["over_arc"] and self.wears_by_pressure:
             radius = self.parameter("bearing_radius", self.joint.bearing_radius)
             width = self.parameter("width", self.joint.width)
             clearance = self.parameter("clearance", self.joint.clearance)
