@@ -12,6 +12,7 @@ from selenium.webdriver import ActionChains, Chrome, ChromeOptions
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.wait import WebDriverWait
 
 import presswear as pw
 from presswear.show.report import write_report
@@ -54,6 +55,11 @@ def show(browser: Chrome, report: Path, width: int) -> None:
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     browser.execute("getLog", {"type": "browser"})  # of other pages
     browser.get(report.as_uri())
+    WebDriverWait(browser, 60.0).until(is_loaded)
+
+
+def is_loaded(browser: Chrome) -> bool:
+    return bool(browser.execute_script("return document.readyState === 'complete'"))
 
 
 def test_the_first_screen_has_drawing_and_key_numbers(
