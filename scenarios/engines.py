@@ -5,7 +5,8 @@ Run:  python scenarios/engines.py
 
 import presswear as pw
 
-for engine in (pw.ExudynTree(tree_tolerance=1e-9), pw.ExudynJoints(), pw.InHouse()):
+tree = pw.engines.ExudynTree(tree_tolerance=1e-9)
+for engine in (tree, pw.engines.ExudynJoints(), pw.engines.InHouse()):
     stage = pw.run(pw.scenes.slider_crank(cycles=5), engine=engine).stages[0]
     peak = stage.joints["B"].statistics.peak_force_per_cycle
     print(

@@ -6,16 +6,16 @@ Run:  python scenarios/own_linkage.py
 import numpy as np
 
 import presswear as pw
-from presswear.engines.base import Plan, Start
+from presswear.linkage import Attachment
 
-pin = pw.ClearanceJoint(
-    "pin", pw.Attachment("bob", 0.0, 0.2), pw.Attachment("frame", 0.0, 0.0), 0.015, 1e-3, 0.02,
-    pw.NormalLaw(1e10, damping=0.1), pw.FrictionLaw(0.05),
+pin = pw.linkage.ClearanceJoint(
+    "pin", Attachment("bob", 0.0, 0.2), Attachment("frame", 0.0, 0.0), 0.015, 1e-3, 0.02,
+    pw.linkage.NormalLaw(1e10, damping=0.1), pw.linkage.FrictionLaw(0.05),
 )  # fmt: skip
 bob = pw.Body("bob", mass=1.0, inertia=0.01)
-pendulum = pw.assemble((bob,), clearances=(pin,))
-start = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
-run = pw.InHouse().simulate(pendulum, start, Plan(1.0, 2))
+pendulum = pw.assemble((bob,), clearances=(pin,), cycle="1 s")
+start = pw.engines.Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
+run = pw.simulate(pendulum, start, duration="2 s", engine="dae")
 print(
     f"after {run.time:g} s: {run.recorder.records.counters['contacts'][0]} contacts, {run.status}"
 )

@@ -146,7 +146,7 @@ def main(
     draw(results, Path(folder) / "two-wears.png")
     again = {}
     for stage in (1, 2):
-        surfaces = pw.read_surfaces(f"{folder}/longer:{stage}")
+        surfaces = pw.results.read_surfaces(f"{folder}/longer:{stage}")
         for contact in ("radial", "foundation"):
             scene = pw.scenes.wear_times(
                 **common | {"contact": contact, "wear_updates": 0}

@@ -13,7 +13,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.packing import pack_arguments
 
 
-def branching() -> pw.Linkage:
+def branching() -> pw.linkage.Linkage:
     """A driven crank with two rods in a row, and an inclined slider with a pendulum."""
     return pw.assemble(
         (
@@ -25,38 +25,40 @@ def branching() -> pw.Linkage:
         ),
         (
             # The ends are written in both orders.
-            pw.Revolute(
+            pw.linkage.Revolute(
                 "N",
-                pw.Attachment("near", -0.1, 0.01),
-                pw.Attachment("crank", 0.05, 0.02),
+                pw.linkage.Attachment("near", -0.1, 0.01),
+                pw.linkage.Attachment("crank", 0.05, 0.02),
             ),
-            pw.Revolute(
-                "F", pw.Attachment("near", 0.12, 0.0), pw.Attachment("far", -0.2, 0.03)
+            pw.linkage.Revolute(
+                "F",
+                pw.linkage.Attachment("near", 0.12, 0.0),
+                pw.linkage.Attachment("far", -0.2, 0.03),
             ),
-            pw.Revolute(
+            pw.linkage.Revolute(
                 "H",
-                pw.Attachment("crank", -0.04, 0.01),
-                pw.Attachment("frame", 0.3, -0.2),
+                pw.linkage.Attachment("crank", -0.04, 0.01),
+                pw.linkage.Attachment("frame", 0.3, -0.2),
             ),
-            pw.Revolute(
+            pw.linkage.Revolute(
                 "P",
-                pw.Attachment("slider", 0.05, 0.02),
-                pw.Attachment("pendulum", 0.0, 0.1),
+                pw.linkage.Attachment("slider", 0.05, 0.02),
+                pw.linkage.Attachment("pendulum", 0.0, 0.1),
             ),
             pw.Guide("guide", "slider", 0.1, 0.2, direction=0.4, angle=-0.9),
         ),
         (pw.Drive("crank", -30.0, 0.7),),
-        pw.OutputPoint("slider", 0.4),
+        pw.linkage.OutputPoint("slider", 0.4),
     )
 
 
-def open_tree(linkage: pw.Linkage) -> Chain:
+def open_tree(linkage: pw.linkage.Linkage) -> Chain:
     result = open_chain(linkage, Text())
     assert isinstance(result, Chain), result
     return result
 
 
-def placed(linkage: pw.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
+def placed(linkage: pw.linkage.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
     """Coordinates and rates of all bodies at t = 0 in a state of the open tree."""
     packed = pack(linkage)
     equations = write_equations(linkage, packed)
@@ -71,6 +73,6 @@ def placed(linkage: pw.Linkage, x: Array, u: Array) -> tuple[Array, Array]:
     return model.bodies[0], model.bodies[1]
 
 
-def without(linkage: pw.Linkage, *names: str) -> pw.Linkage:
+def without(linkage: pw.linkage.Linkage, *names: str) -> pw.linkage.Linkage:
     """Return the linkage without some of its joints."""
     return linkage.changed(joints=[j for j in linkage.joints if j.name not in names])

@@ -30,11 +30,13 @@ COEFFICIENT = 1e-15
 SPEED = 100.0 * math.pi
 CYCLE = 2.0 * math.pi / SPEED
 ENGINES: dict[str, Any] = {
-    "dae": pw.InHouse(
+    "dae": pw.engines.InHouse(
         integrator="dopri5", integration_tolerance=1e-6, free_step=CYCLE / 40
     ),
-    "exudyn-tree": pw.ExudynTree(tree_tolerance=1e-5, free_step=CYCLE / 40),
-    "exudyn-joints": pw.ExudynJoints(steps_per_contact=20, free_step=CYCLE / 40),
+    "exudyn-tree": pw.engines.ExudynTree(tree_tolerance=1e-5, free_step=CYCLE / 40),
+    "exudyn-joints": pw.engines.ExudynJoints(
+        steps_per_contact=20, free_step=CYCLE / 40
+    ),
 }
 ARM = 20.0
 

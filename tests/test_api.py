@@ -22,7 +22,7 @@ def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
     assert whole.time == linkage.period
     assert whole.recorder.series("penetration", 0).max() > 0.0
     ideal = motion_of(linkage.ideal).at(np.zeros(1))
-    start = pw.Start(ideal.position[0], ideal.velocity[0])
+    start = pw.engines.Start(ideal.position[0], ideal.velocity[0])
     again = pw.simulate(linkage, start)
     np.testing.assert_array_equal(again.end.position, whole.end.position)
 
@@ -39,7 +39,7 @@ def test_a_long_run_has_the_steps_of_its_cycles() -> None:
 def test_engines_agree() -> None:
     linkage = pw.scenes.slider_crank().linkage()
     tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
-    own = pw.simulate(linkage, duration=1e-3, engine=pw.InHouse())
+    own = pw.simulate(linkage, duration=1e-3, engine=pw.engines.InHouse())
     np.testing.assert_allclose(tree.end.position, own.end.position, atol=1e-8)
 
 
@@ -49,7 +49,10 @@ def test_engines_agree() -> None:
         ({"engine": "da"}, "unknown engine 'da'; did you mean dae"),
         ({"duration": "0 s"}, "duration = .* above 0"),
         ({"duration": 1e7}, "duration = 1e.* up to 1e"),
-        ({"start": pw.Start(np.zeros(3), np.zeros(3))}, r"position .* \(9,\), three"),
+        (
+            {"start": pw.engines.Start(np.zeros(3), np.zeros(3))},
+            r"position .* \(9,\), three",
+        ),
         ({"begin": 0.0}, "unknown argument of simulate 'begin'"),
     ],
 )

@@ -7,6 +7,7 @@ import tomllib
 from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any, cast
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from four_bar_linkage import FOUR_BAR
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from public_names import PUBLIC
 
 import presswear as pw
 from presswear.recording.recorder import Recorder
@@ -21,11 +23,14 @@ from presswear.recording.recorder import Recorder
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
 
 
-def test_every_public_name_exists() -> None:
-    for name in dir(pw):
-        assert getattr(pw, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'Sceen'"):
-        _ = getattr(pw, "Sceen")  # noqa: B009 (a type checker refuses the attribute)
+@pytest.mark.parametrize("package", [pw, pw.engines, pw.linkage, pw.results])
+def test_every_public_name_exists(package: ModuleType) -> None:
+    assert len(dir(package)) >= 6
+    for name in dir(package):
+        assert getattr(package, name) is not None
+    message = f"'{package.__name__}' has no attribute 'Sceen'"
+    with pytest.raises(AttributeError, match=message):
+        _ = getattr(package, "Sceen")  # noqa: B009 (type checkers refuse the attribute)
 
 
 def test_one_version_in_package_citation_and_changelog() -> None:
@@ -50,8 +55,18 @@ def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program: str) ->
     )
 
 
-WHOLE = [*FOUR_BAR.bodies, FOUR_BAR.drives[0], pw.Bearing(), pw.Press(), pw.Materials()]
-WHOLE += [pw.Load("crank"), pw.Attachment("crank", 0.0, 0.0), pw.OverTime([(0.0, 1.0)])]
+WHOLE = [
+    *FOUR_BAR.bodies,
+    FOUR_BAR.drives[0],
+    pw.Bearing(),
+    pw.Press(),
+    pw.linkage.Materials(),
+]
+WHOLE += [
+    pw.Load("crank"),
+    pw.linkage.Attachment("crank", 0.0, 0.0),
+    pw.OverTime([(0.0, 1.0)]),
+]
 simple = st.one_of(
     st.none(),
     st.booleans(),
@@ -88,7 +103,7 @@ def test_a_part_with_one_value_changed_is_accepted_or_refused(
         replace(cast(Any, whole), **{name: data.draw(anything)})
 
 
-class Stops(pw.Observer):
+class Stops(pw.engines.Observer):
     """Ends each run after two cycles."""
 
     def on_cycle(self, recorder: Recorder, state: object) -> bool:
@@ -112,8 +127,8 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
 ) -> None:
     scene = pw.scenes.wear_times(wear_updates=1, cycles=2, **QUICK)
 
-    class Breaks(pw.Observer):
-        def on_stage(self, stage: pw.StageResult) -> None:
+    class Breaks(pw.engines.Observer):
+        def on_stage(self, stage: pw.results.StageResult) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -140,7 +155,7 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
 
 def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
     scene = pw.scenes.wear_times(wear_updates=0, cycles=1)
-    paper = pw.InHouse(integrator="rk4-paper")
+    paper = pw.engines.InHouse(integrator="rk4-paper")
     with pytest.raises(pw.RunFailed, match="no longer finite") as failed:
         pw.run(scene, tmp_path / "run", engine=paper)
     assert failed.value.finding.kind == "state"
@@ -178,7 +193,7 @@ def test_a_wrong_argument_is_answered_with_the_right_one(
 ) -> None:
     message = re.escape(f"unknown argument of {name} '{argument}'{answer}")
     with pytest.raises(pw.InputError, match=message):
-        getattr(pw, name)(**{argument: 1})
+        PUBLIC[name](**{argument: 1})
 
 
 def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
@@ -211,7 +226,9 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
     with pytest.raises(
         pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"
     ):
-        pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))
+        pw.run(
+            pw.scenes.wear_times(), engine=pw.engines.ExudynTree(tree_tolerance=-1.0)
+        )
     with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
     with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
@@ -230,7 +247,7 @@ def test_what_does_not_exist_is_answered_with_what_exists() -> None:
     result = pw.run(pw.Scene(pw.FourBar(), wear_updates=0, cycles=1, engine="dae"))
     (stage,) = result.stages
     assert result.stages[-1] == stage
-    assert isinstance(stage.joints["B"], pw.JointResult)
+    assert isinstance(stage.joints["B"], pw.results.JointResult)
     joints: Any
     for joints in (stage.joints, stage.statistics.joints):
         with pytest.raises(

@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from public_names import PUBLIC
 
 import presswear as pw
 
@@ -31,7 +32,7 @@ WRONG: list[Any] = [
     {1: 2},
     np.zeros(3),
 ]
-NAMES = [name for name in pw.__all__ if callable(getattr(pw, name))]
+NAMES = [name for name, one in PUBLIC.items() if callable(one)]
 RUNS = "run", "run_scenes", "sweep"  # these are called with arguments that start no run
 # what the program gives to scripts, and errors that they raise
 MADE_BY_PROGRAM = "Progress", "StageResult", "JointResult", "InputError", "RunFailed"
@@ -44,8 +45,8 @@ STATISTICS = [
 
 def right_arguments() -> dict[str, dict[str, Any]]:
     """Return right arguments for the needed parameters of public functions and classes."""
-    first = pw.Attachment("crank", 0.025, 0.0)
-    second = pw.Attachment("rod", -0.075, 0.0)
+    first = pw.linkage.Attachment("crank", 0.025, 0.0)
+    second = pw.linkage.Attachment("rod", -0.075, 0.0)
     bodies = [
         pw.Bar("crank", length=0.05, mass=0.3),
         pw.Bar("rod", length=0.15, mass=0.4),
@@ -66,9 +67,9 @@ def right_arguments() -> dict[str, dict[str, Any]]:
     linkage = pw.assemble(**parts)
     pins = {"name": "A", "first": first, "second": second}
     laws = {
-        "normal": pw.NormalLaw(1e10),
-        "friction": pw.FrictionLaw(0.1),
-        "wear": pw.WearLaw(1.2e-15),
+        "normal": pw.linkage.NormalLaw(1e10),
+        "friction": pw.linkage.FrictionLaw(0.1),
+        "wear": pw.linkage.WearLaw(1.2e-15),
     }
     radii = {"bearing_radius": 0.01, "clearance": 1e-4, "width": 0.02}
     joint = {"name": "A", "bearing": first, "pin": second, **radii, **laws}
@@ -116,12 +117,12 @@ def calls_of(name: str) -> list[dict[str, Any]]:
     """
     right = RIGHT.get(name, {})
     calls = []
-    for parameter in inspect.signature(getattr(pw, name)).parameters.values():
+    for parameter in inspect.signature(PUBLIC[name]).parameters.values():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
         for value in WRONG:
             arguments = {**right, parameter.name: value}
-            for other in inspect.signature(getattr(pw, name)).parameters.values():
+            for other in inspect.signature(PUBLIC[name]).parameters.values():
                 if other.default is other.empty:
                     arguments.setdefault(other.name, value)
             calls.append(arguments)
@@ -136,7 +137,7 @@ def test_a_wrong_argument_is_named(
     monkeypatch.chdir(tmp_path)
     for arguments in calls_of(name):
         try:
-            getattr(pw, name)(**arguments)
+            PUBLIC[name](**arguments)
         except pw.InputError:
             continue
         assert name not in RUNS or not arguments.get("scenes"), arguments
@@ -145,7 +146,7 @@ def test_a_wrong_argument_is_named(
 @pytest.mark.parametrize("name", sorted({*NAMES} - {*MADE_BY_PROGRAM, *RUNS}))
 def test_no_argument_is_taken_as_it_comes(name: str) -> None:
     """Nothing public has a parameter for an object of any kind."""
-    parameters = inspect.signature(getattr(pw, name)).parameters.values()
+    parameters = inspect.signature(PUBLIC[name]).parameters.values()
     named = [one for one in parameters if one.kind != one.VAR_POSITIONAL]
     # Settings of a friction law are a class of that law, in a higher layer.
     named = [one for one in named if (name, one.name) != ("FrictionLaw", "settings")]
@@ -153,14 +154,14 @@ def test_no_argument_is_taken_as_it_comes(name: str) -> None:
     for parameter in named:
         arguments = {**needed, **RIGHT.get(name, {}), parameter.name: object()}
         with pytest.raises(pw.InputError):
-            getattr(pw, name)(**arguments)
+            PUBLIC[name](**arguments)
 
 
 ARRAY = NDArray[np.float64]
 RIGHT_OF: dict[Any, Any] = {
     float: 1.0,
     int: 4,
-    pw.Estimate: pw.Estimate(1.0),
+    pw.statistics.Estimate: pw.statistics.Estimate(1.0),
     ARRAY: np.ones(4),
     ARRAY | float: np.ones(4),
     ARRAY | None: None,
@@ -217,7 +218,7 @@ def test_statistics_take_lists_of_numbers() -> None:
             "simulate",
             {
                 **RIGHT["simulate"],
-                "start": pw.Start(np.full(9, math.nan), np.zeros(9)),
+                "start": pw.engines.Start(np.full(9, math.nan), np.zeros(9)),
             },
             "position of the start: all numbers must be finite",
         ),
@@ -227,12 +228,12 @@ def test_a_wrong_value_is_named(
     name: str, arguments: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(pw.InputError, match=message):
-        getattr(pw, name)(**arguments)
+        PUBLIC[name](**arguments)
 
 
 def test_an_unknown_friction_law_is_named() -> None:
     linkage = pw.Scene().linkage()
-    law = pw.FrictionLaw(0.1, name="rampp")
+    law = pw.linkage.FrictionLaw(0.1, name="rampp")
     joints = tuple(replace(one, friction=law) for one in linkage.clearances)
     with pytest.raises(pw.InputError, match="did you mean ramp"):
         pw.simulate(replace(linkage, clearances=joints), duration=1e-3)
@@ -270,11 +271,11 @@ def test_sweep_names_the_wrong_argument(name: str, tmp_path: Path) -> None:
 
 
 def test_a_reading_is_taken_with_units_and_refused_by_name() -> None:
-    reading = pw.Reading("B", "1e6", "depth", "12 um", "2 um")  # type: ignore[arg-type]
+    reading = pw.results.Reading("B", "1e6", "depth", "12 um", "2 um")  # type: ignore[arg-type]
     assert (reading.strokes, reading.error) == (1e6, 2e-6)
     assert reading.value == pytest.approx(12e-6, rel=1e-15)
     with pytest.raises(pw.InputError, match="strokes of B = -1: allowed is 0 to"):
-        pw.Reading("B", -1.0, "depth", 1e-5)
+        pw.results.Reading("B", -1.0, "depth", 1e-5)
 
 
 def test_the_settings_of_a_function_of_a_scene_are_a_mapping() -> None:

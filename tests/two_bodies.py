@@ -19,21 +19,21 @@ from presswear.physics.packed import Packed, pack
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
-JOINT = pw.ClearanceJoint(
+JOINT = pw.linkage.ClearanceJoint(
     "J",
-    bearing=pw.Attachment("bearing", 0.17, -0.03),
-    pin=pw.Attachment("pin", -0.11, 0.05),
+    bearing=pw.linkage.Attachment("bearing", 0.17, -0.03),
+    pin=pw.linkage.Attachment("pin", -0.11, 0.05),
     bearing_radius=0.015,
     clearance=0.8e-3,
     width=0.02,
-    normal=pw.NormalLaw(1.25e10, 1.5, 0.1425),
-    friction=pw.FrictionLaw(0.1, 1e-4, 1e-3),
+    normal=pw.linkage.NormalLaw(1.25e10, 1.5, 0.1425),
+    friction=pw.linkage.FrictionLaw(0.1, 1e-4, 1e-3),
 )
 
 
 def normal_law(stiffness: float, exponent: float, damping: float) -> Records:
     """Return K delta^n with a damping factor, as a record of NORMAL."""
-    return normal_record(pw.NormalLaw(stiffness, exponent, damping), 1e-3)
+    return normal_record(pw.linkage.NormalLaw(stiffness, exponent, damping), 1e-3)
 
 
 def force_of(
@@ -46,10 +46,10 @@ def force_of(
 
 def worn_joint(
     frame: MapFrame, count: int = 24, deepest: float = 1e-4
-) -> pw.ClearanceJoint:
+) -> pw.linkage.ClearanceJoint:
     """Return the joint with random depths from zero up, other ones on bearing and pin."""
     bearing, pin = (
-        pw.Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
+        pw.linkage.Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
         for seed in (1, 2)
     )
     return replace(JOINT, map_frame=frame, bearing_surface=bearing, pin_surface=pin)
@@ -66,7 +66,9 @@ class JointLoad(NamedTuple):
     bearing_moment: float
 
 
-def contacts_in(linkage: pw.Linkage, packed: Packed, q: Array, v: Array) -> Records:
+def contacts_in(
+    linkage: pw.linkage.Linkage, packed: Packed, q: Array, v: Array
+) -> Records:
     """Return the contacts of all joints in a state."""
     forces = BodyForces(linkage, packed)
     forces(0.0, q, v)
@@ -77,16 +79,16 @@ def contacts_in(linkage: pw.Linkage, packed: Packed, q: Array, v: Array) -> Reco
 class Pair:
     """A state of the two bodies: coordinates and rates, each (6,), bearing body first."""
 
-    joint: pw.ClearanceJoint
+    joint: pw.linkage.ClearanceJoint
     q: Array
     v: Array
 
     @property
-    def linkage(self) -> pw.Linkage:
+    def linkage(self) -> pw.linkage.Linkage:
         """Both bodies, or the body of the pin alone if the frame holds the bearing."""
         names = ("pin",) if self.joint.bearing.body == GROUND else ("bearing", "pin")
         bodies = tuple(pw.Body(name, 0.1, 1e-3) for name in names)
-        output = pw.OutputPoint("pin")
+        output = pw.linkage.OutputPoint("pin")
         return pw.assemble(bodies, output=output, gravity=0.0, clearances=(self.joint,))
 
     @property
@@ -148,7 +150,10 @@ def turned(angle: float, x: float, y: float) -> Array:
 
 
 def gap_of(
-    joint: pw.ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float
+    joint: pw.linkage.ClearanceJoint,
+    direction: float,
+    bearing_angle: float,
+    pin_angle: float,
 ) -> float:
     """Return the clearance plus both depths in a direction, m."""
     turns = float(joint.map_frame == "body")
@@ -159,7 +164,7 @@ def gap_of(
 
 
 def placed(
-    joint: pw.ClearanceJoint,
+    joint: pw.linkage.ClearanceJoint,
     penetration: float,
     direction: float,
     *,

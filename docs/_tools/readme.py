@@ -16,7 +16,7 @@ def result_table(cycles: int = 20) -> str:
     """Compute the table: the command above it in README, in memory."""
     result = pw.run(pw.scenes.press_blanking(cycles=cycles))
     new, worn = (stage.statistics for stage in result.stages)
-    rows: list[tuple[str, pw.Estimate]] = []
+    rows: list[tuple[str, pw.statistics.Estimate]] = []
     for name in ("A", "C"):
         rows.append(
             (

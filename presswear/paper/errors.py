@@ -38,7 +38,7 @@ def chord_ratio(scene: pw.Scene) -> float:
     return bearing.bearing_radius / (bearing.bearing_radius - bearing.clearance)
 
 
-def effect(evidence: Evidence, case: str) -> pw.Estimate | float | None:
+def effect(evidence: Evidence, case: str) -> pw.statistics.Estimate | float | None:
     """Return the change of the depth under a case, relative to that as printed."""
     if case == CHORD:
         return chord_ratio(base_scene(WEAR)) - 1.0
@@ -50,7 +50,7 @@ def effect(evidence: Evidence, case: str) -> pw.Estimate | float | None:
     low, high = (
         None if end is None else end - 1.0 for end in (change.low, change.high)
     )
-    return pw.Estimate(change.mean - 1.0, low, high)
+    return pw.statistics.Estimate(change.mean - 1.0, low, high)
 
 
 def error_table(evidence: Evidence) -> Table:

@@ -51,7 +51,7 @@ OF_MAPS = {
 class Measured:
     """Quantity from our runs; SI units and rad."""
 
-    estimate: pw.Estimate  # for a peak, the mean over cycles
+    estimate: pw.statistics.Estimate  # for a peak, the mean over cycles
     single_cycles: Ends | None = None  # range that holds 95 % of the single cycles
     # range of the first cycles, which are not among the samples
     first_cycles: Ends | None = None
@@ -74,7 +74,7 @@ def cycles_by_replicate(result: pw.Result, place: Place, quantity: str) -> list[
     """Return the values of every cycle for each replicate; the runs on common surfaces first."""
     stage = result.stages[place.wear_updates]
     name = QUANTITIES[quantity].path
-    owner: pw.StageResult | pw.JointResult = (
+    owner: pw.results.StageResult | pw.results.JointResult = (
         stage.joints[place.joint] if place.joint else stage
     )
     if name in DEVIATIONS:
@@ -143,7 +143,9 @@ class Evidence:
             estimate, scatter, ends, len(together), differ, max(independent - 1.0, 1.0)
         )
 
-    def estimate(self, case: str, place: Place, quantity: str) -> pw.Estimate | None:
+    def estimate(
+        self, case: str, place: Place, quantity: str
+    ) -> pw.statistics.Estimate | None:
         """Return the estimate of a quantity under a case; None if it was not computed."""
         measured = self.measured(case, place, quantity)
         return None if measured is None else measured.estimate

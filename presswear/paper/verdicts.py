@@ -42,10 +42,10 @@ Position = Literal[
 
 
 def ratio(
-    over: Sequence[pw.Estimate],
-    under: Sequence[pw.Estimate],
+    over: Sequence[pw.statistics.Estimate],
+    under: Sequence[pw.statistics.Estimate],
     factors: Sequence[float] = (),
-) -> pw.Estimate:
+) -> pw.statistics.Estimate:
     """Return a product of estimates divided by another product, with its interval.
 
     Variance estimates are recovered from the intervals, on logarithms (Donner and Zou,
@@ -53,7 +53,7 @@ def ratio(
     intervals.
     """
 
-    def log_widths(one: pw.Estimate, factor: float) -> tuple[float, float]:
+    def log_widths(one: pw.statistics.Estimate, factor: float) -> tuple[float, float]:
         if one.low is None or one.high is None:
             return math.nan, math.nan
         below = math.log(one.mean / one.low) if one.low > 0.0 else math.inf
@@ -64,29 +64,29 @@ def ratio(
     widths = [*map(log_widths, every, factors or [1.0] * len(every))]
     pairs = [*widths[: len(over)], *((high, low) for low, high in widths[len(over) :])]
     if any(math.isnan(width) for pair in pairs for width in pair):
-        return pw.Estimate(value)
+        return pw.statistics.Estimate(value)
     down, up = (math.hypot(*sides) for sides in zip(*pairs, strict=True))
-    return pw.Estimate(value, value * math.exp(-down), value * math.exp(up))
+    return pw.statistics.Estimate(value, value * math.exp(-down), value * math.exp(up))
 
 
 def difference(
-    over: pw.Estimate,
-    under: pw.Estimate,
+    over: pw.statistics.Estimate,
+    under: pw.statistics.Estimate,
     is_angle: bool,
     factors: Sequence[float] = (1.0, 1.0),
-) -> pw.Estimate:
+) -> pw.statistics.Estimate:
     """Return the difference of two estimates, with its interval; ``factors`` widen theirs."""
     value = over.mean - under.mean
     if is_angle:
         value = wrapped_angle(value)
     if over.low is None or over.high is None or under.low is None or under.high is None:
-        return pw.Estimate(value)
+        return pw.statistics.Estimate(value)
     first, second = factors
     down = math.hypot(
         first * (over.mean - over.low), second * (under.high - under.mean)
     )
     up = math.hypot(first * (over.high - over.mean), second * (under.mean - under.low))
-    return pw.Estimate(value, value - down, value + up)
+    return pw.statistics.Estimate(value, value - down, value + up)
 
 
 def widening(freedom: float, count: int) -> float:
@@ -102,7 +102,7 @@ def widening(freedom: float, count: int) -> float:
 
 def compared(
     evidence: Evidence, case: str, comparison: Comparison, count: int = 1
-) -> pw.Estimate | None:
+) -> pw.statistics.Estimate | None:
     """Return our ratio or difference; None if one of its quantities was not computed.
 
     Its interval is one of ``count`` that hold together with 95 %.
@@ -127,7 +127,7 @@ def factors_of(measured: Sequence[Measured], count: int) -> list[float]:
     return [widening(one.freedom, count) for one in measured]
 
 
-def verdict(ours: pw.Estimate | None, comparison: Comparison) -> Verdict:
+def verdict(ours: pw.statistics.Estimate | None, comparison: Comparison) -> Verdict:
     """Return whether an interval confirms the expected change."""
     if ours is None:
         return "not computed"
@@ -233,7 +233,7 @@ def position(number: Printed, ours: Measured | None) -> Position:
     return "below" if is_below else "inside"
 
 
-def agreement(printed: float, ours: pw.Estimate | None) -> Position:
+def agreement(printed: float, ours: pw.statistics.Estimate | None) -> Position:
     """Return whether a printed number is in our interval."""
     if ours is None:
         return "not computed"

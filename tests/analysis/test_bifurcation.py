@@ -120,7 +120,9 @@ def test_a_failed_run_leaves_a_gap(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """With far too large steps all numbers are NaN, and the next value starts anew."""
-    monkeypatch.setattr(bifurcation, "ENGINE", pw.InHouse("rk4", equal_step=1e-2))
+    monkeypatch.setattr(
+        bifurcation, "ENGINE", pw.engines.InHouse("rk4", equal_step=1e-2)
+    )
     parameter = bifurcation.Parameter("speed", (1.0, 2.0), "rad/s")
     file = tmp_path / "up.npz"
     cycles = bifurcation.Cycles(12, 6, 0)

@@ -120,10 +120,12 @@ def test_scene_is_stored(
 
 
 def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result) -> None:
-    by_stage, last = (pw.read_surfaces(f"{first.path}{stage}") for stage in (":1", ""))
+    by_stage, last = (
+        pw.results.read_surfaces(f"{first.path}{stage}") for stage in (":1", "")
+    )
     assert by_stage == last == first.stages[1].surfaces
     with pytest.raises(pw.InputError, match="has no stage 4; it has 0 to 1"):
-        pw.read_surfaces(f"{first.path}:4")
+        pw.results.read_surfaces(f"{first.path}:4")
     other = pw.scenes.wear_times(surfaces=last, wear_updates=0, **QUICK)
     with pytest.raises(
         pw.InputError, match=r"A is None there and \[\{.{,40}\.\.\. \([0-9a-f]+\)"

@@ -556,21 +556,21 @@ def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(set.union(*numbers.values(), {0, 1})) == 2 * (len(numbers) + 1)
 
 
-class Stops(pw.Observer):
+class Stops(pw.engines.Observer):
     """Interrupts a refinement after a number of reports on it."""
 
     def __init__(self, number: int, reports: int) -> None:
         self.word = f"refinement {number}"
         self.left = reports
 
-    def on_progress(self, progress: pw.Progress) -> None:
+    def on_progress(self, progress: pw.engines.Progress) -> None:
         if self.word in progress.word:
             self.left -= 1
             if not self.left:
                 raise KeyboardInterrupt
 
 
-class Lives(pw.Observer):
+class Lives(pw.engines.Observer):
     """Keeps the lives that a run reports."""
 
     def __init__(self) -> None:
@@ -641,10 +641,10 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(
     strokes = life.curves["strokes"]
     depth = life.curves["B.depth"][:, 0]
     readings = [
-        pw.Reading("B", float(strokes[k]), "depth", float(depth[k]), 1e-8)
+        pw.results.Reading("B", float(strokes[k]), "depth", float(depth[k]), 1e-8)
         for k in (len(strokes) // 3, len(strokes) // 2)
     ]
-    left = pw.remaining_life(pw.load(whole[0]), readings)
+    left = pw.results.remaining_life(pw.load(whole[0]), readings)
     factor = left.joints[0].factor
     assert factor.mean == pytest.approx(10.0, rel=1e-3)
     expected = life.strokes - readings[-1].strokes
@@ -813,7 +813,7 @@ def fails_at(depth: float) -> Callable[..., Finding | None]:
     """Return an examination that finds something once a surface is so deep, m."""
 
     def examine(
-        linkage: pw.Linkage, recorder: Recorder, now: Condition
+        linkage: pw.linkage.Linkage, recorder: Recorder, now: Condition
     ) -> Finding | None:
         if recorder.surface_depth.max(initial=-np.inf) > depth:
             return Finding("state", "the state is no longer finite", now.time, "B", "")

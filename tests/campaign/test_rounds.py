@@ -103,7 +103,7 @@ def test_failed_run_is_the_last(
     assert len(runs.recorders[0].cycles) == 3
 
 
-class At(pw.Observer):
+class At(pw.engines.Observer):
     """Calls a function with each progress that fits."""
 
     def __init__(self, function: Any, part: float = 0.0, word: str = "") -> None:
@@ -111,7 +111,7 @@ class At(pw.Observer):
         self.part = part
         self.word = word
 
-    def on_progress(self, progress: pw.Progress) -> None:
+    def on_progress(self, progress: pw.engines.Progress) -> None:
         if progress.whole > self.part and progress.word.startswith(self.word):
             self.function()
 
@@ -157,7 +157,7 @@ def test_interrupted_processes_resume_in_one(
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
 
 
-class Stored(pw.Observer):
+class Stored(pw.engines.Observer):
     """Keeps the words of the checkpoint that the folder holds after each notification."""
 
     def __init__(self, path: Path) -> None:
@@ -197,15 +197,15 @@ def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
     assert "Plan 9, 1 core" in remark
 
 
-class Frames(pw.Observer):
+class Frames(pw.engines.Observer):
     """Keeps the progress, with frames as a window needs them."""
 
     frames = 60
 
     def __init__(self) -> None:
-        self.progress: list[pw.Progress] = []
+        self.progress: list[pw.engines.Progress] = []
 
-    def on_progress(self, progress: pw.Progress) -> None:
+    def on_progress(self, progress: pw.engines.Progress) -> None:
         self.progress.append(progress)
 
 

@@ -217,13 +217,13 @@ def test_limits_of_guides_and_pins_are_named() -> None:
         limits("A.tilt > 1 mm/m")
 
 
-class Stops(pw.Observer):
+class Stops(pw.engines.Observer):
     """Interrupts a campaign at some progress with a word."""
 
     def __init__(self, word: str, reports: int) -> None:
         self.word, self.left = word, reports
 
-    def on_progress(self, progress: pw.Progress) -> None:
+    def on_progress(self, progress: pw.engines.Progress) -> None:
         if self.word in progress.word:
             self.left -= 1
             if not self.left:

@@ -21,6 +21,7 @@ import pytest
 import speed
 from columns import PAGE, filled
 from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
+from public_names import NAMES, missing_names
 from readme import result_table
 
 import presswear as pw
@@ -280,9 +281,19 @@ def test_help_of_a_bearing_states_units_ranges_and_defaults() -> None:
 
 
 def test_reference_lists_all_public_names() -> None:
-    """``scenes`` and ``statistics`` are described in text."""
-    listed = set(re.findall(r"(?m)^   (\w+)$", (DOCS / "api.md").read_text()))
-    assert listed == set(pw.__all__) - {"scenes", "statistics"}
+    listed = re.findall(r"(?m)^   ([\w.]+)$", (DOCS / "api.md").read_text())
+    assert sorted(listed) == sorted(NAMES)
+
+
+def test_public_names_in_texts_exist() -> None:
+    """Of pages, scenarios, and docstrings, messages and templates of the program."""
+    made_up = missing_names("pw.Sceen(), pw.run(), pw.linkage.Body.")
+    assert made_up == ["Sceen", "linkage.Body"]
+    package = (ROOT / "presswear").rglob("*")
+    files = [file for file in package if file.suffix in {".py", ".toml", ".html"}]
+    files += [*PAGES, *(ROOT / "scenarios").glob("*.py")]
+    wrong = {file: missing_names(file.read_text()) for file in files}
+    assert {file: names for file, names in wrong.items() if names} == {}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -355,7 +366,10 @@ def test_examples_of_the_reference_run(
     blocks = re.findall(r"(?s)```python\n(.*?)```", (DOCS / "api.md").read_text())
     code = "\n".join(blocks)
     exec(code, {})
-    assert set(pw.__all__) <= set(re.findall(r"\bpw\.(\w+)", code))
+    named = set(re.findall(r"\bpw\.([\w.]+)", code))
+    assert set(NAMES) <= named
+    assert any(name.startswith("scenes.") for name in named)
+    assert "statistics.half_width" in named
 
 
 def estimates(text: str) -> dict[str, list[float]]:
@@ -417,7 +431,7 @@ def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> No
     )
     assert found
     strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
-    assert scatter == 100.0 * pw.Materials().wear_scatter
+    assert scatter == 100.0 * pw.linkage.Materials().wear_scatter
     deviation = math.sqrt(math.log1p((scatter / 100.0) ** 2))
     factor = math.hypot(0.5 * math.log(high / low), 1.96 * deviation)
     assert [total_low, total_high] == pytest.approx(

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from public_names import PUBLIC
 
 import presswear as pw
 
@@ -27,8 +28,7 @@ def test_signatures_have_types_and_defaults_without_modules() -> None:
 
 
 def test_every_public_class_and_function_has_a_signature() -> None:
-    for name in pw.__all__:
-        one = getattr(pw, name)
+    for name, one in PUBLIC.items():
         if callable(one):
             what = "class" if isinstance(one, type) else "function"
             parameters, _ = signature_of(NO_APP, what, name, one) or ("", "")

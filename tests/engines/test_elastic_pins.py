@@ -91,7 +91,7 @@ def test_a_block_hangs_lower_by_its_weight_over_the_stiffness() -> None:
     assert drop == pytest.approx(-MASS * 9.81 / STIFFNESS, rel=1e-12)
 
 
-def four_bar(stiffness: float | None) -> pw.Linkage:
+def four_bar(stiffness: float | None) -> pw.linkage.Linkage:
     bodies = [
         pw.Bar("crank", 0.05, 0.4),
         pw.Bar("coupler", 0.2, 0.5),

@@ -48,7 +48,7 @@ def force_on(process: Process, slider: Array, bottom: float) -> Array:
 
 
 def check_work(
-    stage: pw.StageResult,
+    stage: pw.results.StageResult,
     process: Process,
     exact: Array,
     bottom: float,
@@ -143,7 +143,11 @@ def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
     )
 
 
-SERVOS: list[Servo] = [pw.Dwell(law="cycloidal"), pw.Forming(), pw.Pendulum()]
+SERVOS: list[Servo] = [
+    pw.linkage.Dwell(law="cycloidal"),
+    pw.linkage.Forming(),
+    pw.linkage.Pendulum(),
+]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

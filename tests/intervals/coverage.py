@@ -74,11 +74,11 @@ def scenes_of(subject: Subject, tries: int | None = None) -> dict[str, pw.Scene]
     return scenes
 
 
-def intervals_of(scene: pw.Scene, stage: pw.StageResult) -> dict[str, Ends]:
+def intervals_of(scene: pw.Scene, stage: pw.results.StageResult) -> dict[str, Ends]:
     """Return all intervals that a stage states, in SI units."""
     stored = stage.statistics
     per_cycle = 1.0 / stage.cycles_per_update
-    found: dict[str, pw.Estimate | None] = {}
+    found: dict[str, pw.statistics.Estimate | None] = {}
     found["largest acceleration"] = stage.output.acceleration_max_per_cycle
     found["work of the drives"] = stored.drive_work_per_cycle
     if stored.bdc is not None:
@@ -106,9 +106,11 @@ def intervals_of(scene: pw.Scene, stage: pw.StageResult) -> dict[str, Ends]:
     }
 
 
-def _of_motors(scene: pw.Scene, stage: pw.StageResult) -> dict[str, pw.Estimate | None]:
+def _of_motors(
+    scene: pw.Scene, stage: pw.results.StageResult
+) -> dict[str, pw.statistics.Estimate | None]:
     """Return the estimates of the speed of the first motor and of the loads of all motors."""
-    found: dict[str, pw.Estimate | None] = {}
+    found: dict[str, pw.statistics.Estimate | None] = {}
     speed = leader_speed(scene, stage)
     if speed is not None:
         found["strokes in a second"] = speed.stroke_rate
@@ -120,14 +122,14 @@ def _of_motors(scene: pw.Scene, stage: pw.StageResult) -> dict[str, pw.Estimate 
     return found
 
 
-def _ends(estimate: pw.Estimate) -> Ends:
+def _ends(estimate: pw.statistics.Estimate) -> Ends:
     low, high = (
         math.nan if end is None else end for end in (estimate.low, estimate.high)
     )
     return estimate.mean, low, high
 
 
-def is_mixture(stage: pw.StageResult) -> bool:
+def is_mixture(stage: pw.results.StageResult) -> bool:
     """Return whether the stage says that its replicates show different motions."""
     settling = stage.statistics.settling
     return settling is not None and settling.is_mixture

@@ -188,7 +188,9 @@ SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.gen
 def test_slider_dwells_as_requested(
     part: float, stroke: float, bottom: float, law: str
 ) -> None:
-    dwell = pw.Dwell(part=part, stroke=stroke, bottom=math.radians(bottom), law=law)
+    dwell = pw.linkage.Dwell(
+        part=part, stroke=stroke, bottom=math.radians(bottom), law=law
+    )
     press = pw.Press(servo=dwell)
     ideal = motion_of(press)
     bottom = ideal.at(np.array([dwell.bottom / W])).output(press.linkage())[0, 0]
@@ -207,7 +209,7 @@ def test_the_speed_is_constant_in_the_work(
     speed: float, height: float, end: float
 ) -> None:
     """Polynomials of degree five join it; near 0.04 m/s some curves are out of reach."""
-    forming = pw.Forming(speed=speed, height=height, end=end)
+    forming = pw.linkage.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)
     ideal = motion_of(press)
     stopping = 2.0 * end / speed

@@ -51,7 +51,7 @@ def test_friction_law(
     speed: float, normal: float, coefficient: float, lower: float
 ) -> None:
     """Against sliding, without any up to v_0, full from v_1 on and linear between them."""
-    law = friction_record(pw.FrictionLaw(coefficient, lower, 1e-3))
+    law = friction_record(pw.linkage.FrictionLaw(coefficient, lower, 1e-3))
     force = friction_force(speed, normal, law)
     full = coefficient * normal
     part = np.interp(abs(speed), [lower, 1e-3], [0.0, 1.0])

@@ -24,12 +24,14 @@ DURATION = 5e-3  # of the run of an impact, s; the bodies have separated long be
 DURATION_IN_PRESS = 0.0175  # s; both joints have contacts
 
 
-def simulated(impact: Impact, engine: Engine, law: pw.NormalLaw | None = None) -> Run:
+def simulated(
+    impact: Impact, engine: Engine, law: pw.linkage.NormalLaw | None = None
+) -> Run:
     """Run one free impact; guides along its line make the linkage an open tree."""
     joint = impact.linkage.clearances[0]
     joint = replace(joint, normal=law or joint.normal)
     guides = []
-    if not isinstance(engine, pw.ExudynJoints):
+    if not isinstance(engine, pw.engines.ExudynJoints):
         for body in impact.linkage.bodies:
             guides.append(pw.Guide(f"guide of {body.name}", body.name, 0.0, 0.0, 0.0))
     linkage = replace(impact.linkage, joints=tuple(guides), clearances=(joint,))
@@ -80,9 +82,9 @@ def closed_form(impact: Impact) -> float:
 # Engines and the bounds of their relative errors. At these tolerances a contact gets the
 # fewest steps, some 21; the trapezoidal rule is of order 2.
 ENGINES: list[tuple[Engine, float]] = [
-    (pw.InHouse("dop853", 1e-6), 2e-5),
-    (pw.ExudynTree(1e-6, 1e-3), 2e-5),
-    (pw.ExudynJoints(60, 10, free_step=2e-5, newton=1e-10), 2.5e-4),
+    (pw.engines.InHouse("dop853", 1e-6), 2e-5),
+    (pw.engines.ExudynTree(1e-6, 1e-3), 2e-5),
+    (pw.engines.ExudynJoints(60, 10, free_step=2e-5, newton=1e-10), 2.5e-4),
 ]
 
 
@@ -129,7 +131,9 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(
         t_eval=np.linspace(0.0, 0.5 * period, 20001),
     )
     exact = float((stiffness * motion.y[0] + damper * motion.y[1]).max())
-    run = simulated(impact, engine, pw.NormalLaw(stiffness, 1.0, viscosity=damper))
+    run = simulated(
+        impact, engine, pw.linkage.NormalLaw(stiffness, 1.0, viscosity=damper)
+    )
     stored = peaks(run)[0]
     assert run.recorder.series("normal", 0).max() <= stored
     # A force that falls from touchdown on has its peak in the first accepted state.
@@ -145,16 +149,18 @@ def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -
     if conventions is not None:
         scene = replace(scene, conventions=CONVENTIONS[conventions])
         angle = (np.arange(90) + 0.5) * math.radians(4.0)
-        bearing = pw.Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
-        worn = {"A": (bearing, pw.Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
+        bearing = pw.linkage.Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
+        worn = {"A": (bearing, pw.linkage.Surface(1e-5 * (1.0 + np.cos(3.0 * angle))))}
     linkage = scene.linkage(worn)
     start = start_of(scene)
     plan = Plan(DURATION_IN_PRESS, 1)
-    fine = pw.InHouse("dop853", 1e-12, free_step=2e-7).simulate(linkage, start, plan)
+    fine = pw.engines.InHouse("dop853", 1e-12, free_step=2e-7).simulate(
+        linkage, start, plan
+    )
     reference = [fine.recorder.stored_contacts(k)[:3] for k in range(2)]
     assert min(map(len, reference)) > 0
     for tolerance in (1e-12, 1e-9):
-        run = pw.InHouse("dop853", tolerance).simulate(linkage, start, plan)
+        run = pw.engines.InHouse("dop853", tolerance).simulate(linkage, start, plan)
         for k, exact in enumerate(reference):
             contacts = run.recorder.stored_contacts(k)[: len(exact)]
             assert contacts[:, STEPS].max() < 0.2 * exact[:, STEPS].max()

@@ -124,7 +124,7 @@ def result(
             numbers,
         )
         last: Any = (arrays, scene.clearance_joints)
-        listed.append(pw.StageResult(*first, *last))
+        listed.append(pw.results.StageResult(*first, *last))
     origin = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
     return pw.Result(scene, tuple(listed), status, "", {**origin, "packages": {}}, 3.0)
 

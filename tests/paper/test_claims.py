@@ -99,8 +99,8 @@ def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
     }
 
 
-def estimate(mean: float, half: float) -> pw.Estimate:
-    return pw.Estimate.symmetric(mean, half)
+def estimate(mean: float, half: float) -> pw.statistics.Estimate:
+    return pw.statistics.Estimate.symmetric(mean, half)
 
 
 def test_the_interval_of_a_ratio_covers_it() -> None:
@@ -161,9 +161,12 @@ def test_a_verdict_needs_the_whole_interval(
     expected: Expected
     for expected, word in (("more", more), ("less", less), ("same", same)):
         for quantity, off in (("force", 0.0), ("angle", 1.0)):
-            ours = pw.Estimate(1.0 - off, low - off, high - off)
+            ours = pw.statistics.Estimate(1.0 - off, low - off, high - off)
             assert verdict(ours, Comparison(quantity, (B,), (A,), expected)) == word
-    assert verdict(pw.Estimate(2.0), Comparison("force", (B,), (A,))) == "undecided"
+    assert (
+        verdict(pw.statistics.Estimate(2.0), Comparison("force", (B,), (A,)))
+        == "undecided"
+    )
     assert verdict(None, Comparison("force", (B,), (A,))) == "not computed"
 
 
@@ -199,5 +202,5 @@ def test_printed_numbers_are_compared_with_single_cycles_and_intervals() -> None
     ):
         number = Printed("5", "1", Place("speed-4pi", 1, "A"), quantity, value)
         assert verdicts.position(number, measured) == expected
-    assert verdicts.agreement(2.0, pw.Estimate(1.9, 1.5, 2.5)) == "agrees"
-    assert verdicts.agreement(3.0, pw.Estimate(1.9)) == "undecided"
+    assert verdicts.agreement(2.0, pw.statistics.Estimate(1.9, 1.5, 2.5)) == "agrees"
+    assert verdicts.agreement(3.0, pw.statistics.Estimate(1.9)) == "undecided"

@@ -86,7 +86,7 @@ def test_a_limit_is_that_of_the_greatest_torque() -> None:
     bar = pw.Bar("crank", length=0.4, mass=2.0)
     weight = 2.0 * 9.81 * 0.2
 
-    def made(limit: float) -> pw.Linkage:
+    def made(limit: float) -> pw.linkage.Linkage:
         drive = pw.Drive("crank", speed=5.0, angle=0.3, torque_limit=limit)
         return pw.assemble([bar], [pw.Pin("O", (0.0, 0.0), "crank.tail")], [drive])
 

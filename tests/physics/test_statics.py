@@ -56,7 +56,9 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
     pins = (pw.Bearing(clearance=play, exponent=exponent) for play in (first, second))
     linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
     expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
-    assert pw.total_clearance(linkage, force) == pytest.approx(expected, abs=1e-13)
+    assert pw.statics.total_clearance(linkage, force) == pytest.approx(
+        expected, abs=1e-13
+    )
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
@@ -116,9 +118,9 @@ def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
         joint.clearance + 3e-5 for joint in linkage.clearances
     )
     allowed = 1e-14 if conventions == "paper" else 0.03 * springs
-    result = pw.total_clearance(linkage, force)
+    result = pw.statics.total_clearance(linkage, force)
     assert result == pytest.approx(expected, abs=allowed)
-    assert result > pw.total_clearance(scene.linkage(), force) + 1.1e-4
+    assert result > pw.statics.total_clearance(scene.linkage(), force) + 1.1e-4
 
 
 def held(force: float) -> Linkage:
@@ -165,11 +167,11 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     down, up = heights_at_bottom(linkage, [-100.0, 100.0])
     assert down < hanging < up
     assert hanging - down < 1e-4 < up - hanging
-    assert pw.deflection(linkage, 100.0) == up - hanging
-    assert pw.deflection(linkage, 100.0, idle=-100.0) == up - down
+    assert pw.statics.deflection(linkage, 100.0) == up - hanging
+    assert pw.statics.deflection(linkage, 100.0, idle=-100.0) == up - down
     assert (
-        pw.total_clearance(linkage)
-        == pw.total_clearance(linkage, LEAST_PULL)
+        pw.statics.total_clearance(linkage)
+        == pw.statics.total_clearance(linkage, LEAST_PULL)
         == up - down
     )
     law = pw.OverTime([(0.0, -500.0), (0.1, -500.0)])
@@ -189,16 +191,18 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
 def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
     ideal = pw.Press().linkage()
     linkage = LIGHT.linkage()
-    assert pw.total_clearance(ideal) == pw.deflection(ideal, 500.0) == 0.0
+    assert (
+        pw.statics.total_clearance(ideal) == pw.statics.deflection(ideal, 500.0) == 0.0
+    )
     for force in (0.0, -1.0, 1e12, math.nan):
         with pytest.raises(
             pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"
         ):
-            pw.total_clearance(linkage, force)
+            pw.statics.total_clearance(linkage, force)
     with pytest.raises(pw.InputError, match="idle = inf"):
-        pw.deflection(linkage, 1.0, math.inf)
+        pw.statics.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="no bottom dead centre: its output point"):
-        pw.total_clearance(replace(held(1.0), loads=()))
+        pw.statics.total_clearance(replace(held(1.0), loads=()))
 
 
 def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
@@ -211,10 +215,10 @@ def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
     assert least_pull(linkage) == pytest.approx(weight, rel=1e-9)
     message = r"force = 1\.00062 kN: allowed is above 1\.00062 kN, the weight that the joints carry"
     with pytest.raises(pw.InputError, match=message):
-        pw.total_clearance(linkage, weight - 1e-3)
+        pw.statics.total_clearance(linkage, weight - 1e-3)
     plays = 2.0 * sum(joint.clearance for joint in linkage.clearances)
-    assert pw.total_clearance(linkage, weight + 1.0) > plays
-    assert pw.total_clearance(linkage) > plays
+    assert pw.statics.total_clearance(linkage, weight + 1.0) > plays
+    assert pw.statics.total_clearance(linkage) > plays
 
 
 def test_oil_is_squeezed_out_at_rest() -> None:

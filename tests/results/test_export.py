@@ -220,7 +220,7 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
         life_table(replace(result, life=None))
 
 
-def named(*names: str) -> pw.Linkage:
+def named(*names: str) -> pw.linkage.Linkage:
     kept = FOUR_BAR.joints[: -len(names)]
     last = FOUR_BAR.joints[-len(names) :]
     renamed = [

@@ -53,7 +53,7 @@ class Stop(BaseException):
 
 
 @dataclass
-class Acting(pw.Observer):
+class Acting(pw.engines.Observer):
     """Calls a function at the n-th checkpoint of a campaign; 0: never."""
 
     place: int

@@ -295,7 +295,7 @@ def test_a_reversal_is_along_the_force_that_worked(
         "eccentricity": np.tile(unit, (time.size, 1)),
         "contacts": NO_CONTACTS,
     }
-    tonnage = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
+    tonnage = joint_tonnage(time, pw.results.JointResult("A", None, arrays), [STROKE])
     assert tonnage.working_force.mean == pytest.approx(pressed, rel=1e-4)
     is_seen = back > 0.0 and delay < SNAP_THROUGH_S
     expected = back if is_seen else 0.0
@@ -315,7 +315,7 @@ def test_a_reversed_force_counts_the_friction_on_the_bearing() -> None:
     force = np.outer(works, [3.0, 4.0]) + np.outer(back, [5.0, 0.0])
     directions = np.where(back[:, np.newaxis], [0.0, 1.0], [1.0, 0.0])
     arrays = {"force": force, "eccentricity": directions, "contacts": NO_CONTACTS}
-    found = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
+    found = joint_tonnage(time, pw.results.JointResult("A", None, arrays), [STROKE])
     assert found.working_force.mean == pytest.approx(5.0)
     assert found.reversed_force.mean == pytest.approx(4.0)
 
@@ -333,7 +333,7 @@ def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
         "eccentricity": np.ones((time.size, 2)),
         "contacts": contacts,
     }
-    tonnage = joint_tonnage(time, pw.JointResult("A", None, arrays), [STROKE])
+    tonnage = joint_tonnage(time, pw.results.JointResult("A", None, arrays), [STROKE])
     peaks = {name: peak.mean for name, peak in tonnage.peak_by_phase.items()}
     assert peaks == {
         "approach": 200.0,
@@ -388,7 +388,7 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
             force[row] = 0.8 * sizes[name][k], 0.6 * sizes[name][k]
     along = np.tile([1e-4, 0.0], (time.size, 1))
     arrays = {"force": force, "eccentricity": along, "contacts": NO_CONTACTS}
-    found = joint_tonnage(time, pw.JointResult("A", None, arrays), strokes)
+    found = joint_tonnage(time, pw.results.JointResult("A", None, arrays), strokes)
     assert set(found.peak_by_phase) == set(PHASES)
     for name, own in sizes.items():
         half = float(student.ppf(0.975, 2)) * own.std(ddof=1) / math.sqrt(3.0)
@@ -411,7 +411,7 @@ PENDULUM = pw.assemble(
 )
 
 
-def turned(linkage: pw.Linkage, cycles: int, engine: str = "dae") -> pw.Scene:
+def turned(linkage: pw.linkage.Linkage, cycles: int, engine: str = "dae") -> pw.Scene:
     scene = pw.Scene(
         linkage, joints="none", wear_updates=0, cycles=cycles, engine=engine
     )
@@ -526,7 +526,7 @@ def both() -> list[pw.Result]:
         drives=(replace(linkage.drives[0], angle=math.pi),),
         guess={"crank": math.pi, "rod": math.pi},
     )
-    exact = Numerics(dae=pw.InHouse(integration_tolerance=1e-12))
+    exact = Numerics(dae=pw.engines.InHouse(integration_tolerance=1e-12))
     short: dict[str, Any] = {"wear_updates": 0, "cycles": 3, "engine": "dae"}
     short |= {"numerics": exact, "conventions": "paper"}
     scenes = [
@@ -549,7 +549,7 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(
             -CRANK.rod_length - CRANK.crank_length, abs=1e-15
         )
     near = 1e-9
-    stages: list[pw.StageResult] = [result.stages[0] for result in both]
+    stages: list[pw.results.StageResult] = [result.stages[0] for result in both]
     one, other = (stage.bdc for stage in stages)
     assert one.strokes == other.strokes == 1
     for name in ("height", "error", "delay"):
@@ -579,8 +579,8 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(
 
 def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
     loose = [result.scene.linkage() for result in both]
-    total = [pw.total_clearance(linkage, force=100.0) for linkage in loose]
-    rise = [pw.deflection(linkage, force=50.0, idle=-10.0) for linkage in loose]
+    total = [pw.statics.total_clearance(linkage, force=100.0) for linkage in loose]
+    rise = [pw.statics.deflection(linkage, force=50.0, idle=-10.0) for linkage in loose]
     assert total[0] == pytest.approx(total[1], rel=1e-9)
     assert rise[0] == pytest.approx(rise[1], rel=1e-9)
     assert total[0] > 2e-4
@@ -602,7 +602,9 @@ MEASURED = "A measured contact_stiffness reduces this doubt."
 def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any]) -> None:
     """Half the arc is 60 degrees."""
     scene = replace(SCENE, bearings=replace(SCENE.bearings, **law))
-    stage = pw.StageResult(0, "completed", "", None, 1.0, (), 0.0, 0.0, {}, STATISTICS)
+    stage = pw.results.StageResult(
+        0, "completed", "", None, 1.0, (), 0.0, 0.0, {}, STATISTICS
+    )
     arrays = {"cycles": np.zeros((1, 40)), "C_penetration": np.array([-1e-4, 5e-4])}
     stage = replace(stage, arrays=arrays, joint_names=("A", "C"))
     assert deep_contacts(scene, [stage]) == [f"{EQUAL} {MEASURED}"]

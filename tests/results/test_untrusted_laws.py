@@ -74,7 +74,7 @@ result = pw.load("out")
 print(result, result.to_pandas(), load_sweep(__import__("pathlib").Path("sweep")).plan.example)
 for compute in (
     lambda: result.drives(0),
-    lambda: pw.total_clearance(result.scene.linkage()),
+    lambda: pw.statics.total_clearance(result.scene.linkage()),
     lambda: pw.run(result.scene, check=False),
     lambda: pw.run(result.scene, "halted"),
 ):

@@ -183,7 +183,7 @@ def test_a_servo_motion_out_of_reach_is_refused(tmp_path: Path) -> None:
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
     mechanism = scene_from(written(tmp_path, 'mechanism = "press"')).mechanism
     named = replace(
-        pw.scenes.wear_times(), engine=pw.InHouse.word, cycles=1, wear_updates=0
+        pw.scenes.wear_times(), engine=pw.engines.InHouse.word, cycles=1, wear_updates=0
     )
     read = replace(named, mechanism=mechanism.linkage(), joints="A,C")
     one, other = (pw.run(scene).stages[0].arrays for scene in (named, read))
@@ -309,7 +309,7 @@ def test_a_user_law_is_read_from_the_folder_of_the_file(tmp_path: Path) -> None:
 IDEAL = pw.scenes.ideal()
 SLIDER_CRANK = replace(pw.scenes.slider_crank(), joints="none", cycles=1)
 DRAWING = pw.Drawing(force=200.0, cushion=15.0)
-DWELL = pw.Dwell(part=0.1, stroke=0.08)
+DWELL = pw.linkage.Dwell(part=0.1, stroke=0.08)
 
 
 @pytest.mark.parametrize(
@@ -322,7 +322,13 @@ DWELL = pw.Dwell(part=0.1, stroke=0.08)
             "peak",
             pw.Coining(),
         ),
-        ("servo", DWELL, {"part": "0.1", "stroke": "80 mm"}, "angle", pw.Pendulum()),
+        (
+            "servo",
+            DWELL,
+            {"part": "0.1", "stroke": "80 mm"},
+            "angle",
+            pw.linkage.Pendulum(),
+        ),
     ],
 )
 def test_a_part_from_python_settings_and_files(

@@ -92,8 +92,8 @@ def test_keys_that_nothing_reads_are_not_listed() -> None:
         pw.SliderCrank(guide_length=0.1, guide_width=0.1),
         bearings={"guide": pw.Bearing(1e-4)},
     )
-    exact = keys(pw.Press(servo=pw.Dwell()))
+    exact = keys(pw.Press(servo=pw.linkage.Dwell()))
     assert "servo.stiffness" in exact
     assert "servo.damping" not in exact
-    servo = pw.Dwell(stiffness=1e4)
+    servo = pw.linkage.Dwell(stiffness=1e4)
     assert {"servo.damping", "torque_limit"} <= keys(pw.Press(motor=motor, servo=servo))

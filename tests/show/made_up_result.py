@@ -61,10 +61,13 @@ def _stage(
         arrays["drive_torque"] = np.column_stack(
             [np.cos(40.0 * time), 1.0 + 0.0 * time]
         )
-    each = pw.Estimate.symmetric(80.0, 12.0, 2)
+    each = pw.statistics.Estimate.symmetric(80.0, 12.0, 2)
     turn = 6.0 * np.pi * time / time[-1]
     one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
-    peak = WearPeak(pw.Estimate(float(one.max())), pw.Estimate(np.radians(92.5)))
+    peak = WearPeak(
+        pw.statistics.Estimate(float(one.max())),
+        pw.statistics.Estimate(np.radians(92.5)),
+    )
     for joint in scene.clearance_joints:
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack(
             [np.cos(turn), np.sin(turn)]
@@ -91,10 +94,10 @@ def _stage(
         **{"contacts": 1234, "unresolved_contacts": 0, "min_steps_per_contact": 50},
         **{
             "contact_time_fraction": 0.5,
-            "load_distance_per_cycle": pw.Estimate(80.0, samples=2),
+            "load_distance_per_cycle": pw.statistics.Estimate(80.0, samples=2),
         },
         **{
-            "wear_volume": pw.Estimate(3e-9),
+            "wear_volume": pw.statistics.Estimate(3e-9),
             "wear_volume_step_error": None,
             "wear_map_error": 0.1,
         },
@@ -102,9 +105,9 @@ def _stage(
     }
     peaks = dict.fromkeys((*SIDES, "both"), peak)
     joint_statistics = JointStatistics(**numbers, wear_peaks=peaks)
-    each = pw.Estimate.symmetric(0.107, 0.001, 2)
+    each = pw.statistics.Estimate.symmetric(0.107, 0.001, 2)
     output = OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
-    error = pw.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2)
+    error = pw.statistics.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2)
     numbers = {
         **{
             "strokes": 2,
@@ -112,11 +115,18 @@ def _stage(
             "ideal_time": 0.5,
             "ideal_dwell": 0.0,
         },
-        **{"height": pw.Estimate.symmetric(-0.58785, 2e-5, 2), "error": error},
-        **{"range_of_all": 1e-4, "range": pw.Estimate(1e-4), "range_strokes": 2},
-        "standard_deviation": pw.Estimate(4e-5, 3e-5, 6e-5),
-        "delay": pw.Estimate(-3e-3, samples=2),
-        "delay_angle": pw.Estimate.symmetric(-0.0314159, 0.0174533, 2),
+        **{
+            "height": pw.statistics.Estimate.symmetric(-0.58785, 2e-5, 2),
+            "error": error,
+        },
+        **{
+            "range_of_all": 1e-4,
+            "range": pw.statistics.Estimate(1e-4),
+            "range_strokes": 2,
+        },
+        "standard_deviation": pw.statistics.Estimate(4e-5, 3e-5, 6e-5),
+        "delay": pw.statistics.Estimate(-3e-3, samples=2),
+        "delay_angle": pw.statistics.Estimate.symmetric(-0.0314159, 0.0174533, 2),
     }
     bdc = BottomStatistics(**numbers)
     names = scene.clearance_joints

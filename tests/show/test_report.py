@@ -137,7 +137,10 @@ def test_stages_are_columns() -> None:
 def test_angles_stay_within_a_turn(degrees: tuple[float, ...], text: str) -> None:
     result = made_up(made.BOTH, 2)
     statistics = result.stages[0].statistics
-    peak = WearPeak(pw.Estimate(1e-5), pw.Estimate(*np.radians(degrees).tolist()))
+    peak = WearPeak(
+        pw.statistics.Estimate(1e-5),
+        pw.statistics.Estimate(*np.radians(degrees).tolist()),
+    )
     joint = replace(statistics.joints["A"], wear_peaks={"both": peak})
     result = altered(
         result, 0, statistics=replace(statistics, joints={"A": joint, "C": joint})

@@ -77,7 +77,7 @@ def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
     requested = responses.request(SCENE, ["total_clearance"])
     assert requested.extra != USUAL.extra
     value = responses.responses_of(result, requested)["total_clearance@1"].value
-    assert value == pw.total_clearance(SCENE.linkage(result.stages[1].surfaces))
+    assert value == pw.statics.total_clearance(SCENE.linkage(result.stages[1].surfaces))
 
 
 @pytest.mark.parametrize("at_most", [1e12, 1e3])

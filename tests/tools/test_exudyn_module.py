@@ -14,7 +14,7 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 scene, ends = pw.scenes.wear_times(), []
-for engine in (pw.ExudynTree(1e-11), pw.ExudynJoints()):
+for engine in (pw.engines.ExudynTree(1e-11), pw.engines.ExudynJoints()):
     engine = engine.for_cycle(scene.mechanism.period)
     run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.012, 1, 1))
     contacts = float(run.recorder.records.counters["contacts"].sum())

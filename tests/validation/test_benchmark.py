@@ -91,7 +91,7 @@ def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None
 
 def test_contact_time_is_that_of_the_integrated_motion() -> None:
     impact = Impact(0.8, stiffness=1e9, speed=0.2)
-    engine = pw.InHouse(integration_tolerance=1e-13)
+    engine = pw.engines.InHouse(integration_tolerance=1e-13)
     contact = first_contact(
         engine.simulate(impact.linkage, impact.start, Plan(0.01, 1))
     )
@@ -102,7 +102,7 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
 
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     problem = benchmark_problems.single_impact(SCENE, SHORT, silent)
-    tight = pw.InHouse(integration_tolerance=1e-12, free_step=1.0)
+    tight = pw.engines.InHouse(integration_tolerance=1e-12, free_step=1.0)
     linkages = problem.linkage, Impact(0.9).linkage
     runs = [tight.simulate(each, problem.start, problem.plan) for each in linkages]
     assert runs[0].diagnostics["model"] != runs[1].diagnostics["model"]

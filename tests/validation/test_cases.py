@@ -46,7 +46,7 @@ def test_cases_have_unique_names() -> None:
 
 
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
-    coarse = pw.InHouse("rk4", equal_step=5e-6)
+    coarse = pw.engines.InHouse("rk4", equal_step=5e-6)
     monkeypatch.setattr(reference_problems, "TIGHT", coarse)
     missed = [
         check.quantity
@@ -63,10 +63,10 @@ def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
     assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
     monkeypatch.setattr(
-        reference_problems, "FRICTION", pw.FrictionLaw(0.1001, 1e-4, 1e-3)
+        reference_problems, "FRICTION", pw.linkage.FrictionLaw(0.1001, 1e-4, 1e-3)
     )
     on_flat = reference_problems.block(
-        0.0, GRAVITY, pw.FrictionLaw(0.1, 1e-4, 1e-3), 0.0
+        0.0, GRAVITY, pw.linkage.FrictionLaw(0.1, 1e-4, 1e-3), 0.0
     )
     monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
     assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed

@@ -115,14 +115,16 @@ def test_the_engines_agree_on_the_first_touches(
 def test_a_small_change_of_one_engine_is_noticed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
 ) -> None:
-    simulate = pw.ExudynTree.simulate
+    simulate = pw.engines.ExudynTree.simulate
 
-    def heavier(engine: pw.ExudynTree, linkage: pw.Linkage, *rest: Any) -> Any:
+    def heavier(
+        engine: pw.engines.ExudynTree, linkage: pw.linkage.Linkage, *rest: Any
+    ) -> Any:
         return simulate(
             engine, replace(linkage, gravity=1.001 * linkage.gravity), *rest
         )
 
-    monkeypatch.setattr(pw.ExudynTree, "simulate", heavier)
+    monkeypatch.setattr(pw.engines.ExudynTree, "simulate", heavier)
     shown = command(f"{SHORT} --out {tmp_path / 'check'}", 1)
     checks = document_of(tmp_path / "check")["checks"]
     missed = [check["quantity"] for check in checks if not check["passed"]]
@@ -142,18 +144,20 @@ def test_without_clearance_all_is_compared(
 @pytest.mark.parametrize(
     ("theirs", "verdict"),
     [
-        (pw.Estimate(103.0, 101.0, 105.0), True),
-        (pw.Estimate(125.0, 123.0, 127.0), False),
+        (pw.statistics.Estimate(103.0, 101.0, 105.0), True),
+        (pw.statistics.Estimate(125.0, 123.0, 127.0), False),
         # an interval that holds any mean of interest
-        (pw.Estimate(115.0, 65.0, 165.0), None),
-        (pw.Estimate(108.0, 104.0, 112.0), None),
-        (pw.Estimate(100.0), None),
+        (pw.statistics.Estimate(115.0, 65.0, 165.0), None),
+        (pw.statistics.Estimate(108.0, 104.0, 112.0), None),
+        (pw.statistics.Estimate(100.0), None),
     ],
 )
 def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
-    theirs: pw.Estimate, verdict: bool | None
+    theirs: pw.statistics.Estimate, verdict: bool | None
 ) -> None:
-    check = crosscheck.mean_check("peak force", pw.Estimate(100.0, 98.0, 102.0), theirs)
+    check = crosscheck.mean_check(
+        "peak force", pw.statistics.Estimate(100.0, 98.0, 102.0), theirs
+    )
     if isinstance(check, str):
         assert verdict is None
         assert "no verdict" in check
@@ -164,8 +168,8 @@ def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
 
 def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
     # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
-    one = pw.Estimate(100.0, 97.8, 102.2)
-    two = pw.Estimate(116.7, 114.3, 119.1)
+    one = pw.statistics.Estimate(100.0, 97.8, 102.2)
+    two = pw.statistics.Estimate(116.7, 114.3, 119.1)
     alone = crosscheck.mean_check("peak force", one, two)
     assert isinstance(alone, Check)
     assert not alone.passed
@@ -176,9 +180,11 @@ def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
 def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    simulate = pw.ExudynTree.simulate
+    simulate = pw.engines.ExudynTree.simulate
 
-    def rougher(engine: pw.ExudynTree, linkage: pw.Linkage, *rest: Any) -> Any:
+    def rougher(
+        engine: pw.engines.ExudynTree, linkage: pw.linkage.Linkage, *rest: Any
+    ) -> Any:
         joints = [
             replace(
                 one,
@@ -190,7 +196,7 @@ def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
         ]
         return simulate(engine, replace(linkage, clearances=tuple(joints)), *rest)
 
-    monkeypatch.setattr(pw.ExudynTree, "simulate", rougher)
+    monkeypatch.setattr(pw.engines.ExudynTree, "simulate", rougher)
     outcome = crosscheck.check_engines(
         pw.scenes.wear_times(), None, lambda word, part: None
     )

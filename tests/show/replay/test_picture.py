@@ -188,7 +188,7 @@ def test_only_the_joints_of_the_present_stage_are_visible() -> None:
 
 def test_a_spring_is_drawn_between_its_ends() -> None:
     spring = pw.Spring(
-        "coil", pw.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1
+        "coil", pw.linkage.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1
     )
     chapter = Chapter("first wear", LINKAGE.changed(springs=[spring]))
     picture = Picture([replace(CLIP, chapters=(chapter,))], (480, 320))
