@@ -9,6 +9,30 @@ import pytest
 ROOT = Path(__file__).parents[1]
 UPWARD = {("results", "show")}  # Result.plot and Result.report
 BEGINNINGS = {"Of", "What", "Where", "Whether", "Which", "How", "Who", "That", "Those"}
+# Calls of ``import_module``, which linters do not see, by file: their module is chosen at
+# run time, slow to import, or above the file (``UPWARD``).
+IMPORTED_BY_NAME = {
+    "__init__.py": ["'importlib.metadata'", "'presswear.scene.catalog'"],
+    "__main__.py": ["f'presswear.cli.{module}'"],
+    "engines/settings.py": ["'presswear.engines.driver'", "self.module"],
+    "results/frames.py": ["name"],
+    "results/result.py": [
+        "'presswear.show.figures'",
+        "'presswear.show.notebook'",
+        "'presswear.show.report'",
+    ],
+    "show/figures/__init__.py": ["_PYPLOT"],
+    "sweeps/runner.py": ["module"],
+    "tools/exudyn.py": ["'exudyn'"],
+    "tools/kernel_compiler.py": ["'presswear.tools.constant_places'"],
+    "tools/lazy_names.py": [
+        "'presswear.tools.errors'",
+        "'presswear.tools.serialize'",
+        "f'{package}.{name}'",
+        "modules[name]",
+    ],
+    "tools/processes.py": ["'presswear'", "name"],
+}
 NAMES = {"own", "told", "tell", "asked", "found", "known", "given", "other", "begun"}
 NAMES |= {"taken", "kept", "gone", "apart", "borne", "felt", "bed", "look"}
 
@@ -27,11 +51,25 @@ def test_rooms_import_only_rooms_below_them() -> None:
         path.parent.name for path in ROOT.glob("presswear/*/__init__.py")
     }
     begin = r'(?:(?:from|import) presswear\b\.?|import_module\("presswear\.)(\w*)'
-    for file in ROOT.glob("presswear/*/**/*.py"):
+    for file in [*ROOT.glob("presswear/*/**/*.py"), *ROOT.glob("presswear/*/*.pyi")]:
         room = file.relative_to(ROOT).parts[1]
         for name in re.findall(begin, file.read_text()):
             is_below = name == room or floors.get(name, 99) < floors[room]
             assert is_below or (room, name) in UPWARD, f"{file}: {name}"
+
+
+def test_imports_by_name_are_listed() -> None:
+    calls: dict[str, list[str]] = {}
+    package = ROOT / "presswear"
+    for file in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if not isinstance(node, ast.Call):
+                continue
+            function = ast.unparse(node.func).split(".")[-1]
+            if function in {"import_module", "__import__"}:
+                name = str(file.relative_to(package))
+                calls.setdefault(name, []).append(ast.unparse(node.args[0]))
+    assert {name: sorted(each) for name, each in calls.items()} == IMPORTED_BY_NAME
 
 
 @pytest.mark.parametrize(
