@@ -40,14 +40,12 @@ KINDS = {  # beginnings of the names of quantities, and headings
     "acceleration": "acceleration (m/s²; %)",
 }
 HEADS = (
-    *(
-        "scene",
-        "method",
-        "runs that fail",
-        "CPU (ms a cycle)",
-        "energy residual",
-        "step error",
-    ),
+    "scene",
+    "method",
+    "runs that fail",
+    "CPU (ms a cycle)",
+    "energy residual",
+    "step error",
     *KINDS.values(),
 )
 FIRST = 10  # cycles of each run that are left out: the pins fall on their bearings

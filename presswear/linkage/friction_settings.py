@@ -51,19 +51,19 @@ class LuGreSettings(Checked):
     )
     bristle_stiffness: float = quantity(
         1e5,
-        "1/m",
-        1e2,
-        1e7,
-        "chosen",
-        "sigma_0 of friction_law = lugre, per unit of force",
+        unit="1/m",
+        low=1e2,
+        high=1e7,
+        origin="chosen",
+        text="sigma_0 of friction_law = lugre, per unit of force",
     )
     bristle_damping: float = quantity(
         10.0,
-        "s/m",
-        1e-2,
-        1e4,
-        "chosen",
-        "sigma_1 of friction_law = lugre, per unit of force",
+        unit="s/m",
+        low=1e-2,
+        high=1e4,
+        origin="chosen",
+        text="sigma_1 of friction_law = lugre, per unit of force",
     )
 
     law: ClassVar[str] = "lugre"

@@ -66,8 +66,13 @@ DAMPINGS: Mapping[str, Damping] = {
 """Normal laws by name; the last takes a coefficient of viscous damping instead of a factor."""
 
 NORMAL_PARAMETERS = (
-    *("penetration", "rate", "onset_speed"),
-    *("stiffness", "exponent", "damping", "clearance"),
+    "penetration",
+    "rate",
+    "onset_speed",
+    "stiffness",
+    "exponent",
+    "damping",
+    "clearance",
 )
 """Parameters of a user normal law: m, m/s, m/s; N/m^n, -, -, m."""
 

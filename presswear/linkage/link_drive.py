@@ -64,11 +64,11 @@ class LinkDrive(Mechanism):
     plate_to_rod: float = _length(1.175, "side of the plate, A to C")
     plate_angle: float = quantity(
         math.radians(134.0),
-        "rad",
-        -math.pi,
-        math.pi,
-        _OF_PRESS,
-        "angle of the plate in A, counterclockwise from B to C",
+        unit="rad",
+        low=-math.pi,
+        high=math.pi,
+        origin=_OF_PRESS,
+        text="angle of the plate in A, counterclockwise from B to C",
     )
     rocker_length: float = _length(0.9, "rocker, P to B")
     rocker_x: float = _coordinate(-1.175, "P to the right of O")

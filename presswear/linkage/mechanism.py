@@ -149,7 +149,8 @@ class Mechanism(Checked, ABC):
         guide = Guide(
             "frame",
             crown.name,
-            *(0.0, 0.0),
+            x=0.0,
+            y=0.0,
             direction=direction,
             stiffness=self.frame_stiffness,
             damping=self.frame_damping,

@@ -79,11 +79,11 @@ class SliderCrank(Mechanism):
     gravity: float = gravity()
     speed: float = quantity(
         5000.0 * math.pi / 30.0,
-        "rad/s",
-        MIN_SPEED,
-        5000.0,
-        LITERATURE,
-        "crank speed omega",
+        unit="rad/s",
+        low=MIN_SPEED,
+        high=5000.0,
+        origin=LITERATURE,
+        text="crank speed omega",
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()

@@ -136,11 +136,11 @@ class Press(Mechanism):
     gravity: float = gravity()
     speed: float = quantity(
         3.5 * math.pi,
-        "rad/s",
-        MIN_SPEED,
-        40.0 * math.pi,
-        "paper, per study",
-        "crank speed omega: crank 7 turns at +omega, crank 2 at -omega",
+        unit="rad/s",
+        low=MIN_SPEED,
+        high=40.0 * math.pi,
+        origin="paper, per study",
+        text="crank speed omega: crank 7 turns at +omega, crank 2 at -omega",
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()

@@ -82,22 +82,22 @@ class Blanking(_Work):
     thickness: float = _depth(1e-3, "thickness of the sheet")
     stiffness: float | None = quantity(
         None,
-        "N/m",
-        1.0,
-        1e12,
-        "chosen",
-        "of the elastic rise; default: force over rise",
+        unit="N/m",
+        low=1.0,
+        high=1e12,
+        origin="chosen",
+        text="of the elastic rise; default: force over rise",
     )
     rise: float = _depth(
         1e-4, "depth over which the force rises; contains the stretch of a rigid frame"
     )
     plateau: float = quantity(
         0.4,
-        "",
-        0.0,
-        1.0,
-        "chosen",
-        "fraction of the thickness at fracture",
+        unit="",
+        low=0.0,
+        high=1.0,
+        origin="chosen",
+        text="fraction of the thickness at fracture",
         open_low=True,
     )
     snap: float = _depth(

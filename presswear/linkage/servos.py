@@ -69,11 +69,11 @@ class Dwell(_Servo):
     stroke: float = quantity(0.09, "m", 1e-3, 10.0, "chosen", "stroke of the slider")
     part: float = quantity(
         1.0 / 9.0,
-        "",
-        0.0,
-        0.5,
-        "chosen",
-        "fraction of the cycle in the dwell",
+        unit="",
+        low=0.0,
+        high=0.5,
+        origin="chosen",
+        text="fraction of the cycle in the dwell",
         open_low=True,
     )
     bottom: float = _servo_angle(120.0, _BOTTOM, 0.0)

@@ -67,8 +67,12 @@ class DryContact(Checked):
     """Sizes, materials and laws of a dry contact of a pin with its bearing."""
 
     clearance: float = quantity(
-        *(0.3e-3, "m", 0.0, 1.0, "chosen"),
-        "radial clearance R_i - R_j, half of that in diameter; 0: a rigid joint with friction",
+        0.3e-3,
+        unit="m",
+        low=0.0,
+        high=1.0,
+        origin="chosen",
+        text="radial clearance R_i - R_j, half of that in diameter; 0: a rigid joint with friction",
     )
     bearing_radius: float = quantity(
         0.015, "m", 1e-4, 1.0, "paper", "radius of the bearing, R_i"
@@ -80,14 +84,19 @@ class DryContact(Checked):
         "paper", laws.MATERIALS, "materials, pin first", laws.UNLISTED
     )
     contact_stiffness: float | None = quantity(
-        *(None, "N/m^n", 1e3, 1e15, "chosen"),
-        "stiffness K of small contacts; default: from E and nu, by Hertz or by Liu",
+        None,
+        unit="N/m^n",
+        low=1e3,
+        high=1e15,
+        origin="chosen",
+        text="stiffness K of small contacts; default: from E and nu, by Hertz or by Liu",
     )
     exponent: float = quantity(
         1.5, "", 1.0, 2.5, "paper", "exponent n of the normal force"
     )
     elasticity: str = choice(
-        *(AUTO, (AUTO, *get_args(laws.Elasticity))),
+        AUTO,
+        (AUTO, *get_args(laws.Elasticity)),
         "elastic force: K delta^n, Liu's, or a foundation; auto: as contact has it, else power",
     )
     normal_law: Law = choice(
@@ -134,48 +143,72 @@ class Bearing(FrictionSettings, DryContact):
     """
 
     viscosity: float | None = quantity(
-        *(None, "Pa s", 1e-5, 1e3, "chosen"),
-        "viscosity of a lubricant at running temperature; default: dry",
+        None,
+        unit="Pa s",
+        low=1e-5,
+        high=1e3,
+        origin="chosen",
+        text="viscosity of a lubricant at running temperature; default: dry",
     )
     film: str = choice(
-        *("report", ("report", "run")),
+        "report",
+        ("report", "run"),
         "oil film of viscosity: report: beside a dry run; run: in the run, in place of dry contact",
     )
     roughness: float = quantity(
-        *(0.3e-6, "m", 1e-9, 1e-4, "assumed"),
-        "R_q of each surface: compared with the oil film, and depth of running-in",
+        0.3e-6,
+        unit="m",
+        low=1e-9,
+        high=1e-4,
+        origin="assumed",
+        text="R_q of each surface: compared with the oil film, and depth of running-in",
     )
     asperity_pressure: float = quantity(
-        *(50e6, "Pa", 1e5, 1e9, "assumed"),
-        "p_0 of asperities that touch through the oil film of film = run",
+        50e6,
+        unit="Pa",
+        low=1e5,
+        high=1e9,
+        origin="assumed",
+        text="p_0 of asperities that touch through the oil film of film = run",
     )
     pressure_limit: float | None = quantity(
         None,
-        "Pa",
-        1e3,
-        1e10,
-        "chosen",
-        "largest pin pressure p = F / (2 R_i b); default: none",
+        unit="Pa",
+        low=1e3,
+        high=1e10,
+        origin="chosen",
+        text="largest pin pressure p = F / (2 R_i b); default: none",
     )
     pv_limit: float | None = quantity(
         None,
-        "W/m^2",
-        1.0,
-        1e12,
-        "chosen",
-        "largest mean of p times sliding speed; default: none",
+        unit="W/m^2",
+        low=1.0,
+        high=1e12,
+        origin="chosen",
+        text="largest mean of p times sliding speed; default: none",
     )
     stiffness: float | None = quantity(
-        *(None, "N/m", elements.MIN_STIFFNESS, elements.MAX_STIFFNESS, "chosen"),
-        "of the pin with one of its rods, with clearance = 0; default: rigid",
+        None,
+        unit="N/m",
+        low=elements.MIN_STIFFNESS,
+        high=elements.MAX_STIFFNESS,
+        origin="chosen",
+        text="of the pin with one of its rods, with clearance = 0; default: rigid",
     )
     damping_ratio: float = quantity(
-        *(elements.DAMPING, "", 0.0, 1.0, "assumed"),
-        "damping of an elastic pin, part of the critical one",
+        elements.DAMPING,
+        unit="",
+        low=0.0,
+        high=1.0,
+        origin="assumed",
+        text="damping of an elastic pin, part of the critical one",
     )
     parallel_rods: int = count(
-        *(1, 1, 16, "chosen"),
-        "equal rods side by side, each with a bearing of this width and stiffness",
+        1,
+        low=1,
+        high=16,
+        origin="chosen",
+        text="equal rods side by side, each with a bearing of this width and stiffness",
     )
     angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
     diametral_clearance: InitVar[float | str | None] = None  # in place of ``clearance``

@@ -30,7 +30,8 @@ class Conventions(Checked):
         "wear into the bin of the contact, or over its arc",
     )
     contact: elements.SurfaceContact = choice(
-        *("foundation", elements.SurfaceContact),
+        "foundation",
+        elements.SurfaceContact,
         "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
     )
     wear_maps: elements.WearMaps = choice(

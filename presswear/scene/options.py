@@ -49,17 +49,17 @@ class Recording(Checked):
 
     recorded_cycles: int | None = count(
         None,
-        1,
-        1000,
-        "chosen",
-        "first cycles that are stored; default: 5, or as the process needs",
+        low=1,
+        high=1000,
+        origin="chosen",
+        text="first cycles that are stored; default: 5, or as the process needs",
     )
     rows_per_cycle: int = count(
         2000,
-        100,
-        20_000,
-        "chosen",
-        "smallest number of rows in a cycle; contacts add rows",
+        low=100,
+        high=20_000,
+        origin="chosen",
+        text="smallest number of rows in a cycle; contacts add rows",
     )
     series: str = choice(
         "all",
@@ -73,18 +73,18 @@ class Recording(Checked):
     )
     sections: int = count(
         0,
-        0,
-        360,
-        "chosen",
-        "Poincare sections of every cycle, at equal angles of the cycle",
+        low=0,
+        high=360,
+        origin="chosen",
+        text="Poincare sections of every cycle, at equal angles of the cycle",
     )
     section_angle: float = quantity(
         0.0,
-        "rad",
-        0.0,
-        2.0 * math.pi,
-        "chosen",
-        "angle of the cycle of the first section",
+        unit="rad",
+        low=0.0,
+        high=2.0 * math.pi,
+        origin="chosen",
+        text="angle of the cycle of the first section",
     )
 
     @property

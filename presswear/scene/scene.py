@@ -81,7 +81,8 @@ class Scene(LoadedLinkage, Checked):
     bearings: Bearing | Any = field(default_factory=Bearing)
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
-        *("refined", CONVENTIONS),
+        "refined",
+        CONVENTIONS,
         "model choices: refined (advised), paper (as printed)",
     )
     numerics: Numerics = field(default_factory=Numerics)
@@ -97,7 +98,8 @@ class Scene(LoadedLinkage, Checked):
         "dae: in-house, fastest; exudyn: exudyn-tree, else exudyn-joints",
     )
     purpose: str = choice(
-        *("auto", PURPOSES),
+        "auto",
+        PURPOSES,
         "purpose, sets the tolerances; auto: wear if joints wear, forces in more than two cycles "
         "with clearance, else trajectory",
     )
@@ -109,29 +111,34 @@ class Scene(LoadedLinkage, Checked):
     wear_updates: int = count(1, 0, 20, "chosen", "number of wear updates")
     cycles: int | None = count(
         None,
-        1,
-        100_000,
-        "chosen",
-        "cycles of a replicate; default: until the wear maps converge",
+        low=1,
+        high=100_000,
+        origin="chosen",
+        text="cycles of a replicate; default: until the wear maps converge",
     )
     tolerance: float = quantity(
         0.1,
-        "",
-        1e-3,
-        1.0,
-        "chosen",
-        "allowed standard error of the wear maps over their rms",
+        unit="",
+        low=1e-3,
+        high=1.0,
+        origin="chosen",
+        text="allowed standard error of the wear maps over their rms",
     )
     max_cycles: int = count(
         256,
-        1,
-        100_000,
-        "chosen",
-        "most cycles of all replicates together, if cycles = none",
+        low=1,
+        high=100_000,
+        origin="chosen",
+        text="most cycles of all replicates together, if cycles = none",
     )
     cycles_per_update: float | None = quantity(
-        *(None, "", 1.0, 1e12, "chosen"),
-        "cycles that one wear update represents; default: those that wear a tenth of the clearance",
+        None,
+        unit="",
+        low=1.0,
+        high=1e12,
+        origin="chosen",
+        text="cycles that one wear update represents; default: those that wear a tenth of the "
+        "clearance",
     )
     extrapolation: str = choice(
         "conventions",
@@ -140,10 +147,10 @@ class Scene(LoadedLinkage, Checked):
     )
     replicates: int | None = count(
         None,
-        1,
-        100,
-        "chosen",
-        "independent runs; default: 8 with a life, 4 with wear, else 1",
+        low=1,
+        high=100,
+        origin="chosen",
+        text="independent runs; default: 8 with a life, 4 with wear, else 1",
     )
     seed: int = count(0, 0, 100_000, "chosen", "seed of the initial conditions")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(
@@ -439,8 +446,15 @@ class Scene(LoadedLinkage, Checked):
     def modelled(self) -> dict[str, Any]:
         """Return the model as plain data, without engine, accuracy and number of runs."""
         names = (
-            *("mechanism", "bearings", "joint_bearings", "conventions"),
-            *("extrapolation", "cycles_per_update", "surfaces", "process", "life"),
+            "mechanism",
+            "bearings",
+            "joint_bearings",
+            "conventions",
+            "extrapolation",
+            "cycles_per_update",
+            "surfaces",
+            "process",
+            "life",
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
 

@@ -343,12 +343,12 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
         for engine in (TIGHT, second)
     )
     names = (
-        *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
-        *(
-            "closing speeds, relative",
-            "peak forces, relative",
-            "energy residual / exchanged",
-        ),
+        "slider (m)",
+        "touchdowns (s)",
+        "slider velocity (m/s)",
+        "closing speeds, relative",
+        "peak forces, relative",
+        "energy residual / exchanged",
     )
     first = crosscheck.touchdowns_of(exact)[: crosscheck.FIRST_TOUCHDOWNS]
 

@@ -39,8 +39,8 @@ SLOPES = 6  # evaluations of a trial step
 WEAR_CYCLES = 12  # whose wear makes the worn surfaces
 LOOP = "hand-written loop, radial contact"
 START = (
-    *("run", "wear-times", "--wear-updates", "0", "--cycles", "1", "--no-report"),
-    *("--set", "replicates=1", "--set", "seed=1"),
+    "run wear-times --wear-updates 0 --cycles 1 --no-report "
+    "--set replicates=1 --set seed=1"
 )
 ENGINES = "dae", "exudyn-tree", "exudyn-joints"
 
@@ -162,7 +162,14 @@ def start_times(engine: str, report: Progress) -> list[float]:
         for k, name in enumerate(("first", "second")):
             report(f"{name} start of {engine}", 0.7 * k)
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            command = [sys.executable, "-m", "presswear", *START, "--engine", engine]
+            command = [
+                sys.executable,
+                "-m",
+                "presswear",
+                *START.split(),
+                "--engine",
+                engine,
+            ]
             command += ["--out", f"{folder}/{name}"]
             subprocess.run(
                 command, env=environment, check=True, stdout=subprocess.DEVNULL

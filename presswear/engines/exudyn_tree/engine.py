@@ -287,7 +287,11 @@ def _tree_system(
     x, u, u_t, states, force = live
     return TreeSystem(
         written(equations, model),
-        *(x, u, u_t, states, force),
+        x=x,
+        u=u,
+        u_t=u_t,
+        states=states,
+        force=force,
         expected=model.onset,
         pace=pace,
         state=model.bodies,

@@ -60,7 +60,11 @@ class Written(NamedTuple):
 
 
 _KERNELS = (
-    *(cos_sin, drive_torques, place_prescribed, subtract_inertia, uneven_motion),
+    cos_sin,
+    drive_torques,
+    place_prescribed,
+    subtract_inertia,
+    uneven_motion,
     *(kernel for kind in KINDS for kernel in kind.kernels),
 )
 _NAMES = {

@@ -152,8 +152,14 @@ class OiledContact:
     number: int  # among the clearance joints
 
     kernels: ClassVar[Kernels] = (
-        *(OilFilm, OiledBearing, chord_of, film_rate, film_loss, shear_moment),
-        *(elastic_of, *FrictionWithoutState.kernels),
+        OilFilm,
+        OiledBearing,
+        chord_of,
+        film_rate,
+        film_loss,
+        shear_moment,
+        elastic_of,
+        *FrictionWithoutState.kernels,
     )
 
     @classmethod

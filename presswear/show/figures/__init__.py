@@ -81,8 +81,15 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
 OF_MANY_CYCLES = ("poincare", "impacts", "spectrum")
 # Figures that are drawn after a run, the most important first, and how many of them
 FIRST = (
-    *("life", "response", "force", "wear", "tilt", "motor"),
-    *("frame", "bottom", "drives"),
+    "life",
+    "response",
+    "force",
+    "wear",
+    "tilt",
+    "motor",
+    "frame",
+    "bottom",
+    "drives",
 )
 FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones

@@ -139,13 +139,11 @@ def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
 def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     image = next(images)
     height, width = image.shape[:2]
-    command = [
-        *("ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"),
-        *("-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-"),
-        # Players need even sizes and this colour format.
-        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"),
-        *("-movflags", "+faststart", "-f", "mp4", part.name),
-    ]
+    source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
+    # Players need even sizes and this colour format.
+    target = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2 -pix_fmt yuv420p -movflags +faststart"
+    options = ["-loglevel", "error", "-y", *source.split(), *target.split()]
+    command = ["ffmpeg", *options, "-f", "mp4", part.name]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as encoder:

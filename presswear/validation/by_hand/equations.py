@@ -29,24 +29,41 @@ OPEN = -1.0  # closing speed of a joint without contact
 MIN_CLOSING = 1e-6  # m/s, in the damping term
 
 _CONTACT = (
-    *(
-        "bearing_radius",
-        "clearance",
-        "stiffness",
-        "damping",
-        "friction",
-        "lower",
-        "upper",
-    ),
-    *("width", "wear_coefficient", "bearing_share"),
+    "bearing_radius",
+    "clearance",
+    "stiffness",
+    "damping",
+    "friction",
+    "lower",
+    "upper",
+    "width",
+    "wear_coefficient",
+    "bearing_share",
 )
 _GIVEN = (  # fields of ``Press``
-    *("speed", "gravity", "length_2", "length_3", "length_5", "length_7"),
+    "speed",
+    "gravity",
+    "length_2",
+    "length_3",
+    "length_5",
+    "length_7",
     *(f"mass_{k}" for k in range(2, 8)),
 )
 _PRESS = (
-    *(*_GIVEN, "o2_x", "o2_y", "plate_inertia", "rod_3_inertia", "rod_5_inertia"),
-    *("centre_x", "centre_y", "b_x", "b_y", "c_x", "c_y", "start_2", "start_7"),
+    *_GIVEN,
+    "o2_x",
+    "o2_y",
+    "plate_inertia",
+    "rod_3_inertia",
+    "rod_5_inertia",
+    "centre_x",
+    "centre_y",
+    "b_x",
+    "b_y",
+    "c_x",
+    "c_y",
+    "start_2",
+    "start_7",
 )
 CONTACT = np.dtype([(name, np.float64) for name in _CONTACT])
 # SI; lengths from D in the frame of the plate, inertias about the hinges
@@ -140,8 +157,14 @@ def parameters(scene: Scene) -> Records:
         normal = joint.normal
         friction = joint.friction
         record[joint.name.lower()] = (
-            *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
-            *(friction.coefficient, friction.lower, friction.upper, joint.width),
+            joint.bearing_radius,
+            joint.clearance,
+            normal.stiffness,
+            normal.damping,
+            friction.coefficient,
+            friction.lower,
+            friction.upper,
+            joint.width,
             *(
                 (joint.wear.coefficient, joint.wear.bearing_share)
                 if joint.wear
@@ -163,8 +186,14 @@ def cranks(press: Records, t: float) -> Cranks:
     back_y = -p.length_2 * math.sin(two)
     w = p.speed
     return Cranks(
-        *(x, y, -w * y, w * x),
-        *(p.o2_x + back_x, p.o2_y + back_y, w * back_y, -w * back_x),
+        x,
+        y,
+        -w * y,
+        w * x,
+        p.o2_x + back_x,
+        p.o2_y + back_y,
+        w * back_y,
+        -w * back_x,
     )
 
 
@@ -217,11 +246,22 @@ def push(
     )
     area = 2.0 * joint.width * joint.bearing_radius * math.sqrt(above * (2.0 - above))
     return Push(
-        *(normal * nx - along * ny, normal * ny + along * nx),
-        *(pin_x + arm * nx, pin_y + arm * ny),
-        *(depth, rate, load, load / area),
-        *((normal - elastic) * rate, along * sliding),
-        *(normal, -along, sliding, turning, ex, ey),
+        normal * nx - along * ny,
+        normal * ny + along * nx,
+        pin_x + arm * nx,
+        pin_y + arm * ny,
+        depth,
+        rate,
+        load,
+        load / area,
+        (normal - elastic) * rate,
+        along * sliding,
+        normal,
+        -along,
+        sliding,
+        turning,
+        ex,
+        ey,
     )
 
 
@@ -231,7 +271,7 @@ def no_push(
 ) -> Push:
     """Return the forces, all zero, of a joint without contact."""
     return Push(
-        0.0, 0.0, x, y, depth, rate, *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ex, ey
+        0.0, 0.0, x, y, depth, rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ex, ey
     )
 
 
