@@ -159,7 +159,10 @@ class Oscillator:
         state, _ = self.after(np.array([0.0, -R * start * v]), t, 0.35 * self.period)
         return growth_logarithms(
             lambda x, t: (self.after(x, t, interval)[0], t + interval),
-            *(state, t + 0.35 * self.period, count, np.full(2, distance)),
+            state,
+            t + 0.35 * self.period,
+            count,
+            np.full(2, distance),
         )
 
 

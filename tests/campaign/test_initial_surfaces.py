@@ -14,8 +14,13 @@ from presswear.linkage.surface import SIDES
 from presswear.results.result import stored_scene
 
 QUICK = {
-    **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6},
-    **{"speed": 60.0, "cycles_per_update": 1e6, "replicates": 1, "purpose": "wear"},
+    "engine": "dae",
+    "integrator": "dopri5",
+    "integration_tolerance": 1e-6,
+    "speed": 60.0,
+    "cycles_per_update": 1e6,
+    "replicates": 1,
+    "purpose": "wear",
 }
 
 

@@ -23,8 +23,13 @@ from presswear.scene.settings import changed
 from presswear.tools.processes import Job, OnProgress, OnResult, Report, Workers
 
 QUICK = {
-    **{"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
-    **{"speed": "60rad/s", "angles": "90", "wear_updates": 1, "cycles_per_update": 1e5},
+    "engine": "dae",
+    "integrator": "dopri5",
+    "integration_tolerance": "1e-6",
+    "speed": "60rad/s",
+    "angles": "90",
+    "wear_updates": 1,
+    "cycles_per_update": 1e5,
 }
 # As many cycles as allowed, a wear update in one jump, and rounds after it, together
 # and alone.

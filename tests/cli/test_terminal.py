@@ -261,7 +261,7 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
         force = Estimate.symmetric(1e3 * k, 20.0)
         volume = Estimate.symmetric(1e-9 * k, 1e-10)
         joints[name] = JointStatistics(
-            *(1.0, force, 1, some, 0, None, 0.0, some, volume), None, None, (), {}
+            1.0, force, 1, some, 0, None, 0.0, some, volume, None, None, (), {}
         )
     console = console_of(80, clock)
     stage = stage_of(StageStatistics(cycles=5, joints=joints), 1.0, 1.0)

@@ -55,8 +55,20 @@ _NO_NUMBERS = (*_NO_NUMBER_TEXTS.split(), "", " ", "5\x00", "5\n6", "9" * 5000)
 _NO_COUNTS = ("0", "-1", "1.5", "many", "", "1e400", "nan", "٣", "9" * 5000)
 # Folders that cannot be written into.
 _PLACES = (
-    *(FOLDER, FILE, f"{FILE}/below", "", " ", "a\0b", "n" * 300, "x/" + "y" * 256),
-    *("a\nb", "\udcff", "\x1b[2J", "/proc/none/x", "/dev/null", "/dev/null/x"),
+    FOLDER,
+    FILE,
+    f"{FILE}/below",
+    "",
+    " ",
+    "a\0b",
+    "n" * 300,
+    "x/" + "y" * 256,
+    "a\nb",
+    "\udcff",
+    "\x1b[2J",
+    "/proc/none/x",
+    "/dev/null",
+    "/dev/null/x",
 )
 _ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x110000))
 _LINES = (

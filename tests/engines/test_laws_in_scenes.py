@@ -115,15 +115,17 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     scene = changed(
         Scene(mechanism=FOUR_BAR, joints="AB", wear_updates=0),
         {
-            **{"clearance": 5e-4, "friction": 0.1, "B.elasticity": "foundation"},
+            "clearance": 5e-4,
+            "friction": 0.1,
+            "B.elasticity": "foundation",
             "conventions": "paper",
-            **{"A.normal_law": "herbert-mcwhannell", "A.restitution": 0.8},
-            **{
-                "A.friction_law": "lugre",
-                "A.static_friction": 0.15,
-                "A.bristle_stiffness": 1e3,
-            },
-            **{"B.normal_law": "hunt-crossley", "B.restitution": 0.75},
+            "A.normal_law": "herbert-mcwhannell",
+            "A.restitution": 0.8,
+            "A.friction_law": "lugre",
+            "A.static_friction": 0.15,
+            "A.bristle_stiffness": 1e3,
+            "B.normal_law": "hunt-crossley",
+            "B.restitution": 0.75,
         },
     )
 

@@ -103,7 +103,9 @@ row = st.tuples(st.floats(0.01, 1.0), st.floats(-2.0, 2.0))
 
 @given(
     st.lists(row, min_size=3, max_size=40),
-    *(st.floats(0.0, 3.0), st.floats(-7.0, 7.0), st.floats(-30.0, 1000.0)),
+    st.floats(0.0, 3.0),
+    st.floats(-7.0, 7.0),
+    st.floats(-30.0, 1000.0),
 )
 def test_a_table_is_the_periodic_spline_of_scipy(
     drawn: list[tuple[float, float]], first: float, net: float, phase: float

@@ -27,7 +27,10 @@ FOUNDATION = replace(worn_joint("body"), contact="foundation")
 
 def _law(power: float, distribution: Any = "arc") -> WearLaw:
     return WearLaw(
-        *(COEFFICIENT, "sliding", distribution, 0.4),
+        COEFFICIENT,
+        "sliding",
+        distribution,
+        0.4,
         pressure_exponent=power,
         pressure_reference=REFERENCE,
     )
@@ -91,7 +94,8 @@ def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power: float) -
 def test_the_exponent_one_is_archards_law(joint: ClearanceJoint) -> None:
     pair = placed(replace(joint, wear=_law(1.0)), 3e-6, 1.1, rates=SLIDING)
     record, surfaces, contact = (
-        *(pair.packed.joints[0], pair.packed.surfaces[0]),
+        pair.packed.joints[0],
+        pair.packed.surfaces[0],
         pair.contact(),
     )
     by_pressure, archard, shares = np.zeros((3, 2, 360))

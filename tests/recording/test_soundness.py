@@ -105,11 +105,9 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
                     friction_loss=0.0,
                     drive_work=work,
                 ),
-                *(
-                    "energy",
-                    "",
-                    f"the contacts created {created:g} J, limit {limit:g} J: damping and",
-                ),
+                "energy",
+                "",
+                f"the contacts created {created:g} J, limit {limit:g} J: damping and",
             )
             for taken, created, limit, work in (
                 (0.2, 0.21, 0.2, 0.29),
@@ -132,7 +130,9 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         (coarse(11), "steps", "C", "11 of 20 had too few, the least 3"),
         (counters(deepest=(0.0, DEEP)), "penetration", "C", ""),
         (
-            *(state("position", SLIDER, 9e-6), "constraints", "E"),
+            state("position", SLIDER, 9e-6),
+            "constraints",
+            "E",
             "limit 8e-06 (t = 0 s); engine = dae with projection = on prevents it",
         ),
     ],

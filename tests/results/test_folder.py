@@ -32,14 +32,17 @@ from presswear.show.report import render_report
 from presswear.tools.serialize import write_json
 
 SETTINGS: dict[str, Any] = {
-    **{"conventions": "refined", "cycles": 2, "replicates": 2, "wear_updates": 1},
-    **{
-        "cycles_per_update": 2e4,
-        "speed": "60rad/s",
-        "engine": "dae",
-        "integrator": "dopri5",
-    },
-    **{"integration_tolerance": 1e-5, "angles": 90, "C.angles": 60},
+    "conventions": "refined",
+    "cycles": 2,
+    "replicates": 2,
+    "wear_updates": 1,
+    "cycles_per_update": 2e4,
+    "speed": "60rad/s",
+    "engine": "dae",
+    "integrator": "dopri5",
+    "integration_tolerance": 1e-5,
+    "angles": 90,
+    "C.angles": 60,
 }
 SCENE = pw.scenes.wear_times(**SETTINGS)
 """Two starts of two cycles, a wear in steps, and again: every kind of place to stop at.

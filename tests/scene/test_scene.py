@@ -54,19 +54,15 @@ def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
 
 
 WRONG: tuple[tuple[str, Any], ...] = (
-    *(
-        ("mechanism", "abc"),
-        ("mechanism", {}),
-        ("origins", {"clearance": 1}),
-        ("bearings", None),
-    ),
-    *(
-        ("unknown", 1),
-        ("name", 1),
-        ("wear_updates", 1.5),
-        ("joints", ["A"]),
-        ("engine", "none"),
-    ),
+    ("mechanism", "abc"),
+    ("mechanism", {}),
+    ("origins", {"clearance": 1}),
+    ("bearings", None),
+    ("unknown", 1),
+    ("name", 1),
+    ("wear_updates", 1.5),
+    ("joints", ["A"]),
+    ("engine", "none"),
 )
 
 

@@ -26,12 +26,11 @@ from presswear.scene.conventions import CONVENTIONS
 
 BINS = 72
 PROVENANCE = {
-    **{
-        "python": "3.12.0",
-        "packages": {"presswear": "0.1.0"},
-        "revision": "0123456789ab",
-    },
-    **{"machine": "a machine", "started": "2024-01-01T00:00:00Z"},
+    "python": "3.12.0",
+    "packages": {"presswear": "0.1.0"},
+    "revision": "0123456789ab",
+    "machine": "a machine",
+    "started": "2024-01-01T00:00:00Z",
 }
 
 
@@ -86,22 +85,18 @@ def _stage(
             arrays[f"{joint}_depth_{side}"] = index * one
             arrays[f"{joint}_wear_{side}"] = one
     numbers: dict[str, Any] = {
-        **{
-            "peak_force": 100.0 + index,
-            "peak_force_per_cycle": each,
-            "contacts_per_cycle": each,
-        },
-        **{"contacts": 1234, "unresolved_contacts": 0, "min_steps_per_contact": 50},
-        **{
-            "contact_time_fraction": 0.5,
-            "load_distance_per_cycle": pw.statistics.Estimate(80.0, samples=2),
-        },
-        **{
-            "wear_volume": pw.statistics.Estimate(3e-9),
-            "wear_volume_step_error": None,
-            "wear_map_error": 0.1,
-        },
-        **{"wear_depth_max_by_replicate": (5e-6,)},
+        "peak_force": 100.0 + index,
+        "peak_force_per_cycle": each,
+        "contacts_per_cycle": each,
+        "contacts": 1234,
+        "unresolved_contacts": 0,
+        "min_steps_per_contact": 50,
+        "contact_time_fraction": 0.5,
+        "load_distance_per_cycle": pw.statistics.Estimate(80.0, samples=2),
+        "wear_volume": pw.statistics.Estimate(3e-9),
+        "wear_volume_step_error": None,
+        "wear_map_error": 0.1,
+        "wear_depth_max_by_replicate": (5e-6,),
     }
     peaks = dict.fromkeys((*SIDES, "both"), peak)
     joint_statistics = JointStatistics(**numbers, wear_peaks=peaks)
@@ -109,21 +104,15 @@ def _stage(
     output = OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
     error = pw.statistics.Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2)
     numbers = {
-        **{
-            "strokes": 2,
-            "ideal_height": -0.5871,
-            "ideal_time": 0.5,
-            "ideal_dwell": 0.0,
-        },
-        **{
-            "height": pw.statistics.Estimate.symmetric(-0.58785, 2e-5, 2),
-            "error": error,
-        },
-        **{
-            "range_of_all": 1e-4,
-            "range": pw.statistics.Estimate(1e-4),
-            "range_strokes": 2,
-        },
+        "strokes": 2,
+        "ideal_height": -0.5871,
+        "ideal_time": 0.5,
+        "ideal_dwell": 0.0,
+        "height": pw.statistics.Estimate.symmetric(-0.58785, 2e-5, 2),
+        "error": error,
+        "range_of_all": 1e-4,
+        "range": pw.statistics.Estimate(1e-4),
+        "range_strokes": 2,
         "standard_deviation": pw.statistics.Estimate(4e-5, 3e-5, 6e-5),
         "delay": pw.statistics.Estimate(-3e-3, samples=2),
         "delay_angle": pw.statistics.Estimate.symmetric(-0.0314159, 0.0174533, 2),

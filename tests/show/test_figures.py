@@ -49,13 +49,12 @@ NOT_MADE_UP = (
 )  # figures that need what made-up results lack
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [
-    *(
-        "response.png",
-        "bottom-dead-centre.png",
-        "contact-force.png",
-        "centre-trajectory.png",
-    ),
-    *("phase.png", "modes.png"),
+    "response.png",
+    "bottom-dead-centre.png",
+    "contact-force.png",
+    "centre-trajectory.png",
+    "phase.png",
+    "modes.png",
 ]
 
 
@@ -430,16 +429,12 @@ def test_a_life_shows_every_quantity_with_its_limits() -> None:
     axes = [each for each in sheet_of("life", result).axes if each.axison]
     panels = {each.get_title(loc="left").replace("\n", " "): each for each in axes}
     assert {title: each.get_ylabel() for title, each in panels.items()} == {
-        **{
-            "depth of A": "(µm)",
-            "worn volume of A": "(mm³)",
-            "peak force of A": "(kN)",
-        },
-        **{
-            "depth of C: first": "(µm)",
-            "worn volume of C": "(mm³)",
-            "peak force of C": "(N)",
-        },
+        "depth of A": "(µm)",
+        "worn volume of A": "(mm³)",
+        "peak force of A": "(kN)",
+        "depth of C: first": "(µm)",
+        "worn volume of C": "(mm³)",
+        "peak force of C": "(N)",
         "drift of bottom dead centre": "(µm)",
     }
     first = panels["depth of C: first"]

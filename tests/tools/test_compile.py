@@ -313,13 +313,15 @@ def _replace(place: str, folder: Path, file: Path) -> None:
 
 
 PLACES = (
-    *(
-        "folder that a group can write",
-        "folder that all can write",
-        "folder of another user",
-    ),
-    *("file that a group can write", "file that all can write", "file of another user"),
-    *("link to a folder", "link to a file", "pipe"),
+    "folder that a group can write",
+    "folder that all can write",
+    "folder of another user",
+    "file that a group can write",
+    "file that all can write",
+    "file of another user",
+    "link to a folder",
+    "link to a file",
+    "pipe",
 )
 
 

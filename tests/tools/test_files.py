@@ -161,7 +161,9 @@ def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
     with files.only_writer(tmp_path / "before"):
         pass
     assert {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*")} == {
-        *("full", "full/result", "before")
+        "full",
+        "full/result",
+        "before",
     }
 
 
