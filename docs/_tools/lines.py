@@ -52,8 +52,10 @@ MADE = {
     "my-press.toml": "new four-bar my-press.toml",
     "press.toml": "new press press.toml",
 }
-# Tables of a user that command lines read
+_LAWS = (DOCS / "how-to/laws.md").read_text()
+# Tables and laws of a user that command lines read
 TABLES = {
+    "laws.py": "\n".join(re.findall(r"```python\n(.*?)```", _LAWS, re.DOTALL)),
     "worn.csv": "joint,side,angle (deg),depth (um)\n"
     + "\n".join(f"A,bearing,{10 * k},{k % 6}" for k in range(36)),
     "readings.csv": "joint,strokes,depth (um),error (um)\n"

@@ -30,7 +30,7 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
 
     def short(value: Any) -> Any:
         if is_stored_function(value):
-            return f"{UserFunction(**value)}"
+            return f"{UserFunction.from_plain(value)}"
         text = f"{value}"
         is_long = len(text) > _MAX_VALUE_LENGTH
         return f"{text[:20]}... ({digest(text.encode())[:12]})" if is_long else value
@@ -68,6 +68,8 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
             was |= {item.key: item.value for item in inner}
     for joint in scene.joint_bearings:
         for key in [item.key for item in settings_in(scene.bearings)]:
+            if key not in was and key not in SINGLE:
+                continue  # a number of a user law, which the law has in its text
             before = getattr(base.bearings, key) if key in SINGLE else was[key]
             was.setdefault(f"{joint}.{key}", before)
     if not base.clearance_joints and scene.clearance_joints:

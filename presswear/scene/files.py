@@ -259,7 +259,7 @@ def _flat(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield keys and values of a table; TOML reads ``A.clearance`` as a table ``A`` in it."""
     for key, value in table.items():
         if isinstance(value, Mapping):
-            yield from ((f"{key}.{name}", inner) for name, inner in value.items())
+            yield from ((f"{key}.{name}", inner) for name, inner in _flat(value))
         else:
             yield key, value
 

@@ -57,6 +57,8 @@ def settings_in_groups(scene: Scene, every: bool = False) -> dict[str, list[Sett
     }
     for setting in applicable_settings_of(scene):
         first, _, last = setting.key.rpartition(".")
+        if last not in _FIRST and first.partition(".")[0] in scene.bearing_joints:
+            first = first.partition(".")[0]  # a number of the user law of a joint
         title = title_of.get(setting.key, _RUN)
         is_first = title == "Mechanism" or setting.key in _FIRST
         if first in scene.bearing_joints:

@@ -16,6 +16,7 @@ from presswear.tools.symbols import SYMBOLS
 TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
 # of a file, too: the settings of a drive, which a file may have without a kind
 MOTOR, SERVO = "motor", "servo"
+LAWS = "normal_law", "friction_law", "wear_law"  # which may be user laws
 _DOUBLED = re.compile(rf"(?:^|(?<=\.))({'|'.join(DOUBLED)})$")
 
 
@@ -31,10 +32,13 @@ def setting_of(scene: Scene, key: str) -> Setting:
 def name_of_key(key: str) -> str:
     """Return a key with the name of the setting in place of its symbol.
 
-    The name of the table that holds it in a file may stand before it.
+    The name of the table that holds it in a file may stand before it. The law in the
+    table of a user law has the key of the table, and numbers of a law have no symbols.
     """
     table, _, rest = key.partition(".")
     first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
+    if first.rpartition(".")[2] in LAWS:
+        return first if last == "law" else f"{first}.{last}"
     return f"{first}{dot}{SYMBOLS.get(last, last)}"
 
 

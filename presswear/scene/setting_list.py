@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 from presswear.linkage.elements import OutputPoint
 from presswear.scene.bearing import SINGLE
@@ -38,11 +38,11 @@ class Setting:
 def settings_of(scene: Scene) -> list[Setting]:
     """Return all settings with present values; of single joints only those that differ."""
     common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
-    single = (
-        setting for joint in scene.joint_bearings for setting in _of_joint(scene, joint)
-    )
     differing = (
-        one for one in single if one.value != common[one.key.rpartition(".")[2]]
+        one
+        for joint in scene.joint_bearings
+        for one in _of_joint(scene, joint)
+        if one.value != common.get(one.key.removeprefix(f"{joint}."))
     )
     return [*settings_in(scene, scene.origins), *differing]
 
@@ -65,7 +65,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         (one.key, one.value)
         for joint in scene.bearing_joints
         for one in settings_in(scene.bearing(joint))
-        if one.key not in unread_of(scene, joint)
+        if one.key.partition(".")[0] not in unread_of(scene, joint)
     }
     common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
     engines = (
@@ -118,6 +118,7 @@ def settings_in(
             setting = Setting(key, meaning.shown(value), meaning)
             if not meaning.is_part:
                 plain.append(setting)
+                plain += _numbers_of_law(setting, value, origins or {})
                 continue
             yield setting
         elif meaning is not None:
@@ -130,6 +131,18 @@ def settings_in(
                 if name != COMMON or setting.key not in SINGLE:
                     yield setting
     yield from plain
+
+
+def _numbers_of_law(
+    setting: Setting, law: Any, origins: Mapping[str, str]
+) -> Iterator[Setting]:
+    """Yield the numbers of the user law that a setting may hold."""
+    if isinstance(law, UserFunction):
+        allowed = cast(Choice, setting.meaning).parameters
+        for number, value in law.settings(setting.key, allowed):
+            key = f"{setting.key}.{number.name}"
+            origin = origins.get(key, number.meaning.origin)
+            yield Setting(key, value, replace(number.meaning, origin=origin))
 
 
 def has_settings(value: Any) -> bool:

@@ -5,7 +5,7 @@ parts. A part that may be absent and a single joint are named before a dot:
 ``process.force``, ``A.clearance``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -59,8 +59,8 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
     for key, value in named.items():
-        first, _, last = key.rpartition(".")
-        if first in scene.mechanism.allowed_joints:
+        first, last = _joint_and_name(key, scene.mechanism.allowed_joints)
+        if first:
             single.setdefault(first, {})[last] = value
         else:
             common[key] = value
@@ -86,6 +86,15 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
         ]
         result = replace(result, origins={**origins, **dict.fromkeys(same, IN_FILE)})
     return result
+
+
+def _joint_and_name(key: str, joints: Collection[str]) -> tuple[str, str]:
+    """Return the joint of a key, or an empty text, and the rest of the key."""
+    first, last = key, ""
+    while first and first not in joints:
+        first, _, word = first.rpartition(".")
+        last = f"{word}.{last}" if last else word
+    return first, last
 
 
 def _without_single(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -178,6 +187,9 @@ def _changed(
                 if is_same
                 else meaning.chosen(f"{message_prefix}{key}", result, value)
             )
+        if isinstance(meaning, Choice) and meaning.parameters:
+            numbers = _numbers_of(key, settings)
+            result = meaning.with_numbers(f"{message_prefix}{key}", result, numbers)
         if has_settings(result) and name not in updates:
             mine = _without_single(settings) if name == COMMON else settings
             result = _changed(result, mine, inner, message_prefix)
@@ -191,6 +203,16 @@ def _changed(
         is_named = prefix and f"{error}".startswith(f"{prefix[:-1]}: ")
         label = message_prefix if is_named else f"{message_prefix}{prefix}"
         raise InputError(f"{label}{error}") from None
+
+
+def _numbers_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of the numbers of a user law, by their names."""
+    start = f"{key}."
+    return {
+        name.removeprefix(start): value
+        for name, value in settings.items()
+        if name.startswith(start)
+    }
 
 
 def on_surfaces(scene: Scene, surfaces: Any, source: str) -> Scene:

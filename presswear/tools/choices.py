@@ -122,6 +122,15 @@ class Choice:
             self.check(name, value)
         return value
 
+    def with_numbers(self, name: str, value: Any, numbers: Mapping[str, Any]) -> Any:
+        """Return a user law with new values of the numbers that it has; else the value."""
+        if not numbers or value in self.words:
+            return value
+        law = self.convert(name, value)
+        names = {one.name for one in law.numbers(name, self.parameters)}
+        values = {key: one for key, one in numbers.items() if key in names}
+        return law.with_values(name, values, self.parameters)
+
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is one of the words, or a text where one is free."""
         if isinstance(value, str):

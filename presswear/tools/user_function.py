@@ -12,15 +12,16 @@ import linecache
 import math
 import textwrap
 import traceback
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
+from presswear.tools.law_numbers import LawNumber, numbers_of
 from presswear.tools.processes import signals_held
 
 _JUMP_WIDTH = 1e-9  # m/s or rad/s; a change that is as narrow is a jump
@@ -43,23 +44,40 @@ def is_user_law(file: str) -> bool:
 
 def is_stored_function(data: Any) -> bool:
     """Return whether data is a user function as results and scene files store it."""
-    return isinstance(data, dict) and set(data) == {"name", "source"}
+    return isinstance(data, dict) and {*data} - {"values"} == {"name", "source"}
 
 
 @dataclass(frozen=True)
 class UserFunction:
-    """Function of numbers by its name in a Python text, in which ``math`` is provided."""
+    """Function of numbers by its name in a Python text, in which ``math`` is provided.
+
+    ``values`` are numbers of the law, SI, that differ from their defaults; see
+    ``law_numbers``.
+    """
 
     name: str
     source: str
+    values: tuple[tuple[str, float], ...] = ()
+
+    @staticmethod
+    def from_plain(data: Mapping[str, Any]) -> "UserFunction":
+        """Return a function from its stored form."""
+        values = tuple(data.get("values", {}).items())
+        return UserFunction(data["name"], data["source"], values)
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the stored form."""
+        data: dict[str, Any] = {"name": self.name, "source": self.source}
+        return {**data, "values": dict(self.values)} if self.values else data
 
     def __str__(self) -> str:
         digest = hashlib.sha256(self.source.encode()).hexdigest()[:8]
-        return f"user law {self.name}, {digest}"
+        values = ", ".join(f"{name} = {value:g}" for name, value in self.values)
+        return f"user law {self.name}{f'({values})' if values else ''}, {digest}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A worker process may execute the same texts as the process that started it.
-        return _unpickled, (self.name, self.source, self.is_trusted, self._file[1:-1])
+        return _unpickled, (self.as_plain(), self.is_trusted, self._file[1:-1])
 
     @property
     def is_trusted(self) -> bool:
@@ -93,12 +111,15 @@ class UserFunction:
             function = value
         elif isinstance(value, dict):
             if not is_stored_function(value) or not all(
-                isinstance(x, str) for x in value.values()
+                isinstance(value[name], str) for name in ("name", "source")
             ):
                 raise InputError(
                     f"{key} = {value!r}: must have texts under name and source"
                 )
-            function = UserFunction(**value)
+            function = UserFunction(value["name"], value["source"])
+            stored = value.get("values", {})
+            if stored:
+                function = function.with_values(key, stored, parameters or ())
         elif getattr(value, "__name__", "") == "<lambda>":
             raise InputError(
                 f"{key}: a lambda has no name; define the function with def"
@@ -125,12 +146,8 @@ class UserFunction:
             function.parameters(key, parameters)
         return function
 
-    def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the names of the parameters without executing the text.
-
-        InputError for text that does not define the function, and for a parameter that
-        is not allowed.
-        """
+    def _arguments(self, key: str) -> ast.arguments:
+        """Return the arguments of the function; InputError for text that does not define it."""
         try:
             tree = ast.parse(self.source)
         except (SyntaxError, ValueError, RecursionError) as error:
@@ -150,11 +167,45 @@ class UserFunction:
             raise InputError(
                 f"{key}: {self.name} must have plain parameters, no * and no **"
             )
-        names = tuple(argument.arg for argument in arguments.args)
+        return arguments
+
+    def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names of the parameters without executing the text.
+
+        Numbers of the law are none of them. InputError for text that does not define
+        the function, and for a parameter that is not allowed.
+        """
+        names = tuple(argument.arg for argument in self._arguments(key).args)
+        numbers = {number.name for number in self.numbers(key, allowed)}
         for name in names:
-            if name not in allowed:
+            if name not in allowed and name not in numbers:
                 raise unknown(f"parameter of {self.name} in {key}", name, allowed)
-        return names
+        return tuple(name for name in names if name not in numbers)
+
+    def numbers(self, key: str, allowed: tuple[str, ...]) -> tuple[LawNumber, ...]:
+        """Return the numbers of the law: parameters with a default that are not allowed ones."""
+        return numbers_of(key, self.name, self._arguments(key), allowed)
+
+    def settings(
+        self, key: str, allowed: tuple[str, ...]
+    ) -> list[tuple[LawNumber, float]]:
+        """Return the numbers of the law with their present values, SI."""
+        values = dict(self.values)
+        numbers = self.numbers(key, allowed)
+        return [(one, values.get(one.name, one.default)) for one in numbers]
+
+    def with_values(
+        self, key: str, values: Mapping[str, Any], allowed: tuple[str, ...]
+    ) -> "UserFunction":
+        """Return the law with values of its numbers, SI or texts with a unit, in their ranges."""
+        numbers = {one.name: one for one in self.numbers(key, allowed)}
+        present = dict(self.values)
+        for name, value in values.items():
+            if name not in numbers:
+                raise unknown(f"number of {self.name} in {key}", name, tuple(numbers))
+            meaning = numbers[name].meaning
+            present[name] = float(meaning.convert(f"{key}.{name}", value))
+        return replace(self, values=tuple(sorted(present.items())))
 
     def namespace(self) -> dict[str, Any]:
         """Execute the text and return its names; UntrustedLaw unless that is allowed."""
@@ -255,8 +306,8 @@ class UserFunction:
         stopped by Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the
         range of the law.
         """
-        count = len(self.parameters(key, allowed))
         self.check_trusted(key)
+        names = self.parameters(key, allowed)
         try:
             function = self.in_python()
         except (Exception, SystemExit) as error:
@@ -265,14 +316,12 @@ class UserFunction:
             ) from None
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
-            exponents = [(7 * k + 3 * i) % _POINTS for i in range(count)]
+            point = {
+                name: (-1.0) ** (k // (i + 1)) * 2.0 ** -((7 * k + 3 * i) % _POINTS)
+                for i, name in enumerate(names)
+            }
             try:
-                function(
-                    *(
-                        (-1.0) ** (k // (i + 1)) * 2.0**-n
-                        for i, n in enumerate(exponents)
-                    )
-                )
+                function(**point)
             except (ArithmeticError, ValueError):
                 continue
             except (Exception, SystemExit) as error:
@@ -287,7 +336,7 @@ class UserFunction:
 
 @cache
 def _in_python(function: UserFunction) -> Callable[..., Any]:
-    return cast(Callable[..., Any], function.namespace()[function.name])
+    return partial(function.namespace()[function.name], **dict(function.values))
 
 
 @cache
@@ -304,7 +353,12 @@ def compile_function(
     for name, value in namespace.items():
         if inspect.isfunction(value):
             namespace[name] = compiler(value)
-    used = ", ".join(function.parameters(function.name, parameters))
+    values = {
+        number.name: repr(value)
+        for number, value in function.settings(function.name, parameters)
+    }
+    names = [one.arg for one in function._arguments(function.name).args]
+    used = ", ".join(values.get(name, name) for name in names)
     call = f"float({function.name}({used}))"
     exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
     kernel: Any = compiler(namespace["kernel"])
@@ -325,7 +379,7 @@ def compile_function(
     return cast(Callable[..., float], kernel)
 
 
-def _unpickled(name: str, source: str, is_trusted: bool, file: str) -> UserFunction:
-    _files[source] = file
-    function = UserFunction(name, source)
+def _unpickled(data: dict[str, Any], is_trusted: bool, file: str) -> UserFunction:
+    function = UserFunction.from_plain(data)
+    _files[function.source] = file
     return function.trusted() if is_trusted else function

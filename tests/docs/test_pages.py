@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 import speed
 from columns import PAGE, filled
-from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
+from lines import PAGES, TABLES, all_lines, failures, lines_in_cells, lines_of
 from public_names import NAMES, missing_names
 from readme import result_table
 
@@ -65,7 +65,11 @@ def test_commands_are_found() -> None:
         for page, line in COMMAND_LINES
     ],
 )
-def test_command_line_is_valid(line: str) -> None:
+def test_command_line_is_valid(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "laws.py").write_text(TABLES["laws.py"])
+    monkeypatch.chdir(tmp_path)
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     words = joined(words)
     arguments = parser_for(words).parse_args(words)

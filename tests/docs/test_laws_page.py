@@ -1,0 +1,51 @@
+"""The user laws of the page on laws run, and their numbers are settings."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.scene.settings import changed
+
+PAGE = Path(__file__).parents[2] / "docs/how-to/laws.md"
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+LAWS = re.findall(r"^def (\w+)\((\w+)", "\n".join(BLOCKS), re.MULTILINE)
+KINDS = {"penetration": "normal_law", "sliding": "friction_law"}
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "laws.py"
+    path.write_text("\n".join(BLOCKS))
+    return path
+
+
+def test_laws_are_found() -> None:
+    assert {KINDS.get(first, "wear_law") for _, first in LAWS} == {
+        *("normal_law", "friction_law", "wear_law")
+    }
+
+
+@pytest.mark.parametrize(("name", "first"), LAWS)
+def test_a_law_of_the_page_is_sound(name: str, first: str, file: Path) -> None:
+    key = KINDS.get(first, "wear_law")
+    settings = {"contact": "radial"} if key == "normal_law" else {}
+    base = pw.scenes.slider_crank(friction=0.1)
+    changed(base, {**settings, key: f"{file}:{name}"}).check_user_laws()
+
+
+def test_a_wear_law_of_the_page_wears(file: Path) -> None:
+    """New surfaces wear 30 times as fast, and those of a later update less."""
+    settings = {"cycles": 4, "replicates": 1, "wear_updates": 1, "engine": "dae"}
+    settings |= {"cycles_per_update": 1e3, "wear_maps": "raw"}
+    depths = []
+    for law in ({}, {"wear_law": f"{file}:running_in"}):
+        scene = pw.scenes.slider_crank(**settings, **law)
+        result = pw.run(scene, jobs=1)
+        depths.append(result.stages[0].joints["B"].wear("bearing"))
+    archard, ours = depths
+    assert 1.0 < ours.max() / archard.max() < 30.5
+    places = archard > 0.1 * archard.max()
+    assert np.all(ours[places] > archard[places])
