@@ -4,6 +4,9 @@ A job is a picklable function. It gets a function to report its progress, many t
 second, which is also where it is stopped. Its result does not depend on where or when
 it runs. A worker may be killed at any moment: each has a pipe of its own, so that half
 a message ends no other worker.
+
+The executor of loky 3.7 does not replace this file: its futures report no progress, and a
+signal to the parent alone leaves jobs running to their end, or kills them with their state.
 """
 
 import math
