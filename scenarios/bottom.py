@@ -7,7 +7,6 @@ import sys
 
 import presswear as pw
 from presswear.cli.terminal import load_scene
-from presswear.results.bottom_dead_centre import rise
 from presswear.show.page import text_of
 
 
@@ -21,7 +20,7 @@ def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) ->
             slower = {"process": process, "speed": part * scene.mechanism.speed}
             stages.append(pw.run(pw.changed(scene, slower), engine="dae").stages[0])
             bottom = stages[-1].bdc
-            values = bottom.error, bottom.range, rise(stages[-1], stages[0])
+            values = bottom.error, bottom.range, pw.results.rise(stages[-1], stages[0])
             texts = " | ".join(text_of(value, "µm") for value in values)
             print(f"work {process}, {part:.0%} of the speed: {texts}")
 

@@ -1,5 +1,6 @@
 """Public names of ``presswear.results``."""
 
+from presswear.results.bottom_dead_centre import rise as rise
 from presswear.results.joint_result import JointResult as JointResult
 from presswear.results.readings import Reading as Reading
 from presswear.results.readings import read_readings as read_readings

@@ -9,6 +9,7 @@ from presswear.recording.statistics import Estimate
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
+from presswear.tools.serialize import checked_arguments
 
 
 def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:
@@ -26,6 +27,7 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
     return [(ideal.first + 1.0 + np.arange(errors.size), errors) for errors in each]
 
 
+@checked_arguments
 def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     """Return how much higher bottom dead centre is in a stage than in another, m.
 
