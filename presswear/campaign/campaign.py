@@ -125,12 +125,17 @@ class _Campaign:
             for observer in runner.observers:
                 observer.on_life_start(cycles, seconds)
 
-        refinements, life = run_life(
+        state, life = run_life(
             runner, initial, state, lambda life: self._keep(life=life), report, announce
         )
+        refinements = state.refinements
         report(life)
         self.unconverged += unknown_life(scene, life)
-        self.at = replace(self.at, life=LifeState(refinements))
+        stage = self.at.stage
+        if scene.cycles is None:
+            # The first stage has run, to show whether the motion settles.
+            stage = state.watched or stage
+        self.at = replace(self.at, life=LifeState(refinements), stage=stage)
         # The life is a mean over the refinements; the surfaces are those of the last
         # one.
         self.strokes = min(life.strokes, float(refinements[-1].strokes[-1]))

@@ -48,6 +48,25 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     return levels
 
 
+def pseudo_levels_of(
+    scene: Scene, depth: Array, limited: Sequence[str]
+) -> dict[str, Array]:
+    """Return pseudo-values of the quantities of the mean surfaces of several histories, by key.
+
+    Noise makes the deepest place of a map too deep. The map of the mean has less of it
+    than that of a history, and the mean of the pseudo-values of the jackknife lacks its
+    part that falls with one over the number of histories.
+    """
+    count = len(depth)
+    others = (depth.sum(axis=0) - depth) / (count - 1)
+    of_others = levels_of(scene, others, limited)
+    of_all = levels_of(scene, depth.mean(axis=0, keepdims=True), limited)
+    return {
+        key: count * of_all[key] - (count - 1) * values
+        for key, values in of_others.items()
+    }
+
+
 def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
     """Return the quantities of rows of cycles, shape (histories, cycles, columns), by key."""
     samples = {}

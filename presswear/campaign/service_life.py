@@ -24,7 +24,7 @@ BLOCK_GROWTH = 0.5  # cycles in a block over the root of the cycles in the refin
 MIN_CYCLES = 16
 # largest ratio of the strokes of a cycle in successive blocks
 MAX_STEP_GROWTH = 2.0
-SECOND_GROWTH = 2.6  # cycles of the second refinement over those of the first one
+SECOND_GROWTH = 4.0  # cycles of the second refinement over those of the first one
 # Limits of the ratio of the cycles of successive refinements
 MIN_GROWTH = 2.0
 MAX_CYCLE_GROWTH = 8.0

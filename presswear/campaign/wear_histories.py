@@ -17,7 +17,7 @@ from presswear.campaign.ensemble import (
     Runner,
 )
 from presswear.campaign.life_problem import fewest_cycles_of, problem_of
-from presswear.campaign.life_quantities import levels_of, samples_of
+from presswear.campaign.life_quantities import pseudo_levels_of, samples_of
 from presswear.campaign.life_result import life_by_rate, life_result, preliminary_life
 from presswear.campaign.refinement import (
     FIRST_CHANGE,
@@ -25,7 +25,7 @@ from presswear.campaign.refinement import (
     Refinement,
     Refinements,
 )
-from presswear.campaign.replicates import RunSpec, worn_out
+from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
 from presswear.campaign.service_life import (
     BlockPlan,
     LifeProblem,
@@ -33,6 +33,7 @@ from presswear.campaign.service_life import (
     run_refinements,
 )
 from presswear.campaign.settled_motions import settling_of
+from presswear.campaign.wear_update import stage_spec
 from presswear.linkage.elements import ClearanceJoint, GuideCorner
 from presswear.physics.running_in import archard_depth, depth_laws_of
 from presswear.recording.settling import Settling
@@ -62,8 +63,10 @@ class LifeState:
     place: tuple[int, int] = (0, 0)
     # these runs, from the start of the interval
     running: EnsembleState = EnsembleState()
-    # runs that do not wear, which show whether they settle
+    # runs on the surfaces at the start, which show whether they settle
     watched: EnsembleState | None = None
+    # the same runs in the equations of worn surfaces, if they settle
+    settled: EnsembleState | None = None
 
 
 @dataclass
@@ -93,24 +96,47 @@ class WearHistories:
         )
 
     def watch(self) -> None:
-        """Run the histories without wear for as long as a stage is watched."""
-        scene = self.runner.scene
-        spec = RunSpec(
-            max(scene.max_cycles // scene.replicate_count, 1),
-            tolerance=math.inf,
-            wear=wear_update.CycleWear(0.0, ()),
-            label="life, does the motion settle?",
-        )
-        watched = self.state.watched or EnsembleState()
+        """Run the histories without wear, which shows whether the motion settles.
+
+        They are the runs of the first stage, unless the scene has a number of cycles.
+        If the motion settles they run again in the equations of worn surfaces, so that
+        wear can begin in the settled motion.
+        """
         runner = self.runner
+        scene = runner.scene
         runner.later = fewest_cycles_of(scene) / scene.replicate_count
-        runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, ())
-        ensemble = runner.run(
-            self.initial, spec, watched, lambda s: self.store(watched=s)
+        runner.later += self.later_stages * _stage_cycles(runner, ())
+        most = max(scene.max_cycles // scene.replicate_count, 1)
+        label = "life, does the motion settle?"
+        spec = RunSpec(most, math.inf, label=label)
+        if scene.cycles is None:
+            spec = replace(stage_spec(scene, 0), label=label)
+        self._run_without_wear(spec, "watched", StepCheck(scene, self.initial[0]))
+        if self.settling and self.settling.verdict == "settled":
+            wear = wear_update.CycleWear(0.0, ())
+            spec = RunSpec(most, math.inf, wear=wear, label=label)
+            self._run_without_wear(spec, "settled")
+
+    def _run_without_wear(
+        self, spec: RunSpec, name: str, step_check: StepCheck | None = None
+    ) -> None:
+        """Run the histories on the surfaces at the start; ``name`` is that of their state."""
+        ensemble = self.runner.run(
+            self.initial,
+            spec,
+            getattr(self.state, name),
+            lambda state: self.store(**{name: state}),
+            step_check,
         )
         if ensemble.failure:
             raise RunFailed(ensemble.failure, ensemble.finding)
-        self.store(watched=ensemble.state)
+        self.store(**{name: ensemble.state})
+
+    @property
+    def later_stages(self) -> int:
+        """Number of stages that run after the life."""
+        scene = self.runner.scene
+        return scene.wear_updates + (scene.cycles is not None)
 
     def limit_first_block(self) -> LifeProblem:
         """Return the problem with a first block that wears no more than a coarse step.
@@ -142,15 +168,14 @@ class WearHistories:
 
         Where all of them came to rest on one motion, wear begins in that motion.
         """
-        watched = self.state.watched
-        if (
-            interval == 0
-            and watched
-            and self.settling
-            and self.settling.verdict == "settled"
-        ):
-            runs = (run and replace(run, status=None) for run in watched.runs)
-            return replace(watched, runs=tuple(runs))
+        settled = self.state.settled
+        if interval == 0 and settled:
+            joints = self.runner.scene.linkage().clearances
+            rows = [run.arrays["recorder/cycles"] for run in settled.runs if run]
+            settling = settling_of(joints, rows)
+            if settling and settling.verdict == "settled":
+                runs = (run and replace(run, status=None) for run in settled.runs)
+                return replace(settled, runs=tuple(runs))
         return EnsembleState((None,) * self.runner.scene.replicate_count)
 
     def advance(self, refinements: Refinements, plan: BlockPlan | Service) -> LoadBlock:
@@ -182,7 +207,7 @@ class WearHistories:
         runner.later = max(
             cycles_left(self.problem, refinements) - plan.cycles - start, 0.0
         )
-        runner.later += (scene.wear_updates + 1) * _stage_cycles(runner, before)
+        runner.later += self.later_stages * _stage_cycles(runner, before)
 
         laws = depth_laws_of(scene.linkage().clearances)
         wear = wear_update.CycleWear(plan.share, laws, plan.extra)
@@ -252,9 +277,8 @@ class WearHistories:
         )
 
     def _levels(self, depth: Array) -> dict[str, Array]:
-        return levels_of(
-            self.runner.scene, depth, [limit.name for limit in self.problem.limits]
-        )
+        limited = [limit.name for limit in self.problem.limits]
+        return pseudo_levels_of(self.runner.scene, depth, limited)
 
     def _check_reach(self, depth: Array, strokes: float) -> None:
         """Raise InputError if, at the rate when new, a joint wears out long before a limit.
@@ -294,8 +318,8 @@ def run_life(
     keep: Callable[[LifeState], None],
     report: Callable[[LifeResult], None],
     announce: Callable[[float, float], None],
-) -> tuple[tuple[Refinement, ...], LifeResult]:
-    """Run the service life of a scene, or resume it; return its refinements as well.
+) -> tuple[LifeState, LifeResult]:
+    """Run the service life of a scene, or resume it; return its state as well.
 
     ``report`` is called with a preliminary life after each refinement that another one
     follows, and in the first one after 2, 4, 8 ... load blocks. ``announce`` is called
@@ -316,7 +340,7 @@ def run_life(
         histories.store(refinements=tuple(refinements))
         if len(refinements) == 1 and len(refinements[0].blocks) == MEASURED_BLOCKS:
             left = cycles_left(problem, refinements)
-            left += (scene.wear_updates + 1) * _stage_cycles(
+            left += histories.later_stages * _stage_cycles(
                 runner, refinements[0].blocks
             )
             last = refinements[0].blocks[-1]
@@ -337,7 +361,8 @@ def run_life(
         keep_blocks,
         lambda refinements: report(preliminary_life(scene, problem, refinements)),
     )
-    return done, replace(life_result(scene, problem, done), settling=histories.settling)
+    result = replace(life_result(scene, problem, done), settling=histories.settling)
+    return replace(histories.state, refinements=done), result
 
 
 def _settled(

@@ -21,7 +21,11 @@ import presswear as pw
 from presswear.campaign import replicates
 from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
 from presswear.campaign.life_estimate import LifeEstimate, estimate_life
-from presswear.campaign.life_quantities import levels_of, samples_of
+from presswear.campaign.life_quantities import (
+    levels_of,
+    pseudo_levels_of,
+    samples_of,
+)
 from presswear.campaign.life_result import life_by_rate, life_result
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import (
@@ -329,13 +333,13 @@ def test_half_of_all_lives_take_longer_than_announced() -> None:
 def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
     """A cycle of the first refinement wears half a percent of the clearance, on average."""
     fewest = fewest_cycles(problem(limit), {"A": CLEARANCE})
-    expected = 8.0 + 10.0 + 26.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
+    expected = 8.0 + 10.0 + 40.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
     assert fewest == pytest.approx(expected)
     whole = [
         ran(run_refinements(problem(limit, tolerance=1.0), KnownWear(seed)))
         for seed in range(20)
     ]
-    assert fewest <= min(whole) <= 2.5 * fewest
+    assert fewest <= min(whole) <= 3.5 * fewest
 
 
 def test_quantities_of_surfaces_and_strokes() -> None:
@@ -379,6 +383,28 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     samples = samples_of(press, strokes)
     assert samples["guide.force_max"] == 20.0  # of the corner that presses most
     assert {*of_guides, "total_clearance"} == {*levels, "guide.force_max"}
+
+
+def test_noise_of_the_maps_hardly_makes_the_deepest_place_deeper() -> None:
+    """Each of eight maps has an even noise of a tenth of its depth in 120 places."""
+    scene = pw.scenes.press_blanking(conventions="refined", replicates=8)
+    draw = np.random.default_rng(4)
+    shape = map_shape(scene.linkage().clearances)
+    groove = np.exp(-((np.arange(shape[-1]) - 40.0) ** 2) / 200.0)
+    excess = []
+    for _ in range(40):
+        factors = 1.0 + 0.1 * draw.uniform(-1.0, 1.0, (8, *shape))
+        depth = 1e-5 * groove * factors
+        pseudo = pseudo_levels_of(scene, depth, ())["A.depth"]
+        plain = levels_of(scene, depth, ())["A.depth"]
+        excess.append([pseudo.mean() / 1e-5 - 1.0, plain.mean() / 1e-5 - 1.0])
+        volumes = [
+            function(scene, depth, ())["A.wear_volume"]
+            for function in (pseudo_levels_of, levels_of)
+        ]
+        np.testing.assert_allclose(*volumes, rtol=1e-12)
+    of_mean, of_each = np.mean(excess, axis=0)
+    assert abs(of_mean) < 0.02 < 0.05 < of_each
 
 
 JOINTS = {"A": 1e-4, "B": 2e-4}
@@ -789,7 +815,7 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
 
 
-@pytest.mark.parametrize("depth", [0.974, 0.978])
+@pytest.mark.parametrize("depth", [0.973, 0.977])
 def test_life_ends_with_the_cycle_that_wears_through_the_clearance(
     depth: float,
 ) -> None:
