@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from multiprocessing import parent_process
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 from presswear.campaign import runs
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
 from presswear.linkage.linkage import Linkage
 from presswear.physics.curve_following import followed, motion_of
 from presswear.recording.observer import Observer
@@ -95,7 +97,8 @@ def simulate(
         Coordinates and rates of all bodies; None: those of the motion with all joints
         closed, at t = 0.
     duration : float, str or None
-        Time of the run, s; None: one cycle.
+        Time of the run, s; None: one cycle. Without drives that turn, and without a
+        ``cycle`` of the linkage, it is needed.
     engine : str or engine
         A name, or an engine with its settings.
 
@@ -113,6 +116,10 @@ def simulate(
         If the engine cannot run this linkage or begin at this start.
     """
     linkage = followed(linkage)
+    time = None if duration is None else DURATION.convert("duration", duration)
+    has_cycle = linkage.cycle or any(drive.frequencies for drive in linkage.drives)
+    if time is not None and not has_cycle:
+        linkage = replace(linkage, cycle=min(max(time, MIN_CYCLE), MAX_CYCLE))
     if start is None:
         motion = motion_of(linkage.ideal).at(np.zeros(1))
         start = Start(motion.position[0], motion.velocity[0])
@@ -129,9 +136,7 @@ def simulate(
         if engine not in ENGINES:
             raise unknown("engine", engine, ENGINES)
         engine = ENGINES[engine]()
-    time = linkage.period
-    if duration is not None:
-        time = DURATION.convert("duration", duration)
+    time = linkage.period if time is None else time
     cycle = min(linkage.period, time)
     rows = min(round(ROWS_AT_LEAST * time / cycle), ROWS_AT_MOST)
     plan = Plan(time, cycles=1, rows_per_cycle=rows, by_clock=True)

@@ -13,7 +13,7 @@ pin = pw.linkage.ClearanceJoint(
     pw.linkage.NormalLaw(1e10, damping=0.1), pw.linkage.FrictionLaw(0.05),
 )  # fmt: skip
 bob = pw.Body("bob", mass=1.0, inertia=0.01)
-pendulum = pw.assemble((bob,), clearances=(pin,), cycle="1 s")
+pendulum = pw.assemble((bob,), clearances=(pin,))
 start = pw.engines.Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
 run = pw.simulate(pendulum, start, duration="2 s", engine="dae")
 print(

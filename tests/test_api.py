@@ -36,6 +36,16 @@ def test_a_long_run_has_the_steps_of_its_cycles() -> None:
     np.testing.assert_allclose(run.end.position, ideal, atol=1e-6)
 
 
+def test_a_linkage_without_drives_needs_a_duration_and_no_cycle() -> None:
+    bar = pw.assemble([pw.Bar("bar", length="0.5 m", mass="1 kg")])
+    start = pw.engines.Start(np.zeros(3), np.zeros(3))
+    fallen = pw.simulate(bar, start, duration="0.5 s").end.position
+    expected = [0.0, -0.5 * 9.81 * 0.5**2, 0.0]
+    np.testing.assert_allclose(fallen, expected, atol=1e-12)
+    with pytest.raises(pw.InputError, match="no drive turns"):
+        pw.simulate(bar, start)
+
+
 def test_engines_agree() -> None:
     linkage = pw.scenes.slider_crank().linkage()
     tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
