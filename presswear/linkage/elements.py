@@ -370,6 +370,7 @@ class Oil:
     roughness: float  # sigma of both surfaces together, m
     asperity_pressure: float  # Pa
     films: int = 1  # equal ones side by side, which divide the width
+    damping_ratio: float = 0.0  # zeta of the elastic contact
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ NARROWEST, WIDEST = 0.125, 1.0
 OILED_CLEARANCE = 5e-3  # greatest clearance over radius of an oiled joint
 # wear over the clearance up to which the film has the shape of new surfaces
 OILED_WEAR = 0.2
+OILED_DAMPING = "Antypov and Elliott (2011)"  # of the contact under a film; its source
 # m and Pa, at which user wear laws are checked
 WEAR_DEPTHS = 0.0, 1e-7, 1e-6, 1e-5, 1e-4
 WEAR_PRESSURES = 1e5, 1e6, 1e7, 1e8
@@ -35,6 +36,14 @@ WEAR_PRESSURES = 1e5, 1e6, 1e7, 1e8
 def lankarani_nikravesh_damping(restitution: float) -> float:
     """Return the damping factor chi = 3/4 (1 - ce^2)."""
     return 0.75 * (1.0 - restitution**2)
+
+
+def damping_ratio(restitution: float) -> float:
+    """Return zeta of a linear oscillator that leaves its contact with this restitution."""
+    if restitution == 0.0:
+        return 1.0
+    decrement = math.log(1.0 / restitution)
+    return decrement / math.hypot(math.pi, decrement)
 
 
 class Damping(NamedTuple):

@@ -25,6 +25,9 @@ _SERIES = tuple(
 )
 
 
+NO_DAMPING = 0.0, 0.0  # along n and t, N s; see ``film_velocity``
+
+
 class OilFilm(NamedTuple):
     """Parameters of a film."""
 
@@ -150,7 +153,11 @@ def film_force(
 
 @compiled
 def film_velocity(
-    gap: float, along: float, across: float, film: OilFilm
+    gap: float,
+    along: float,
+    across: float,
+    film: OilFilm,
+    damping: tuple[float, float],
 ) -> tuple[float, float]:
     """Return eps' and half of eps times the wedge speed, 1/s, from the force on the pin, N.
 
@@ -166,11 +173,14 @@ def film_velocity(
         Force of the film on the pin along n and t, N.
     film : OilFilm
         Parameters of the film.
+    damping : tuple of float
+        Of dampers beside the film, along n and t, N s: their forces over the two rates.
     """
     b = film.width_ratio
     cosine, sine = cos_sin(attitude(gap, b))
+    resistance = 2.0 * film.size * rotation_slope(gap, b) * sine
+    wedge = across / (resistance + damping[1])
     # A |Omega| So_rot = |F_t| / sin(beta)
-    squeeze = -along - abs(across) * cosine / sine
-    rate = squeeze / (film.size * squeeze_number(gap, squeeze > 0.0, b))
-    wedge = across / (film.size * rotation_slope(gap, b) * sine)
-    return rate, 0.5 * wedge
+    squeeze = -along - abs(wedge) * resistance * cosine / sine
+    number = squeeze_number(gap, squeeze > 0.0, b)
+    return squeeze / (film.size * number + damping[0]), wedge

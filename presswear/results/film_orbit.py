@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.physics.oil_film import OilFilm, film_velocity
+from presswear.physics.oil_film import NO_DAMPING, OilFilm, film_velocity
 from presswear.tools.arrays import Array
 
 _MAX_CYCLES = 60  # a dwell without rotation never closes: its film falls as 1 / time^2
@@ -61,7 +61,7 @@ def film_power(load: FilmLoad, orbit: FilmOrbit, film: OilFilm) -> Array:
     for i, (gap, force) in enumerate(zip(orbit.gap, on_film, strict=True)):
         along, across = float(force.real), float(force.imag)
         limited = max(float(gap), _THINNEST)
-        closing, wedge = film_velocity(limited, along, across, film)
+        closing, wedge = film_velocity(limited, along, across, film, NO_DAMPING)
         power[i] = across * wedge - along * closing
     return power
 
@@ -141,7 +141,7 @@ def stretched_rate(
     gap = max(math.exp(-length), _THINNEST)
     along = force[0] * nx + force[1] * ny
     across = force[1] * nx - force[0] * ny
-    closing, wedge = film_velocity(gap, along, across, film)
+    closing, wedge = film_velocity(gap, along, across, film, NO_DAMPING)
     is_thinnest = gap == _THINNEST
     outwards = 0.0 if is_thinnest and closing > 0.0 else closing / gap
     sideways = (0.5 * eccentricity * speed_sum - wedge) * stretch

@@ -394,8 +394,7 @@ class Bearing(FrictionSettings, DryContact):
             return tuple(item.name for item in fields(self) if item.name not in read)
         names = [*SINGLE]
         if self.has_film:
-            # Oil damps the contact in place of the normal law.
-            names += "normal_law", "restitution", "viscous_damping"
+            names += "normal_law", "viscous_damping"
         else:
             names.append("asperity_pressure")
         if self.viscosity is None:

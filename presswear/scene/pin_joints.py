@@ -109,6 +109,7 @@ def oil_of(bearing: Bearing) -> elements.Oil | None:
         roughness=math.sqrt(2.0) * bearing.roughness,
         asperity_pressure=bearing.asperity_pressure,
         films=bearing.parallel_rods,
+        damping_ratio=laws.damping_ratio(bearing.restitution),
     )
 
 

@@ -9,7 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
+from presswear.linkage.laws import (
+    DAMPINGS,
+    KELVIN_VOIGT,
+    OILED_DAMPING,
+    delivered_restitution,
+)
 from presswear.physics.dead_centre import bottom_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import span_of, words_of
@@ -263,7 +268,10 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
         if isinstance(law, str) and law != KELVIN_VOIGT:
             title = DAMPINGS[law].title
             delivered = delivered_restitution(DAMPINGS[law].factor(restitution))
-        key = (law, restitution, bearing.viscous_damping)
+        if bearing.has_film:
+            title = OILED_DAMPING
+            delivered = restitution
+        key = (title, restitution, bearing.viscous_damping)
         joints, *_ = groups.setdefault(key, ([], bearing, title, delivered))
         joints.append(joint)
     return list(groups.values())

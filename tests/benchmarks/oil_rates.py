@@ -1,6 +1,6 @@
 """Eigenvalues of the equations of the oiled press of 250 kN along a cycle.
 
-usage: python tests/benchmarks/oil_rates.py [--tolerance T]
+usage: python tests/benchmarks/oil_rates.py [--tolerance T] [--restitution E]
 
 Where an oiled joint takes more steps than a dry one, they tell why: a rate of decay
 bounds the steps of an explicit method, and an oscillation has to be resolved.
@@ -82,8 +82,10 @@ def main() -> None:
     """Print a line for each clearance and viscosity."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tolerance", type=float, default=1e-7, help="(default 1e-7)")
+    parser.add_argument("--restitution", type=float, default=0.8, help="(default 0.8)")
     options = parser.parse_args()
-    press = pw.changed(pw.scene_from(PRESS), {**RIGID, "replicates": 1})
+    contact = {"restitution": options.restitution, "replicates": 1}
+    press = pw.changed(pw.scene_from(PRESS), {**RIGID, **contact})
     for part in PER_MILLE:
         for viscosity in VISCOSITIES:
             values = {"clearance": 1e-3 * part * RADIUS, "viscosity": viscosity}

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from presswear.physics.oil_film import (
+    NO_DAMPING,
     attitude,
     film_force,
     film_of,
@@ -58,9 +59,21 @@ def test_velocity_of_a_film_is_the_inverse_of_its_force() -> None:
         gap = 10.0 ** random.uniform(-9.0, 0.0)
         rate, wedge = random.normal(size=2) * 10.0 ** random.uniform(-3.0, 3.0, 2)
         force = film_force(gap, rate, wedge, BUSH)
-        closing, half = film_velocity(gap, *force, BUSH)
+        closing, half = film_velocity(gap, *force, BUSH, NO_DAMPING)
         again = film_force(gap, closing, 2.0 * half / (1.0 - gap), BUSH)
         assert math.dist(again, force) < 1e-14 * math.hypot(*force)
+
+
+def test_dampers_beside_a_film_share_its_force() -> None:
+    random = np.random.default_rng(6)
+    for _ in range(100):
+        gap = 10.0 ** random.uniform(-6.0, 0.0)
+        force = random.normal(size=2)
+        along, across = BUSH.size * 10.0 ** random.uniform(-3.0, 6.0, 2)
+        rate, half = film_velocity(gap, force[0], force[1], BUSH, (along, across))
+        of_film = film_force(gap, rate, 2.0 * half / (1.0 - gap), BUSH)
+        dampers = np.array([-along * rate, across * half])
+        assert of_film + dampers == pytest.approx(force, rel=1e-10, abs=1e-10)
 
 
 @pytest.mark.parametrize("eccentricity", [0.1, 0.5, 0.85, 0.95])

@@ -126,4 +126,6 @@ def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:
     assert first.startswith("Joint A: the oil film acts in the run. With 0.02 Pa s")
     assert "full film for 100 % of the time" in second
     assert len(oiled.plot("oil")) == 6
-    assert "Joint C: the oil film acts in the run" in render_report(oiled)
+    report = render_report(oiled)
+    assert "Joint C: the oil film acts in the run" in report
+    assert "the law of Antypov and Elliott (2011) gives 0.8" in " ".join(report.split())

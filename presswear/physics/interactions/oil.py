@@ -1,8 +1,12 @@
 """Oil between a pin and its bearing: a film without mass in series with the elastic contact.
 
 The place e_f of the pin on a rigid film is a state. The elastic contact is stretched by
-u = e - e_f, and its force F on the pin, against u, is that of the film and of the
-asperities together. The film's part gives the rate of e_f in closed form.
+u = e - e_f, and its force F = -F_e u / |u| - D u' on the pin is that of the film and of
+the asperities together. The film's part gives the rate of e_f in closed form.
+
+Velocities are those in a frame that turns at half the sum S of the speeds of pin and
+bearing. Each body bears half of the couple e x F, so that the power is that of F there.
+The mean of both speeds draws no oil in there.
 """
 
 import math
@@ -67,29 +71,47 @@ def asperity_force(
 
 
 @compiled
-def film_rate(
+def contact_damping(
+    elastic: float, energy: float, mass: float, damping_ratio: float
+) -> tuple[float, float]:
+    """Return the damping D of the elastic contact, N s/m, and its relaxation time, s.
+
+    With D = 2 zeta F_e sqrt(m / 2 U) the mass m leaves the contact as a linear oscillator
+    does: with the same restitution at any speed, for any elastic law F_e with the energy U
+    (Antypov and Elliott, 2011, for spheres; Feng, 2026, for powers). The relaxation time is
+    D over the stiffness F_e^2 / 2 U.
+    """
+    if not energy > 0.0:
+        return 0.0, 0.0
+    damping = 2.0 * damping_ratio * elastic * math.sqrt(0.5 * mass / energy)
+    return damping, damping * 2.0 * energy / (elastic * elastic)
+
+
+@compiled
+def film_velocity_of(
     place: tuple[float, float],
     force: tuple[float, float],
-    speed_sum: float,
-    half_chord: float,
+    contact: tuple[float, float, float],
     bearing: OiledBearing,
 ) -> tuple[float, float, float]:
-    """Return the rate of e_f, m/s, and the force of the asperities, N.
+    """Return e_f' in the turning frame, m/s, and the force of the asperities, N.
+
+    The material of the asperities has the relaxation time of the contact. Without it, an
+    opening film, which resists little, would follow them at rates above 1e6 1/s.
 
     Parameters
     ----------
     place : tuple of float
         Place of the pin on the film, e_f, m.
     force : tuple of float
-        Of film and asperities on the pin, N.
-    speed_sum : float
-        Speeds of pin and bearing, rad/s.
-    half_chord : float
-        Sine of the half angle of the elastic arc.
+        Of film and asperities on the pin, N, for e_f' = 0; with e_f' it grows by D e_f'.
+    contact : tuple of float
+        Sine of the half angle of the elastic arc, damping D, N s/m, and relaxation time, s.
     bearing : OiledBearing
         Parameters.
     """
     x, y = place
+    half_chord, damping, relaxation = contact
     eccentricity = math.sqrt(x * x + y * y)
     size = math.sqrt(force[0] * force[0] + force[1] * force[1])
     # A centred pin moves along the force; without a force any direction serves.
@@ -99,30 +121,19 @@ def film_rate(
     elif size > 0.0:
         nx, ny = -force[0] / size, -force[1] / size
     rough = asperity_force(eccentricity, half_chord, bearing)
-    gap = max(1.0 - eccentricity / bearing.clearance, THINNEST)
+    stiffness = rough / (DECAY * bearing.roughness)
+    clearance = bearing.clearance
+    dampings = (
+        clearance * (damping + relaxation * stiffness),
+        clearance * damping,
+    )
+    gap = max(1.0 - eccentricity / clearance, THINNEST)
     along = force[0] * nx + force[1] * ny + rough
     across = force[1] * nx - force[0] * ny
-    closing, wedge = film_velocity(gap, along, across, bearing.film)
-    outwards = bearing.clearance * closing
-    sideways = 0.5 * eccentricity * speed_sum - bearing.clearance * wedge
+    closing, wedge = film_velocity(gap, along, across, bearing.film, dampings)
+    outwards = clearance * closing
+    sideways = -clearance * wedge
     return outwards * nx - sideways * ny, outwards * ny + sideways * nx, rough
-
-
-@compiled
-def film_loss(
-    place: tuple[float, float],
-    rate: tuple[float, float],
-    force: tuple[float, float],
-    speed_sum: float,
-) -> float:
-    """Return the power that film and asperities take from the bodies, without friction, W.
-
-    P = -F . e_f' + (e_f x F) S / 2: the forces act on both bodies at the middle of e,
-    and half of their couple about the film acts on each.
-    """
-    couple = place[0] * force[1] - place[1] * force[0]
-    work = force[0] * rate[0] + force[1] * rate[1]
-    return 0.5 * couple * speed_sum - work
 
 
 @compiled
@@ -155,10 +166,10 @@ class OiledContact:
         OilFilm,
         OiledBearing,
         chord_of,
-        film_rate,
-        film_loss,
-        shear_moment,
+        contact_damping,
+        film_velocity_of,
         elastic_of,
+        shear_moment,
         *FrictionWithoutState.kernels,
     )
 
@@ -188,33 +199,54 @@ class OiledContact:
         joint = self.joint
         prefix = text.prefix(joint.name)
         text.comment(f"{joint.name}: oiled pin of {joint.pin.body}")
-        place, _ = page.chain.relative_motion(text, (joint.bearing, joint.pin), prefix)
+        ends = joint.bearing, joint.pin
+        place, velocity = page.chain.relative_motion(text, ends, prefix)
         axes = self._declare_film(page, prefix)
         film = text.let_vector(f"{prefix}_film", Vector(*(f"y[{i}]" for i in axes)))
-        force = self._write_elastic(page, prefix, place.minus(film))
+        elastic = self._write_elastic(page, prefix, place.minus(film))
         pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
-        speeds = text.let(f"{prefix}_speeds", total(pin.omega, bearing.omega))
-        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
-        arguments = (
-            f"({film.x}, {film.y})",
-            f"({force.x}, {force.y})",
-            speeds,
-            f"chord_of({prefix}_stretch, {clearance})",
-            self._bearing(page, prefix),
-        )
-        call = f"film_rate({', '.join(arguments)})"
-        rates = Vector(f"{prefix}_film_rate_x", f"{prefix}_film_rate_y")
-        text.write(f"{rates.x}, {rates.y}, {prefix}_rough = {call}")
-        for i, rate in zip(axes, rates, strict=True):
-            text.write(f"out[{i}] = {rate}")
+        mean = product("0.5", total(pin.omega, bearing.omega))
+        mean = text.let(f"{prefix}_mean_speed", mean)
+        velocity = velocity.minus(place.rotated_at(mean))
+        velocity = text.let_vector(f"{prefix}_velocity", velocity)
+        held = elastic.minus(velocity.times(f"{prefix}_damping"))
+        film_velocity = self._write_film_velocity(page, prefix, film, held)
+        rate = film_velocity.plus(film.rotated_at(mean))
+        rate = text.let_vector(f"{prefix}_film_rate", rate)
+        for i, component in zip(axes, rate, strict=True):
+            text.write(f"out[{i}] = {component}")
+        stretching = velocity.minus(film_velocity)
+        stretching = text.let_vector(f"{prefix}_stretching", stretching)
+        force = elastic.minus(stretching.times(f"{prefix}_damping"))
+        force = text.let_vector(f"{prefix}_force", force)
         moment, friction_loss = self._write_friction(page, prefix, f"{film.dot(film)}")
         self._add_forces(page, prefix, place, force, moment)
-        vectors = ", ".join(f"({one.x}, {one.y})" for one in (film, rates, force))
-        loss = f"film_loss({vectors}, {speeds})"
+        damped = product(f"{prefix}_damping", stretching.dot(stretching))
+        loss = difference(damped, force.dot(film_velocity))
+        loss = text.let(f"{prefix}_loss", loss)
         page.add_power("contact_loss", loss)
         page.add_power("friction_loss", friction_loss)
         with text.block("if level == END:"):
-            self._write_record(page, prefix, film, rates, total(loss, friction_loss))
+            losses = total(loss, friction_loss)
+            self._write_record(page, prefix, (film, rate, force), losses)
+
+    def _write_film_velocity(
+        self, page: Page, prefix: str, film: Vector, held: Vector
+    ) -> Vector:
+        """Write e_f' in the turning frame; ``held`` is the force at e_f' = 0."""
+        text = page.text
+        clearance = text.parameter(f"{prefix}_clearance", self.joint.clearance)
+        chord = f"chord_of({prefix}_stretch, {clearance})"
+        arguments = (
+            f"({film.x}, {film.y})",
+            f"({held.x}, {held.y})",
+            f"({chord}, {prefix}_damping, {prefix}_relaxation)",
+            self._bearing(page, prefix),
+        )
+        call = f"film_velocity_of({', '.join(arguments)})"
+        velocity = Vector(f"{prefix}_film_velocity_x", f"{prefix}_film_velocity_y")
+        text.write(f"{velocity.x}, {velocity.y}, {prefix}_rough = {call}")
+        return velocity
 
     def _declare_film(self, page: Page, prefix: str) -> list[int]:
         """Declare the place on the film; return the places of its coordinates in ``y``."""
@@ -229,15 +261,25 @@ class OiledContact:
         return places
 
     def _write_elastic(self, page: Page, prefix: str, stretch: Vector) -> Vector:
-        """Write the elastic force on the pin, against the stretch of the contact."""
-        text = page.text
+        """Write damping and elastic force on the pin, against the stretch of the contact."""
+        text, oil = page.text, self.joint.oil
+        assert oil is not None
         stretch = text.let_vector(f"{prefix}_stretch", stretch)
         size = text.let(f"{prefix}_stretch", f"math.sqrt({stretch.dot(stretch)})")
         law = f"elastic_of(data.joints[{self.number}].normal, {size})"
         text.write(f"{prefix}_elastic, {prefix}_energy = {law}")
+        mass = float(self.record["effective_mass"])
+        # Between two prescribed bodies nothing oscillates.
+        mass_text = text.parameter(
+            f"{prefix}_mass", mass if math.isfinite(mass) else 0.0
+        )
+        ratio = text.parameter(f"{prefix}_damping_ratio", oil.damping_ratio)
+        sizes = f"{prefix}_elastic, {prefix}_energy, {mass_text}, {ratio}"
+        call = f"contact_damping({sizes})"
+        text.write(f"{prefix}_damping, {prefix}_relaxation = {call}")
         part = f"{prefix}_elastic / {size} if {size} > {ZERO} else {ZERO}"
         factor = text.let(f"{prefix}_factor", part)
-        return text.let_vector(f"{prefix}_force", stretch.times(f"-{factor}"))
+        return text.let_vector(f"{prefix}_pull", stretch.times(f"-{factor}"))
 
     def _add_forces(
         self, page: Page, prefix: str, place: Vector, force: Vector, moment: str
@@ -308,17 +350,18 @@ class OiledContact:
         self,
         page: Page,
         prefix: str,
-        film: Vector,
-        rate: Vector,
+        vectors: tuple[Vector, Vector, Vector],
         loss: str,
     ) -> None:
         """Write the contact for the recorder: the eccentricity is that on the rigid film.
 
-        ``loss`` is the power that oil and asperities take, W. Asperities bear where the
-        film is least, over the arc of the elastic contact. As in a dry joint, the length
-        of the arc follows from the clearance and the penetration.
+        ``vectors`` are e_f, its rate and the force, and ``loss`` is the power that the joint
+        takes, W. Asperities bear where the film is least, over the arc of the elastic contact.
+        As in a dry joint, the length of the arc follows from the clearance and the
+        penetration.
         """
         text, joint = page.text, self.joint
+        film, rate, force = vectors
         size = f"{prefix}_stretch"
         place = text.let(f"{prefix}_place", f"math.sqrt({film.dot(film)})")
         fields = {
@@ -333,7 +376,7 @@ class OiledContact:
             "normal_y": f"{film.y} / {place} if {place} > {ZERO} else {ZERO}",
             "elastic": f"{prefix}_elastic",
             "energy": f"{prefix}_energy",
-            "normal": f"{prefix}_elastic",
+            "normal": f"math.sqrt({force.dot(force)})",
             "tangential": f"{prefix}_friction",
             "film_loss": loss,
         }
