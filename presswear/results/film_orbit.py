@@ -16,7 +16,8 @@ from presswear.tools.arrays import Array
 _MAX_CYCLES = 60  # a dwell without rotation never closes: its film falls as 1 / time^2
 _CLOSED = 1e-3  # largest relative change of the gap in a cycle of a closed orbit
 _MAX_EVALUATIONS = 100_000  # a second; an orbit has about 500 to 3000 in a cycle
-_TOLERANCE = 1e-6  # of the integrator, for -ln(g)
+_TOLERANCE = 1e-5  # of the integrator, for -ln(g)
+_LEAST_STEPS = 100  # of a cycle: a longer step may jump over short work
 # Least gap, far below any roughness: at a smaller one, thin oil that opens again would
 # move the pin within a time that is round-off of the time in the cycle.
 _THINNEST = 1e-5
@@ -96,6 +97,9 @@ def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
 
     start = np.zeros(2)
     previous = np.full(time.size, math.inf)
+    # At an error of 1e-4 LSODA takes 180 to 370 steps in a cycle of the press of 250 kN and
+    # in those of slider-cranks, with 400 to 830 evaluations. DOP853 takes 30 to 140 steps
+    # with 710 to 2800 evaluations, Radau 80 to 210 steps with 930 to 2200.
     for _ in range(_MAX_CYCLES):
         solution = solve_ivp(
             rate,
@@ -103,6 +107,7 @@ def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
             start,
             method="LSODA",
             t_eval=time,
+            max_step=time[-1] / _LEAST_STEPS,
             rtol=_TOLERANCE,
             atol=_TOLERANCE,
         )
