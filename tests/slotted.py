@@ -1,6 +1,7 @@
 """Linkages with a guide on a moving body, shared by tests."""
 
 import math
+from dataclasses import replace
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.elements import Bar, Body, Guide, Pin
@@ -10,6 +11,16 @@ from presswear.linkage.motor import Motor
 SPEED = 10.0 * math.pi  # of the crank, rad/s
 RADIUS, HEIGHT = 0.1, 0.3  # of the crank and of its pivot above that of the rocker, m
 YOKE_MASS = 2.0
+
+
+def sized(linkage: Linkage, slot: str, length: float, width: float) -> Linkage:
+    """Return a linkage whose block in a slot has a length and a width, m."""
+    return linkage.changed(
+        joints=[
+            replace(one, length=length, width=width) if one.name == slot else one
+            for one in linkage.joints
+        ]
+    )
 
 
 def quick_return(speed: float = SPEED) -> Linkage:

@@ -241,11 +241,11 @@ class Guide(Checked):
 
     Line and angle are those in the frame of the machine, or in that of the body ``on``,
     as a slot in a rocker. By default the line goes through the mass centre as drawn, or
-    else through the origin. With a length and a width a guide on the frame may have
-    clearance: the body, a slide of this size with its mass centre in the middle, then
-    tilts between two walls; see ``GuideCorner``. A guide with a stiffness is a spring
-    along its line, without force where the mass centre is at its point: the body stands
-    there in the ideal motion of the linkage; see ``Linkage.released``.
+    else through the origin. With a length and a width a guide may have clearance: the
+    body, a slide of this size with its mass centre in the middle, then tilts between two
+    walls; see ``GuideCorner``. A guide on the frame with a stiffness is a spring along
+    its line, without force where the mass centre is at its point: the body stands there
+    in the ideal motion of the linkage; see ``Linkage.released``.
     """
 
     name: str
@@ -284,13 +284,12 @@ class Guide(Checked):
             raise InputError(
                 f"guide {self.name}: on = {self.on}: must be another body, or {GROUND}"
             )
-        for item in ("stiffness", "length", "width"):
-            if self.is_moving and getattr(self, item) is not None:
-                raise InputError(
-                    f"guide {self.name}: {item} = {getattr(self, item):g} with on = {self.on}: a "
-                    "guide on a moving body cannot have clearance or a stiffness yet; both are "
-                    "allowed on the frame"
-                )
+        if self.is_moving and self.stiffness is not None:
+            raise InputError(
+                f"guide {self.name}: stiffness = {self.stiffness:g} N/m with on = {self.on}: "
+                f"allowed is a stiffness with on = {GROUND}; use a spring between points of both "
+                "bodies"
+            )
 
     @property
     def is_moving(self) -> bool:
@@ -521,12 +520,15 @@ CORNERS: Mapping[str, tuple[float, float]] = {
 def corner_ends(
     guide: Guide, along: float, side: float
 ) -> tuple[Attachment, Attachment]:
-    """Return the point on the frame beside which a corner of a slide stands, and the corner."""
+    """Return the point beside which a corner of a slide stands, and the corner.
+
+    The point is on the frame, or on the body that carries the walls.
+    """
     assert guide.length is not None
     assert guide.width is not None
     c, s = math.cos(guide.direction), math.sin(guide.direction)
     across = 0.5 * side * guide.width
-    beside = Attachment(GROUND, guide.x - s * across, guide.y + c * across)
+    beside = Attachment(guide.on, guide.x - s * across, guide.y + c * across)
     turn = guide.direction - guide.angle
     c, s = math.cos(turn), math.sin(turn)
     x = 0.5 * along * guide.length

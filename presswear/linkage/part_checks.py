@@ -71,8 +71,8 @@ def check_inertias(
             continue
         raise InputError(
             f"inertia of {body.name} = {body.inertia:g} kg m^2: must be {MIN_INERTIA:g} kg m^2 "
-            "or more; 0 is allowed for a body that a guide, or a drive at rest, keeps from "
-            "turning"
+            "or more; 0 is allowed for a body that a guide without clearance, or a drive at rest, "
+            "keeps from turning"
         )
 
 

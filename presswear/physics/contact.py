@@ -277,12 +277,21 @@ def penetration_acceleration(
 def corner_acceleration(
     joint: Records, surfaces: Array, contact: Records, a: Array
 ) -> float:
-    """Return the second time derivative of the penetration of a corner, m/s^2."""
+    """Return the second time derivative of the penetration of a corner, m/s^2.
+
+    In the frame of a wall that turns there is the acceleration of Coriolis, too.
+    """
     c = contact
     ax, ay, _ = end_acceleration(
         joint.pin_body, c.pin_lever_x, c.pin_lever_y, c.pin_spin, a
     )
-    result = ax * c.normal_x + ay * c.normal_y
+    if joint.bearing_body >= 0:
+        wall_x, wall_y, _ = end_acceleration(
+            joint.bearing_body, c.bearing_lever_x, c.bearing_lever_y, c.bearing_spin, a
+        )
+        ax -= wall_x
+        ay -= wall_y
+    result = ax * c.normal_x + ay * c.normal_y + 2.0 * c.bearing_spin * c.sliding
     if joint.surface_bins > 0:
         _, _, curvature = wall_profile(joint, surfaces, c.place)
         result -= curvature * c.sliding * c.sliding

@@ -12,6 +12,7 @@ from presswear.linkage.elements import (
     slide_inertia,
 )
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.part_checks import check_inertias
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
@@ -37,6 +38,11 @@ def with_bearings(
     surfaces : mapping of str to pair of Surface
         Worn surfaces of bearing and pin by joint, of the left and the right wall by
         guide; the other ones are round, or flat.
+
+    Raises
+    ------
+    InputError
+        A body that a guide with clearance lets turn has no inertia.
     """
     round_surfaces = Surface(), Surface()
     joints: list[Joint] = []
@@ -56,6 +62,9 @@ def with_bearings(
         else:
             joints.append(rigid_joint(bearing, joint))
     bodies = tuple(_with_inertia(body, loose_guides) for body in ideal.bodies)
+    if loose_guides:
+        tight = [joint for joint in joints if isinstance(joint, Guide)]
+        check_inertias(bodies, tight, ideal.drives)
     clearances = (*ideal.clearances, *loose_pins, *corners)
     loosened = replace(
         ideal, bodies=bodies, joints=tuple(joints), clearances=clearances

@@ -70,11 +70,6 @@ def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
 
 def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
     """Raise InputError if a guide has no sizes, or its sizes do not fit the bearing."""
-    if guide.is_moving:
-        raise InputError(
-            f"clearance of {guide.name}, a guide on {guide.on}: a guide on a moving body cannot "
-            "have clearance or a stiffness yet; both are allowed on the frame"
-        )
     if bearing.has_film:
         raise InputError(
             f"{guide.name}.film = run: a guide has no oil film; allowed is report"

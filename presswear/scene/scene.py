@@ -284,8 +284,14 @@ class Scene(LoadedLinkage, Checked):
     def _check_offset(self, process: Process) -> None:
         """Raise InputError if the force of the work has an offset and the output cannot tilt."""
         body = self.base_linkage.output.body
-        if process.offset == 0.0 or any(g.body == body for g in self.loose_guides):
+        guides = [guide for guide in self.loose_guides if guide.body == body]
+        if process.offset == 0.0 or (guides and not guides[0].is_moving):
             return
+        if guides:
+            raise InputError(
+                f"process.offset = {written(process.offset, 'm')}: allowed is 0, because the guide "
+                f"of {self.output} is on {guides[0].on}; use a load on a point of {self.output}"
+            )
         raise InputError(
             f"process.offset = {written(process.offset, 'm')}: allowed is 0, because "
             f"{self.output} cannot tilt, so that an offset changes nothing; give its guide "

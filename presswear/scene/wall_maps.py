@@ -10,6 +10,7 @@ from presswear.linkage.elements import ClearanceJoint, Guide, GuideCorner, WallM
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import Bearing
+from presswear.tools.arrays import Array
 
 _MARGIN = 0.01  # of a map at each end, beside the ideal motion
 
@@ -45,7 +46,7 @@ def with_wall_maps(
 def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
     """Return the map of both walls of a guide, from the places of its slide."""
     assert guide.length is not None
-    x, y = ideal.position[:, ideal.rows.linkage.index(guide.body), :2].T
+    x, y = _places_in_frame(guide, ideal)
     cosine = math.cos(guide.direction)
     sine = math.sin(guide.direction)
     place = cosine * (x - guide.x) + sine * (y - guide.y)
@@ -54,3 +55,15 @@ def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
     return WallMap(
         coefficient, start - _MARGIN * length, (1.0 + 2.0 * _MARGIN) * length
     )
+
+
+def _places_in_frame(guide: Guide, ideal: IdealMotion) -> tuple[Array, Array]:
+    """Return the coordinates of a slide in the frame of the body with its walls, m, (n,) each."""
+    linkage = ideal.rows.linkage
+    x, y, _ = ideal.position[:, linkage.index(guide.body)].T
+    if not guide.is_moving:
+        return x, y
+    carrier_x, carrier_y, angle = ideal.position[:, linkage.index(guide.on)].T
+    x, y = x - carrier_x, y - carrier_y
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return cosine * x + sine * y, cosine * y - sine * x

@@ -75,12 +75,13 @@ def _bearing_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
 
 
 def _tilt_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
-    """Return the tilt of the slide in each guide with clearance, under load."""
+    """Return the tilt of the slide in each guide of the frame with clearance, under load."""
     tilts = guide_tilts(scene, stage) if scene.process is not None else {}
+    on_frame = [guide.name for guide in scene.loose_guides if not guide.is_moving]
     limit = f"{1e6 * ALLOWED_TILT:.0f} µm/m"
     lines = []
-    for name, tilt in tilts.items():
-        for largest, text in _largest_tilt(name, tilt):
+    for name in on_frame if tilts else ():
+        for largest, text in _largest_tilt(name, tilts[name]):
             number = measured("Tilt of the slide", largest.scaled(1e6), "µm/m", text)
             lines.append(LimitLine(number, limit, verdict_on(largest, ALLOWED_TILT)))
     return lines

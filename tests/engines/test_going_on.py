@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from listeners import EndsAfter, Keeps
+from slotted import quick_return, sized
 
 from presswear.campaign.replicates import RunSpec, start_of
 from presswear.engines.base import Run
@@ -28,6 +29,13 @@ FAST = {"speed": "60rad/s"}
 RUBBING = {"B": Bearing(), "O": Bearing(clearance=0.0), "A": Bearing(clearance=0.0)}
 OILED = {"film": "run", "viscosity": "0.01 Pa s", "clearance": "50 um"}
 ON_FRAME = {"frame_mass": "2 kg", "frame_stiffness": "10 MN/m"}
+SLOTTED = Scene(
+    sized(quick_return(), "slot", 0.06, 0.04),
+    joints="slot",
+    bearings=Bearing(clearance=0.2e-3, restitution=0.3),
+    wear_updates=0,
+    replicates=1,
+)
 COARSE = {"steps_per_contact": "20", "steps_sustained": "5"}
 
 
@@ -91,6 +99,12 @@ CASES = {
         press_off_centre(engine="exudyn-joints", **COARSE), 2
     ),
     **{
+        f"a block in a moving slot, {engine}": Case(
+            changed(SLOTTED, {"engine": engine, **COARSE}), 2
+        )
+        for engine in ("dae", "exudyn-tree", "exudyn-joints")
+    },
+    **{
         f"oiled pin, {engine}": Case(
             changed(slider_crank(), {"engine": engine, **OILED}), 2
         )
@@ -132,6 +146,8 @@ LONG = {
     "bodies and joints, rigid joints that rub",
     "bodies and joints, a slide that tilts",
     "open tree, a slide that tilts",
+    "a block in a moving slot, exudyn-joints",
+    "a block in a moving slot, exudyn-tree",
     "oiled pin, exudyn-joints",
     "oiled pin, exudyn-tree",
     "motor, servo and elastic frame, exudyn-tree",

@@ -405,7 +405,6 @@ class ContactText:
     def _write_moments(self, normal_force: str, normal: Vector, force: Vector) -> None:
         """Write the moments about both mass centres of a force at one common point."""
         radius = normal.times(self.value("pin_arm"))
-        eccentricity = self.vector("eccentricity")
         couple = ZERO
         if self.is_worn and self.record["foundation"] > 0.0:
             # The elastic force is zero at a penetration of some 1e-19 m, by underflow.
@@ -419,10 +418,14 @@ class ContactText:
             moment = total(point.cross(force), couple)
             self.text.write(f"{self.name('pin_moment')} = {moment}")
         if self.bearing.index >= 0:
-            point = self.bearing_arm.plus(eccentricity, radius)
+            point = self._bearing_point(radius)
             point = self.text.let_vector(self.name("bearing_point"), point)
             moment = negative(total(point.cross(force), couple))
             self.text.write(f"{self.name('bearing_moment')} = {moment}")
+
+    def _bearing_point(self, radius: Vector) -> Vector:
+        """Return the vector from the mass centre of the bearing's body to the contact."""
+        return self.bearing_arm.plus(self.vector("eccentricity"), radius)
 
     def _write_losses(self, normal_force: str, friction_force: str) -> None:
         """Write the powers lost in contact and in friction, and created by the normal law."""

@@ -8,10 +8,14 @@ guide, and presses on the wall by delta = |e| - c. Four corners let the slide ti
 A worn wall lies deeper by h(s) at the place s = (r - r_0) . d along the direction d of
 the guide: delta = |e| - c - h(s). The force is the gradient of the elastic energy, along
 n - h' d, so that a worn wall creates no energy.
+
+Point and directions of walls on a moving body are those in its frame. The rate of delta
+is v . n with the velocity v of the corner relative to this body, at the same place.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar, Self
 
 from presswear.linkage.elements import GuideCorner
@@ -22,6 +26,7 @@ from presswear.physics.equations.text import (
     Vector,
     difference,
     negative,
+    rotated,
 )
 from presswear.physics.interactions.clearance import ContactText
 from presswear.physics.interactions.page import Kernels, Page
@@ -54,7 +59,7 @@ class CornerContact:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The frame, and the slide."""
+        """The frame, or the body with the walls, and the slide."""
         return self.joint.bearing.body, self.joint.pin.body
 
     @classmethod
@@ -90,33 +95,63 @@ class _CornerText(ContactText):
     @property
     def title(self) -> str:
         """Comment with the name of the corner and its body."""
-        return f"{self.joint.name}: corner of {self.joint.pin.body} on a wall"
+        wall = f"a wall of {self.joint.bearing.body}" if self.is_moving else "a wall"
+        return f"{self.joint.name}: corner of {self.joint.pin.body} on {wall}"
+
+    @property
+    def is_moving(self) -> bool:
+        """True if a body carries the wall, and not the frame."""
+        return self.bearing.index >= 0
 
     @property
     def wears_by_pressure(self) -> bool:
         """False: the wear of a wall is by the load distance alone."""
         return False
 
+    @cached_property
+    def _wall_arm(self) -> Vector:
+        """Position of the corner from the mass centre of the body with the wall."""
+        corner = self.pin.position.plus(self.pin_arm)
+        if not self.is_moving:
+            return corner
+        arm = corner.minus(self.bearing.position)
+        return self.text.let_vector(self.name("wall_arm"), arm)
+
     def _from_wall(self) -> Vector:
         """Return the position of the corner from the point beside the middle of the guide."""
-        return self.pin.position.plus(self.pin_arm).minus(self.bearing_arm)
+        return self._wall_arm.minus(self.bearing_arm)
 
-    def _wall_normal(self) -> Vector:
-        """Return n, the direction into the wall."""
+    def _fixed_normal(self) -> Vector:
+        """Return n, the direction into the wall, in the frame of the body with the wall."""
         direction, side = self.joint.guide.direction, self.joint.side
+        name = self.name("fixed_normal" if self.is_moving else "normal")
         return Vector(
-            self.text.direction(self.name("normal_x"), -side * math.sin(direction)),
-            self.text.direction(self.name("normal_y"), side * math.cos(direction)),
+            self.text.direction(f"{name}_x", -side * math.sin(direction)),
+            self.text.direction(f"{name}_y", side * math.cos(direction)),
         )
+
+    @cached_property
+    def _wall_normal(self) -> Vector:
+        """Direction n into the wall."""
+        normal = self._fixed_normal()
+        if not self.is_moving:
+            return normal
+        normal = rotated(normal, *self.bearing.axis)
+        return self.text.let_vector(self.name("normal"), normal)
 
     def _write_motion(self) -> None:
         """Write distance and velocity of the corner along the normal of the wall."""
         slide = self.pin
         arm = self.pin_arm
-        normal = self._wall_normal()
+        normal = self._wall_normal
         self._set_fields("normal", normal)
         across = self.let("across", normal.dot(self._from_wall()))
         velocity = slide.velocity_at(arm)
+        if self.is_moving:
+            wall = self.bearing
+            velocity = velocity.minus(wall.velocity_at(self._wall_arm))
+            self.fields |= {"bearing_angle": wall.angle, "bearing_spin": wall.omega}
+            self._set_fields("bearing_lever", self._wall_arm)
         velocity = self.text.let_vector(self.name("velocity"), velocity)
         word = "rate_across" if self.has_profile else "rate"
         rate = self.let(word, normal.dot(velocity))
@@ -136,6 +171,8 @@ class _CornerText(ContactText):
         self.fields["penetration"] = penetration
         depth = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
         self.fields |= {"pin_arm": depth, "elastic": self.name("elastic_force")}
+        if self.is_moving:
+            self.fields["bearing_arm"] = depth
         rate = self.value("rate")
         self.fields |= dict.fromkeys(("approach", "closing"), rate)
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
@@ -147,7 +184,7 @@ class _CornerText(ContactText):
         k, place = self.number, self.value("place")
         call = f"wall_profile(data.joints[{k}], data.surfaces[{k}], {place})"
         self.text.write(f"{depth}, {slope}, _ = {call}")
-        gradient = self._wall_normal().minus(self._forwards().times(slope))
+        gradient = self._wall_normal.minus(self._forwards().times(slope))
         gradient = self.text.let_vector(self.name("gradient"), gradient)
         self._set_fields("normal", gradient)
         rate = gradient.dot(self.vector("velocity"))
@@ -155,12 +192,16 @@ class _CornerText(ContactText):
         return depth
 
     def _turning(self) -> str:
-        """Return zero: the normal of the wall does not turn."""
+        """Return zero: the normal does not turn in the frame of the wall."""
         return ZERO
+
+    def _bearing_point(self, radius: Vector) -> Vector:
+        """Return the vector from the mass centre of the body with the wall to the contact."""
+        return self._wall_arm.plus(radius)
 
     def _forwards(self) -> Vector:
         """Return d, the direction of the guide."""
-        normal = self._wall_normal()
+        normal = self._wall_normal
         forwards = Vector(normal.y, negative(normal.x))
         return forwards.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
 
@@ -170,12 +211,15 @@ class _CornerText(ContactText):
         self.fields["place"] = self.let("along", along)
 
     def _write_record(self) -> None:
-        """Write the contact for the recorder, with the components of e and its rate along n."""
+        """Write the contact for the recorder, with the components of e and its rate along n.
+
+        They are those in the frame of the body with the wall.
+        """
         if self.wears and not self.has_profile:
             self._write_place()
         across = self.fields.pop("across")
         rate = self.fields.pop("rate_across")
-        normal = self._wall_normal()
+        normal = self._fixed_normal()
         self.fields["eccentricity"] = self.let("eccentricity", f"abs({across})")
         self._set_fields("eccentricity", normal.times(across))
         self._set_fields("velocity", normal.times(rate))

@@ -43,7 +43,9 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     window.label(panels, zones)
-    pens = [*(stage.pen for stage in shown), _LARGEST, _ALLOWED]
+    pens = [*(stage.pen for stage in shown), _LARGEST]
+    if not all(guide.is_moving for guide in guides):
+        pens.append(_ALLOWED)
     content = {"window": window, "marks": marks.values()}
     return style.finished("tilt", sheet, pens, **content)
 
@@ -51,8 +53,11 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
 def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:
     """Draw the greatest tilt between rigid walls, and the tilt that press makers allow."""
     largest = 1e6 * largest_tilt(guide, result.scene.bearing(guide.name).clearance)
+    limits = [(_LARGEST, largest)]
+    if not guide.is_moving:
+        limits.append((_ALLOWED, 1e6 * ALLOWED_TILT))
     for sign in (-1.0, 1.0):
-        for pen, size in ((_LARGEST, largest), (_ALLOWED, 1e6 * ALLOWED_TILT)):
+        for pen, size in limits:
             axes.axhline(sign * size, **pen.line_style)
 
 

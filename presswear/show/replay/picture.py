@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import GROUND
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
@@ -97,7 +98,8 @@ class Picture:
         self._frame: list[Shape] = []
         self._bodies: list[list[list[Shape]]] = []  # of each clip
         self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
-        self._walls: list[list[list[Shape]]] = []  # of each chapter of each clip
+        # worn walls of the frame, then of each body, in each chapter of each clip
+        self._walls: list[list[list[list[Shape]]]] = []
         for clip, panel in zip(clips, self.layout.panels, strict=True):
             frame = shapes.frame_shapes(clip.linkage, clip.film.position, self._bar)
             self._frame += [
@@ -114,10 +116,12 @@ class Picture:
                 [_enlarged(clip, panel, each) for each in clip.chapters]
             )
             factor = self._wall_factor(clip)
-            walls = [shapes.worn_walls(each.linkage, factor) for each in clip.chapters]
-            offset = np.append(panel.offset, 0.0)
+            names = [GROUND, *(body.name for body in clip.linkage.bodies)]
             self._walls.append(
-                [[shapes.moved(one, offset) for one in each] for each in walls]
+                [
+                    [shapes.worn_walls(each.linkage, factor, name) for name in names]
+                    for each in clip.chapters
+                ]
             )
         self.system.Assemble()
         settings: Any = self.container.visualizationSettings
@@ -164,10 +168,12 @@ class Picture:
         )
         for clip, panel, bodies, chapters, walls, state in drawn:
             texts += self._title(clip, panel, state, note)
-            pieces += walls[state.chapter]
-            poses = state.positions[-1].reshape(-1, 3) + np.append(panel.offset, 0.0)
-            for body, pose in zip(bodies, poses, strict=True):
-                pieces += [shapes.moved(shape, pose) for shape in body]
+            offset = np.append(panel.offset, 0.0)
+            frame_walls, *body_walls = walls[state.chapter]
+            pieces += [shapes.moved(shape, offset) for shape in frame_walls]
+            poses = state.positions[-1].reshape(-1, 3) + offset
+            for body, worn, pose in zip(bodies, body_walls, poses, strict=True):
+                pieces += [shapes.moved(shape, pose) for shape in (*body, *worn)]
             for spring in clip.linkage.springs:
                 ends = (
                     points_of(clip.linkage, state.positions[-1:], end)

@@ -102,25 +102,34 @@ def guides_of(linkage: Linkage) -> tuple[Guide, ...]:
 
 def slots_of(linkage: Linkage, body: str) -> list[Guide]:
     """Return the guides that a body carries."""
-    return [guide for guide in linkage.guides if guide.on == body]
+    return [guide for guide in guides_of(linkage) if guide.on == body]
 
 
 def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -> Array:
     """Return the space that a block needs in the body that carries its guide, m, shape (4, 2).
 
-    It is a rectangle in the axes of this body, around the block in all its positions.
+    It is a rectangle in the axes of this body, around the block in all its positions. A
+    slot whose block has a length and a width is to scale, with its clearance.
     """
     lines = points_of(linkage, positions, Attachment(guide.on, guide.x, guide.y))
     gaps = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0)) - lines
     angles = guide.direction + lines[:, 2]
     travel = gaps[:, 0] * np.cos(angles) + gaps[:, 1] * np.sin(angles)
-    half = 0.5 * np.array(_BLOCK) * bar
+    size = np.array([guide.length or _BLOCK[0] * bar, guide.width or _BLOCK[1] * bar])
+    half = 0.5 * size
+    if guide.length is not None:
+        half += [bar, clearances_of(linkage).get(guide.name, 0.0)]
     low, high = travel.min() - half[0], travel.max() + half[0]
     corners = np.array(
         [[low, -half[1]], [high, -half[1]], [high, half[1]], [low, half[1]]]
     )
     along = direction(guide.direction)
     return np.array([guide.x, guide.y]) + corners @ [along, across(along)]
+
+
+def clearances_of(linkage: Linkage) -> dict[str, float]:
+    """Return the clearance of each guide that has one, m, by its name."""
+    return {corner.guide.name: corner.clearance for corner in linkage.corners}
 
 
 def slide_corners(guide: Guide) -> list[Attachment]:
@@ -330,7 +339,7 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
         drawn.append(filled(circle(centre, 1.3 * bar), 2, STEEL))
         ends = np.array([foot - 1.3 * side, foot + 1.3 * side])
         drawn += hatched(ends, -1.0, bar)
-    clearances = {corner.guide.name: corner.clearance for corner in linkage.corners}
+    clearances = clearances_of(linkage)
     for guide in guides_of(linkage):
         if guide.is_moving:
             continue
@@ -354,13 +363,15 @@ def wall_factor(depth: float, bar: float) -> float:
     return two_digits(_DEEPEST_BARS * bar / depth) if depth > 0.0 else 0.0
 
 
-def worn_walls(linkage: Linkage, factor: float) -> list[Shape]:
-    """Return the worn profiles of the walls of guides, with their depth times a factor.
+def worn_walls(linkage: Linkage, factor: float, body: str = GROUND) -> list[Shape]:
+    """Return the worn profiles of the walls that a body or the frame carries.
 
-    A bar has the greatest depth of its bins, because a trench may be narrower than it.
+    Their depth is drawn times a factor. A bar has the greatest depth of its bins, because
+    a trench may be narrower than it.
     """
     drawn: list[Shape] = []
-    walls = {(one.guide.name, one.side): one for one in linkage.corners}
+    corners = [one for one in linkage.corners if one.guide.on == body]
+    walls = {(one.guide.name, one.side): one for one in corners}
     for corner in walls.values():
         surface, wall, guide = corner.bearing_surface, corner.wall, corner.guide
         if wall is None or guide.width is None or not surface.is_worn:

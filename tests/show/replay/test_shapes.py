@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from slotted import quick_return, sized
 
 import presswear as pw
 from presswear.linkage.elements import GROUND, WALL_BINS
@@ -9,9 +10,11 @@ from presswear.linkage.surface import Surface
 from presswear.show.replay.shapes import (
     attachments,
     body_outline,
+    body_shapes,
     bounding_box,
     frame_shapes,
     loose_pins,
+    slot_outline,
     wall_factor,
     worn_walls,
 )
@@ -66,3 +69,33 @@ def test_the_wear_of_walls_is_enlarged() -> None:
     place = corner.wall.start + 100.5 * corner.wall.bin_length
     assert deep.min() < place < deep.max()
     assert not worn_walls(scene.linkage(), factor)
+
+
+def test_a_slot_with_clearance_and_its_worn_walls_move_with_their_body() -> None:
+    """The slot is to scale over the travel of the block, 200 mm; its walls are worn by 10 um."""
+    scene = pw.Scene(
+        sized(quick_return(), "slot", 0.06, 0.04),
+        joints="slot",
+        bearings=pw.Bearing(clearance=2e-3),
+    )
+    depth = np.zeros(WALL_BINS)
+    depth[500] = 1e-5
+    linkage = scene.linkage({"slot": (Surface(depth), Surface())})
+    positions = scene.ideal.position.reshape(-1, 9)
+    (guide,) = linkage.loose_guides
+    bar = 0.005
+    low, _, high, _ = slot_outline(linkage, positions, guide, bar)
+    assert high - low == pytest.approx([0.26 + 2.0 * bar, 0.044], abs=1e-6)
+    shapes = [len(body_shapes(linkage, positions, k, bar)) for k in range(3)]
+    ideal = [
+        len(body_shapes(scene.ideal.rows.linkage, positions, k, bar)) for k in range(3)
+    ]
+    assert shapes == ideal
+    factor = wall_factor(1e-5, bar)
+    assert not worn_walls(linkage, factor)
+    drawn = np.concatenate(
+        [one.points for one in worn_walls(linkage, factor, "rocker")]
+    )
+    assert drawn[:, 1].max() == pytest.approx(0.022 + factor * 1e-5)
+    deep = drawn[drawn[:, 1] > 0.025, 0]
+    assert deep.min() < 0.1 < deep.max()

@@ -1,0 +1,502 @@
+"""Guides with clearance on moving bodies: walls that move and turn, in every engine.
+
+Reference values are closed forms in the frame of the walls, and the integration of the
+equations there.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from scipy.integrate import solve_ivp
+from slotted import (
+    driven_rod,
+    quick_return,
+    scotch_yoke,
+    shaper,
+    sized,
+    skew_quick_return,
+    slotted_crank,
+    swinging_block,
+)
+from two_bodies import contacts_in
+
+import presswear as pw
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import WallMap
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import Surface
+from presswear.linkage.topology import branches_of
+from presswear.physics.contact import corner_acceleration
+from presswear.physics.packed import pack
+from presswear.physics.wall_wear import bin_centres_of, wall_volume, walls_of
+from presswear.scene.settings import changed
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records
+
+L, W, C = 0.06, 0.04, 0.2e-3  # of the block and its slot, m
+MASS = 0.5  # of the block, kg
+INERTIA = MASS * (L**2 + W**2) / 12.0
+STIFFNESS = 2e8  # of a corner, N/m
+HEAVY = 1e12  # inertia of a disc that no block turns, kg m^2
+TURN = 30.0  # of the disc, rad/s
+FIRST, DURATION = (
+    0.1,
+    0.04,
+)  # first place of a block in its slot, m, and time of a run, s
+STIFF = 100.0 * STIFFNESS
+WALL = WallMap(2e-13, 0.05, 0.2)
+FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
+ENGINES: list[tuple[Engine, float]] = [
+    (FINE, 1e-9),
+    (ExudynTree(tree_tolerance=1e-11), 1e-9),
+    (ExudynJoints(steps_per_contact=200, free_steps=10_000), 1e-6),
+]
+PLAY: dict[str, Any] = {"clearance": C, "contact_stiffness": STIFFNESS, "exponent": 1.0}
+SCENES = {
+    "Scotch yoke": (scotch_yoke(), "slot"),
+    "quick return": (skew_quick_return(), "slot"),
+    "swinging block": (swinging_block(), "bore"),
+    "slotted crank": (slotted_crank(), "slot"),
+    "shaper, a loop is left": (shaper(), "slot"),
+}
+
+
+def scene_of(name: str, **bearing: Any) -> pw.Scene:
+    """Return a mechanism whose slot has clearance."""
+    mechanism, slot = SCENES[name]
+    return pw.Scene(
+        sized(mechanism, slot, L, W),
+        joints=slot,
+        bearings=pw.Bearing(**(PLAY | bearing)),
+        wear_updates=0,
+        replicates=1,
+    )
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_engines_agree_and_keep_the_energy(name: str) -> None:
+    """With friction and damping, over more than 8 touches of the corners."""
+    scene = scene_of(name, friction=0.05, restitution=0.8)
+    duration = 0.02
+    fewest = InHouse(integration_tolerance=1e-11)
+    all_of_them = InHouse(integration_tolerance=1e-11, coordinates="all")
+    finer = ExudynJoints(steps_per_contact=200, free_steps=20_000)
+    ours, reference, joined = (
+        run_scene(scene, engine, duration) for engine in (fewest, all_of_them, finer)
+    )
+    touches = [len(reference.recorder.stored_contacts(k)) for k in range(4)]
+    assert sum(touches) > 8
+    assert np.abs(ours.end.position - reference.end.position).max() < 1e-9
+    assert np.abs(joined.end.position - reference.end.position).max() < 1e-5
+    assert max(residual(ours), residual(reference)) < 1e-9
+    assert residual(joined) < 1e-6
+    assert [len(ours.recorder.stored_contacts(k)) for k in range(4)] == touches
+    if not isinstance(branches_of(scene.linkage()), str):
+        tree = run_scene(scene, ExudynTree(tree_tolerance=1e-11), duration)
+        assert np.abs(tree.end.position - reference.end.position).max() < 1e-9
+        assert residual(tree) < 1e-9
+        assert [len(tree.recorder.stored_contacts(k)) for k in range(4)] == touches
+    torques = reference.recorder.records.torque
+    np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
+
+
+def on_disc(direction: float = 0.0, **bearing: Any) -> Linkage:
+    """Return a heavy disc about the origin, with a block in a slot beside its middle."""
+    linkage = pw.assemble(
+        [pw.Body("disc", 1.0, HEAVY), pw.Body("block", MASS, INERTIA)],
+        [
+            pw.Pin("O", (0.0, 0.0), "disc"),
+            pw.Guide("slot", "block", 0.0, 0.0, direction, on="disc"),
+        ],
+        output="block",
+        gravity=0.0,
+        cycle=0.1,
+    )
+    play = pw.Bearing(**(PLAY | {"friction": 0.0} | bearing))
+    return pw.Scene(sized(linkage, "slot", L, W), bearings={"slot": play}).linkage()
+
+
+def from_disc(linkage: Linkage, place: Array, rates: Array, angle: float) -> Start:
+    """Return the start of a block from place and rates in the frame of the turning disc."""
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[c, -s], [s, c]])
+    x, y, tilt = place
+    velocity = turn @ (rates[:2] + TURN * np.array([-y, x]))
+    position = np.array([0.0, 0.0, angle, *(turn @ place[:2]), angle + tilt])
+    spins = np.array([0.0, 0.0, TURN, *velocity, TURN + rates[2]])
+    return Start(position, spins)
+
+
+def in_disc(run: Run) -> Array:
+    """Return place and tilt of the block at the end in the frame of the disc."""
+    _, _, angle, x, y, block = run.end.position
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * x + s * y, c * y - s * x, block - angle])
+
+
+def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
+    """Run a block that goes out in a slot of the disc, with one face on a wall."""
+    linkage = on_disc(
+        normal_law="kelvin-voigt", viscous_damping=1e4, contact_stiffness=STIFF
+    )
+    corners = tuple(replace(one, wall=WALL) for one in linkage.corners)
+    linkage = replace(linkage, clearances=corners)
+    still = 0.5 * MASS * TURN**2 * C / STIFF  # penetration by the centrifugal force
+    place = np.array([FIRST, -C - still, 0.0])
+    start = from_disc(linkage, place, np.zeros(3), 0.3)
+    run = engine.for_cycle(DURATION).simulate(linkage, start, Plan(DURATION, 1))
+    assert run.status == "completed", run.message
+    return linkage, run
+
+
+@pytest.mark.parametrize(("engine", "within"), ENGINES)
+def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within: float) -> None:
+    """The block goes out by cosh and presses by the force of Coriolis, 2 m W^2 r sinh."""
+    _, run = turning_evenly(engine)
+    x, y, tilt = in_disc(run)
+    phase = TURN * DURATION
+    assert x == pytest.approx(FIRST * math.cosh(phase), rel=1e-6)
+    force = 2.0 * MASS * TURN**2 * FIRST * math.sinh(phase)
+    force += MASS * TURN**2 * C
+    forces = run.recorder.records.contacts["normal"]
+    assert forces[2:] == pytest.approx([0.5 * force] * 2, rel=1e-5)
+    assert list(forces[:2]) == [0.0, 0.0]
+    assert y == pytest.approx(-C - 0.5 * force / STIFF, abs=1e-12)
+    assert abs(tilt) < within
+
+
+@pytest.mark.parametrize(("engine", "within"), ENGINES)
+def test_a_wall_that_turns_wears_where_the_block_presses(
+    engine: Engine, within: float
+) -> None:
+    """V = K_d m (W r)^2 (sinh 2 p - 2 p) / 2 after the angle p, over the way of both corners."""
+    linkage, run = turning_evenly(engine)
+    left, right = walls_of(linkage, run.recorder.maps.sampled)["slot"]
+    assert not left.any()
+    phase = TURN * DURATION
+    dose = 0.5 * MASS * (TURN * FIRST) ** 2 * (math.sinh(2.0 * phase) - 2.0 * phase)
+    dose += MASS * TURN**2 * C * FIRST * (math.cosh(phase) - 1.0)
+    volume = wall_volume(linkage.corners[0], right)
+    assert volume == pytest.approx(WALL.coefficient * dose, rel=1e-4)
+    place = bin_centres_of(WALL)
+    last = FIRST * math.cosh(phase)
+    half = 0.6 * WALL.bin_length
+    is_passed = np.zeros(place.size, dtype=bool)
+    for end in (0.5 * L, -0.5 * L):
+        is_passed |= (place > FIRST + end - half) & (place < last + end + half)
+    assert right[is_passed].all()
+    assert not right[~is_passed].any()
+
+
+def relative_rates(_: float, state: Array) -> Array:
+    """Return the rates of place and tilt of the block in the frame of the disc."""
+    x, y, tilt, vx, vy, spin = state
+    c, s = math.cos(tilt), math.sin(tilt)
+    force = np.array([0.0, 0.0, 0.0])
+    for along in (0.5 * L, -0.5 * L):
+        for side in (1.0, -1.0):
+            arm_x = c * along - s * 0.5 * side * W
+            arm_y = s * along + c * 0.5 * side * W
+            depth = side * (y + arm_y) - (0.5 * W + C)
+            normal = 1e10 * max(depth, 0.0) ** 1.5
+            contact = arm_x, -side * normal
+            force += [0.0, contact[1], contact[0] * contact[1]]
+    acceleration = force / [MASS, MASS, INERTIA]
+    acceleration[0] += TURN**2 * x + 2.0 * TURN * vy
+    acceleration[1] += TURN**2 * y - 2.0 * TURN * vx
+    return np.array([vx, vy, spin, *acceleration])
+
+
+@pytest.mark.parametrize(("engine", "within"), ENGINES)
+def test_walls_that_turn_are_those_of_a_turning_frame(
+    engine: Engine, within: float
+) -> None:
+    """A block that tilts and rattles between walls without friction and damping."""
+    linkage = on_disc(restitution=1.0, contact_stiffness=1e10, exponent=1.5)
+    place = np.array([0.1, 0.05e-3, 1e-3])
+    rates = np.array([-1.0, 0.2, 3.0])
+    duration = 0.02
+    run = engine.for_cycle(duration).simulate(
+        linkage, from_disc(linkage, place, rates, 0.7), Plan(duration, 1)
+    )
+    assert run.status == "completed", run.message
+    touches = [len(run.recorder.stored_contacts(k)) for k in range(4)]
+    assert sum(touches) > 8
+    assert min(touches[0] + touches[1], touches[2] + touches[3]) > 1
+    exact = solve_ivp(
+        relative_rates,
+        (0.0, duration),
+        np.concatenate([place, rates]),
+        "DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+        max_step=1e-5,
+    ).y[:, -1]
+    assert in_disc(run)[:2] == pytest.approx(exact[:2], abs=10.0 * within)
+    assert in_disc(run)[2] == pytest.approx(exact[2], abs=500.0 * within)
+
+
+@pytest.mark.parametrize(("engine", "within"), ENGINES)
+def test_both_bodies_together_keep_their_momentum(
+    engine: Engine, within: float
+) -> None:
+    """Two free bodies with friction and damping: forces and moments are equal and opposite."""
+    linkage = pw.assemble(
+        [pw.Body("carrier", 2.0, 0.02), pw.Body("block", MASS, INERTIA)],
+        [pw.Guide("slot", "block", 0.03, -0.02, 0.4, 0.1, on="carrier")],
+        output="block",
+        gravity=0.0,
+        cycle=0.1,
+    )
+    play = pw.Bearing(**(PLAY | {"friction": 0.2, "restitution": 0.5}))
+    linkage = pw.Scene(sized(linkage, "slot", L, W), bearings={"slot": play}).linkage()
+    turned = 0.8  # of the carrier
+    c, s = math.cos(turned), math.sin(turned)
+    x, y = 0.03 + 0.05 * math.cos(0.4), -0.02 + 0.05 * math.sin(0.4)
+    block = [c * x - s * y, s * x + c * y, turned + 0.1]
+    start = Start(
+        np.array([0.0, 0.0, turned, *block]),
+        np.array([0.1, -0.2, 3.0, -0.4, 0.3, -2.0]),
+    )
+    run = engine.for_cycle(0.02).simulate(linkage, start, Plan(0.02, 1))
+    assert run.status == "completed", run.message
+    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 5
+    mass, inertia = np.array([2.0, MASS]), np.array([0.02, INERTIA])
+
+    def momentum(position: Array, velocity: Array) -> Array:
+        q, v = position.reshape(2, 3), velocity.reshape(2, 3)
+        about = q[:, 0] * v[:, 1] - q[:, 1] * v[:, 0]
+        return np.array([*(mass @ v[:, :2]), mass @ about + inertia @ v[:, 2]])
+
+    before = momentum(start.position, start.velocity)
+    after = momentum(run.end.position, run.end.velocity)
+    change = np.abs(run.end.velocity - start.velocity)
+    assert change.min() > 1e-3
+    assert after == pytest.approx(before, abs=10.0 * within)
+
+
+def push(time: float) -> float:
+    """Force on the block, N."""
+    return -1e5
+
+
+def test_corner_forces_on_a_turned_body() -> None:
+    """The closed form of a guide on the frame, on a body that is turned by 0.6 rad.
+
+    A force of 100 kN, 60 mm beside the middle, is held by a spring of the body.
+    """
+    angle = 0.6
+    length, width, clearance = 0.4, 0.3, 0.05e-3
+    linkage = pw.assemble(
+        [
+            pw.Body("disc", 1.0, HEAVY, points={"foot": (0.0, -1.0)}),
+            pw.Body("slide", 300.0, points={"beside": (0.06, 0.0)}, inertia=6.25),
+        ],
+        [
+            pw.Pin("O", (0.0, 0.0), "disc"),
+            pw.Guide("guide", "slide", direction=0.5 * math.pi, on="disc"),
+        ],
+        output="slide",
+        gravity=0.0,
+        cycle=0.1,
+        springs=[pw.Spring("rod", "disc.foot", "slide", 1e9, damping=1e6, length=1.0)],
+        loads=[pw.Force("slide.beside", 0.5 * math.pi + angle, push)],
+    )
+    play = pw.Bearing(
+        clearance=clearance,
+        contact_stiffness=5e11,
+        normal_law="kelvin-voigt",
+        viscous_damping=1e7,
+        friction=0.0,
+    )
+    sizes = sized(linkage, "guide", length, width)
+    linkage = pw.Scene(sizes, bearings={"guide": play}).linkage()
+    start = Start(np.array([0.0, 0.0, angle, 0.0, 0.0, angle]), np.zeros(6))
+    engine = InHouse(integration_tolerance=1e-9)
+    run = engine.for_cycle(0.1).simulate(linkage, start, Plan(0.3, 1))
+    assert run.status == "completed", run.message
+    tilt = abs(in_disc(run)[2])
+    assert tilt == pytest.approx(2.983078e-4, rel=5e-5)
+    lever = length * math.cos(tilt) - width * math.sin(tilt)
+    forces = sorted(run.recorder.records.contacts["normal"])
+    assert forces[:2] == [0.0, 0.0]
+    assert forces[2:] == pytest.approx([6e3 * math.cos(tilt) / lever] * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("clearance", [1e-5, 1e-7])
+@pytest.mark.parametrize("name", ["Scotch yoke", "quick return", "slotted crank"])
+def test_a_slot_with_a_vanishing_clearance_is_ideal(
+    name: str, clearance: float
+) -> None:
+    """All bodies leave their ideal places by a few clearances and contacts."""
+    scene = scene_of(name, clearance=clearance, restitution=0.1, contact_stiffness=1e10)
+    duration = 0.4 * scene.mechanism.period
+    run = run_scene(scene, InHouse(), duration)
+    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 4
+    ideal = scene.ideal.at(np.array([duration])).position[0]
+    off = np.abs(run.end.position - ideal).reshape(-1, 3)
+    forces = run.recorder.records.contacts["normal"]
+    play = clearance + forces.max() / 1e10
+    assert off[:, :2].max() < 4.0 * play
+    assert off[:, 2].max() < 2.0 * play / (0.5 * L)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_energy_is_lost_without_friction_and_damping(name: str) -> None:
+    scene = scene_of(name, friction=0.0, restitution=1.0)
+    run = run_scene(scene, FINE, 0.5 * scene.mechanism.period)
+    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 40
+    assert residual(run) < 1e-9
+    assert float(run.diagnostics["contact_loss_J"]) == 0.0
+
+
+@pytest.mark.slow
+def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
+    scene = scene_of("quick return", friction=0.0, restitution=1.0)
+    run = run_scene(scene, FINE, 200.0 * scene.mechanism.period)
+    assert residual(run) < 1e-9
+
+
+def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block() -> None:
+    """The crank of 0.1 m turns 0.3 m above the pivot, 0.2 m before the point of the slot."""
+    mechanism = sized(quick_return(), "slot", L, W)
+    scene = pw.Scene(mechanism, joints="slot", bearings=pw.Bearing(clearance=C))
+    walls = {corner.wall for corner in scene.linkage().corners}
+    (wall,) = walls
+    assert wall is not None
+    assert wall.start + 0.5 * wall.length == pytest.approx(0.1, abs=1e-9)
+    assert wall.length == pytest.approx(1.02 * (0.2 + L), rel=1e-6)
+    run = run_scene(scene, InHouse())
+    loads = [run.recorder.each_cycle("load_distance", k).sum() for k in range(4)]
+    sides = walls_of(scene.linkage(), run.recorder.maps.sampled)["slot"]
+    for depth, load in zip(
+        sides, (loads[0] + loads[1], loads[2] + loads[3]), strict=True
+    ):
+        volume = wall_volume(scene.linkage().corners[0], depth)
+        assert volume == pytest.approx(wall.coefficient * load, rel=1e-12)
+        assert volume > 0.0
+
+
+def test_the_rate_of_a_corner_is_a_derivative() -> None:
+    """First and second derivative of the penetration, with a worn wall and two spins."""
+    linkage = on_disc(0.4)
+    place = bin_centres_of(WALL)
+    worn = Surface(2e-6 * (1.0 + np.cos(2.0 * math.pi * place / 0.05)))
+    corners = tuple(
+        replace(one, wall=WALL, bearing_surface=worn) for one in linkage.corners
+    )
+    linkage = replace(linkage, clearances=corners)
+    packed = pack(linkage)
+    turned = 0.7  # of the disc, whose centre lies beside the origin
+    x = 0.02 + 0.1 * math.cos(0.4 + turned)
+    y = -0.01 + 0.1 * math.sin(0.4 + turned)
+    start = np.array([0.02, -0.01, turned, x, y, turned + 1e-3])
+    rates = np.array([0.3, -0.4, 20.0, 1.1, -0.7, 25.0])
+    a = np.array([30.0, -20.0, 200.0, 50.0, 80.0, -300.0])
+
+    def contacts(time: float) -> Records:
+        q = start + time * rates + 0.5 * time**2 * a
+        return contacts_in(linkage, packed, q, rates + time * a)
+
+    h = 1e-6
+    before, now, after = (contacts(time) for time in (-h, 0.0, h))
+    for k in range(4):
+        depths = before[k].penetration, after[k].penetration
+        rate = (depths[1] - depths[0]) / (2.0 * h)
+        assert now[k].rate == pytest.approx(rate, rel=1e-7)
+        acceleration = corner_acceleration(
+            packed.joints[k], packed.surfaces[k], now[k], a
+        )
+        change = (after[k].rate - before[k].rate) / (2.0 * h)
+        assert acceleration == pytest.approx(change, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "play", "message"),
+    [
+        ((None, W), {}, "length of slot: a guide with clearance needs it"),
+        ((L, None), {}, "width of slot: a guide with clearance needs it"),
+        (
+            (L, W),
+            {"clearance": 0.021, "bearing_radius": 0.1},
+            "clearance of slot = 21 mm: allowed is up to half the width of the slide, 20 mm",
+        ),
+        (
+            (0.03, W),
+            {"clearance": 0.006, "bearing_radius": 0.1},
+            "clearance of slot = 6 mm: allowed is below 5 mm",
+        ),
+        ((L, W), {"clearance": 0.0}, "slot.clearance = 0 m: a guide without clearance"),
+    ],
+)
+def test_a_slot_that_cannot_have_clearance(
+    sizes: tuple[Any, Any], play: dict[str, float], message: str
+) -> None:
+    with pytest.raises(pw.InputError, match=message):
+        pw.Scene(
+            sized(scotch_yoke(), "slot", *sizes),
+            joints="slot",
+            bearings=pw.Bearing(**({"clearance": C} | play)),
+        )
+
+
+def test_what_a_slot_cannot_have_is_refused() -> None:
+    with pytest.raises(pw.InputError, match=r"slot: stiffness = 1e\+06 N/m with on"):
+        pw.Guide("slot", "block", on="yoke", stiffness=1e6)
+    rod = sized(driven_rod(), "bore", L, W)
+    play = pw.Bearing(clearance=C)
+    with pytest.raises(pw.InputError, match="bearings of bore: rod has a drive"):
+        pw.Scene(rod, joints="bore", bearings=play)
+    # The ways of the yoke let the block turn, which has no inertia.
+    yoke = sized(scotch_yoke(), "ways", 0.2, 0.1)
+    with pytest.raises(pw.InputError, match=r"inertia of block = 0 kg m\^2: must"):
+        pw.Scene(yoke, joints="ways", bearings=play).linkage()
+    scene = scene_of("Scotch yoke")
+    moved = replace(scene, mechanism=scene.mechanism.changed(output="block"))
+    work = {"process": "coining", "process.offset": "10 mm"}
+    with pytest.raises(pw.InputError, match=r"process.offset = 10 mm: .* is on yoke"):
+        changed(moved, work).check()
+
+
+QUICK_RETURN = """
+[mechanism]
+kind = "linkage"
+output = "rocker"
+gravity = "0 m/s^2"
+guess = {rocker = "60 deg"}
+bodies = [
+    {name = "crank", length = "100 mm", mass = "1 kg"},
+    {name = "block", mass = "0.5 kg", inertia = "1e-3 kg m^2"},
+    {name = "rocker", mass = "2 kg", inertia = "0.1 kg m^2", points.pivot = ["-200 mm", 0.0]},
+]
+joints = [
+    {name = "O2", first = [0.0, "300 mm"], second = "crank.tail"},
+    {name = "A", first = "crank.head", second = "block"},
+    {name = "O4", first = [0.0, 0.0], second = "rocker.pivot"},
+    {name = "slot", body = "block", on = "rocker", length = "60 mm", width = "40 mm"},
+]
+drives = [{body = "crank", speed = "300 rpm"}]
+
+[bearings]
+joints = "slot"
+
+[bearings.slot]
+clearance = "0.2 mm"
+"""
+
+
+def test_a_file_has_a_slot_with_clearance(tmp_path: Path) -> None:
+    file = tmp_path / "slot.toml"
+    file.write_text(QUICK_RETURN)
+    scene = pw.scene_from(file)
+    play = pw.Bearing(clearance=0.2e-3)
+    same = pw.Scene(sized(quick_return(), "slot", L, W), bearings={"slot": play})
+    assert scene.linkage().corners == same.linkage().corners
+    wider = changed(scene, {"slot.clearance": "0.3 mm"})
+    assert {corner.clearance for corner in wider.linkage().corners} == {0.3e-3}
