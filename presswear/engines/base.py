@@ -187,6 +187,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         ),
         depth=np.zeros(shape),
         film_columns=_film_columns(linkage),
+        slidings=np.zeros(count),
         film_losses=np.zeros(count),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros((4, shape[2])),

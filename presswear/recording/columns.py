@@ -122,8 +122,23 @@ JOINT_CYCLE = (
         mean_label="time in contact",
         mean_unit="ms",
     ),
+    Column(
+        "sliding_distance",
+        "m",
+        "over which the pin slides while it touches its bearing",
+        mean_label="sliding distance in contact",
+        mean_unit="mm",
+    ),
 )
-FORCE_MAX, LOAD_DISTANCE, CONTACTS, END_X, END_Y, CLOSED_TIME = range(len(JOINT_CYCLE))
+(
+    FORCE_MAX,
+    LOAD_DISTANCE,
+    CONTACTS,
+    END_X,
+    END_Y,
+    CLOSED_TIME,
+    SLIDING_DISTANCE,
+) = range(len(JOINT_CYCLE))
 # Integrals are over time; peaks have their signs
 DRIVE_CYCLE = (
     Column("torque_integral", "N m s", "integral of the torque"),

@@ -25,6 +25,7 @@ from presswear.recording.columns import (
     POWER_PEAK,
     POWER_SQUARE,
     RETURNED,
+    SLIDING_DISTANCE,
     TORQUE,
     TORQUE_PEAK,
     TORQUE_SQUARE,
@@ -88,8 +89,16 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
 
 
 @inlined
+def mean_size(first: float, last: float) -> float:
+    """Return the mean of the absolute value of a number that changes linearly."""
+    if first * last >= 0.0:
+        return 0.5 * (abs(first) + abs(last))
+    return 0.5 * (first * first + last * last) / abs(last - first)
+
+
+@inlined
 def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
-    """Add the force, the load distance and the contacts of a joint in a step to the cycle."""
+    """Add the force, load and sliding distance and contacts of a joint in a step to the cycle."""
     contact = records.contacts[k]
     counts = records.counters[k]
     last = records.memory[k]
@@ -103,7 +112,10 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
         counts.deepest = max(counts.deepest, contact.penetration)
     closed_until = t if records.onset[k] > 0.0 else last.separation_time
     closed_from = max(last.touchdown_time, t - h)
-    row[CLOSED_TIME] += max(closed_until - closed_from, 0.0)
+    closed = max(closed_until - closed_from, 0.0)
+    row[CLOSED_TIME] += closed
+    row[SLIDING_DISTANCE] += closed * mean_size(records.slidings[k], contact.sliding)
+    records.slidings[k] = contact.sliding
     row[LOAD_DISTANCE] += records.wear_integrals[k].work
     row[CONTACTS] = counts.contacts - counts.contacts_before
 

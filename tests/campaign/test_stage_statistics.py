@@ -67,6 +67,11 @@ def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
     assert statistics.contact_time_fraction == pytest.approx(
         after_startup(closed).mean() / period
     )
+    slid = joint.each_cycle("sliding_distance")
+    assert statistics.means["sliding_distance"] == pooled([slid])[0]
+    # Load distance over sliding distance is a mean normal force.
+    force = joint.each_cycle("load_distance") / slid
+    assert np.all((force > 0.0) & (force < joint.each_cycle("force_max")))
     steps = stage.each_cycle("steps")
     assert stage.statistics.means["steps"] == pooled([steps])[0]
     misspelt: dict[str, Callable[[], Any]] = {

@@ -38,6 +38,7 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
             "load_distance": 3.0 * (1.0 + 0.03 * draw.normal(size=CYCLES)),
             "contacts": np.full(CYCLES, 7.0),
             "closed_time": np.full(CYCLES, 0.5),
+            "sliding_distance": np.full(CYCLES, 0.02),
         }
         for name in names_of(JOINT_CYCLE):
             columns[f"{joint}_{name}"] = numbers.get(name, np.zeros(CYCLES))
