@@ -25,9 +25,12 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.out is not None:
         raise InputError("--out needs two folders, which one page compares")
     check_folder(arguments.folder)
+    is_pdf = arguments.format == "pdf"
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
 
+        if is_pdf:
+            raise InputError(f"--format pdf needs a run; {arguments.folder} is a sweep")
         if arguments.figures:
             raise InputError(f"--figures needs a run; {arguments.folder} is a sweep")
         return sweep.report(arguments, console)
@@ -37,6 +40,11 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
 
     names = [name.strip() for name in arguments.figures.split(",") if name.strip()]
     result = load_result(arguments.folder, console)
+    if is_pdf:
+        from presswear.show.pdf import write_pdf
+
+        print_lines(console, f"report in {write_pdf(result, also=names)}")
+        return 0
     print_lines(console, f"report in {write_report(result, also=names)}")
     return 0
 
@@ -44,8 +52,9 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
 def _compare(arguments: argparse.Namespace, console: Console) -> int:
     """Write a page on two stored runs side by side."""
     first, second = arguments.folder, arguments.second
-    if arguments.limit or arguments.figures:
+    if arguments.limit or arguments.figures or arguments.format == "pdf":
         option = "--limit" if arguments.limit else "--figures"
+        option = "--format pdf" if arguments.format == "pdf" else option
         raise InputError(f"{option} cannot be combined with two folders")
     for folder in (first, second):
         check_folder(folder)

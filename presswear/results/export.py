@@ -1,17 +1,19 @@
-"""Exchange table: a run as CSV or NPZ, for export and for comparison.
+"""Exchange table: a run as CSV, NPZ or MAT, for export and for comparison.
 
 One column per quantity, one row per time, SI units. Columns of a joint J or of a driven
 body D are ``J_penetration`` or ``D_torque``; units of all names are in ``UNITS``. A
 table needs ``time``, strictly increasing, and at least one other column; their order is
 free. CSV: a header line with the names, values separated by commas, or by semicolons
 where a table is read, lines that begin with ``#`` are comments. NPZ: one array of one
-dimension per column, under its name.
+dimension per column, under its name. MAT, which is written only: one column vector per
+column, and a structure with their units.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -58,7 +60,8 @@ UNITS = {
 _MOMENTS = [
     f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")
 ]
-_ENDINGS = ".csv", ".npz"
+_ENDINGS = ".csv", ".npz"  # of tables that are read
+_WRITTEN = *_ENDINGS, ".mat"
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 
 
@@ -158,12 +161,15 @@ def life_table(result: Result) -> dict[str, Array]:
 
 
 def write_table(path: Path, table: Table) -> None:
-    """Write a table as ``.csv`` or ``.npz``; refuses to overwrite."""
-    kind = check_ending(path, *_ENDINGS)
+    """Write a table as ``.csv``, ``.npz`` or ``.mat``; refuses to overwrite."""
+    kind = check_ending(path, *_WRITTEN)
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
     if kind == ".npz":
         write_arrays(path, table)
+        return
+    if kind == ".mat":
+        write_whole(path, lambda file: _write_matlab(file, table))
         return
     # The names come first: numpy.genfromtxt takes them from the first line.
     head = f"{','.join(table)}\n# units: {','.join(f'{name} {unit_of(name)}' for name in table)}"
@@ -176,6 +182,16 @@ def write_table(path: Path, table: Table) -> None:
         "encoding": "utf-8",
     }
     write_whole(path, lambda file: np.savetxt(file, rows, **style))
+
+
+def _write_matlab(file: BinaryIO, table: Table) -> None:
+    """Write columns as variables of MATLAB, and a structure ``units`` of their units."""
+    from scipy.io import savemat  # slow to import
+
+    names = {name: re.sub(r"\W", "_", name) for name in table}
+    units = {names[name]: unit_of(name) for name in table}
+    columns = {names[name]: values for name, values in table.items()}
+    savemat(file, {**columns, "units": units}, oned_as="column", long_field_names=True)
 
 
 def read_table(path: Path) -> dict[str, Array]:

@@ -6,6 +6,7 @@ the files beside it.
 
 import shlex
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -115,7 +116,7 @@ def _written(
     also: Sequence[str],
 ) -> Path:
     """Draw the figures and write the page; see ``write_report``."""
-    _check_cycles(result, also)
+    check_cycles(result, also)
     sheets = list(drawings(result) if has_all_figures else first_drawings(result))
     sheets += drawings(result, also) if also else []
     notify(len(sheets))
@@ -134,7 +135,7 @@ def _written(
     return file
 
 
-def _check_cycles(result: Result, names: Sequence[str]) -> None:
+def check_cycles(result: Result, names: Sequence[str]) -> None:
     """Raise InputError for an unknown name, or for too few recorded cycles for the figures."""
     for name in names:
         if name not in OF_MANY_CYCLES:
@@ -157,15 +158,10 @@ def render_report(
     The page states ``figures_command``, which draws all figures, unless it is empty.
     """
     scene = result.scene
-    sound = stages_with_numbers(result)
-    changes = changes_of(result.scene)
     stages = list(zip(stage_names(result, result.stages), result.stages, strict=True))
     untrusted = [name for name, law in scene.user_laws.items() if not law.is_trusted]
     # Sentences on tables whose series an earlier version did not store
     missing = list[str]()
-    optional = {
-        name: _if_stored(table, result, missing) for name, table in _OPTIONAL.items()
-    }
     content: Record = {
         "result": result,
         "scene": scene,
@@ -182,14 +178,7 @@ def render_report(
         "user_wear": user_wear_laws(scene),
         "oil": [] if untrusted else _oil_sentences(result),
         "presets": CONVENTIONS,
-        "tables": {
-            **stage_tables(result),
-            **setting_tables(result),
-            **mechanism_tables(result),
-            "changes": line_table("changes", result, changes) if changes else None,
-            **optional,
-            "provenance": provenance_table(result),
-        },
+        "tables": report_tables(result, missing),
         "life": result.life and life_section(result, result.life),
         "words_of": words_of,
         "limit_text": limit_text,
@@ -198,13 +187,8 @@ def render_report(
     }
     return page.render_page(
         title_of(scene),
-        page.FirstScreen(
-            status=_status(result),
-            style=result.status if result.status in FINISHED else "unfinished",
-            made_by=made_by(result),
-            limits=limit_lines(scene, sound[-1]) if sound else (),
-            key_numbers=key_numbers(result),
-            warnings=[*warnings(result), *missing],
+        replace(
+            first_screen(result, missing),
             picture=next(
                 (figure for figure in figures if figure.file == "mechanism.png"), None
             ),
@@ -212,6 +196,39 @@ def render_report(
         template="report.html",
         figures=figures,
         **content,
+    )
+
+
+def report_tables(result: Result, missing: list[str]) -> dict[str, Table | None]:
+    """Return the tables of a report by name, None for one without values.
+
+    A sentence on each table whose series an earlier version did not store is added to
+    ``missing``.
+    """
+    changes = changes_of(result.scene)
+    optional = {
+        name: _if_stored(table, result, missing) for name, table in _OPTIONAL.items()
+    }
+    return {
+        **stage_tables(result),
+        **setting_tables(result),
+        **mechanism_tables(result),
+        "changes": line_table("changes", result, changes) if changes else None,
+        **optional,
+        "provenance": provenance_table(result),
+    }
+
+
+def first_screen(result: Result, missing: Sequence[str] = ()) -> page.FirstScreen:
+    """Return status, limits, key numbers and warnings of a result; see ``report_tables``."""
+    sound = stages_with_numbers(result)
+    return page.FirstScreen(
+        status=_status(result),
+        style=result.status if result.status in FINISHED else "unfinished",
+        made_by=made_by(result),
+        limits=limit_lines(result.scene, sound[-1]) if sound else (),
+        key_numbers=key_numbers(result),
+        warnings=[*warnings(result), *missing],
     )
 
 

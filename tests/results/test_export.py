@@ -158,7 +158,7 @@ def test_an_exported_run_agrees_with_itself(
     ("words", "message"),
     [
         ("run.csv", "exists"),
-        ("run.txt", ".csv or .npz"),
+        ("run.txt", ".csv or .npz or .mat"),
         ("nowhere/run.csv", "no folder"),
         ("new.csv --stage 7", "no stage 7"),
         ("new.csv --stage one", "one"),
