@@ -311,7 +311,7 @@ def test_parts_that_do_not_fit_together_are_refused(
         (
             Drive,
             {"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]},
-            "the one that ends at 2",
+            "the rise that ends at 2",
         ),
         (
             Drive,
