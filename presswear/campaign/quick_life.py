@@ -9,13 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswear.campaign.limited_wear import LimitedWear, limited_wear
+from presswear.linkage.elements import Guide, GuideCorner
 from presswear.linkage.surface import SIDES
-from presswear.physics.wear import worn_volume
+from presswear.physics.wall_wear import tilt_between
 from presswear.recording.statistics import Estimate, quantile
 from presswear.results.life import QUICK, LifeResult, LimitResult, WearRate
 from presswear.results.stage import StageResult
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, readable
 
 # Surfaces
@@ -28,7 +31,8 @@ class WearRates:
     """Wear of some strokes on the surfaces of a stage."""
 
     strokes: float
-    wear: dict[str, Estimate]  # by ``JOINT.depth``, m, and ``JOINT.wear_volume``, m^3
+    # by ``JOINT.depth``, m, ``JOINT.wear_volume``, m^3, and ``GUIDE.tilt``, rad
+    wear: dict[str, Estimate]
 
     def of_joints(
         self, surfaces: str, since: float, until: float
@@ -54,13 +58,37 @@ def rates_of(scene: Scene, stage: StageResult) -> WearRates:
         depths = (joint.statistics.wear_peaks[side].depth for side in SIDES)
         wear[f"{name}.depth"] = max(depths, key=lambda depth: depth.mean)
         wear[f"{name}.wear_volume"] = joint.statistics.wear_volume
+    for guide in scene.worn_guides:
+        wear |= _wear_of_walls(guide, stage)
     return WearRates(stage.cycles_per_update, wear)
+
+
+def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
+    """Return the wear of both walls of a guide by the update after a stage."""
+    assert guide.length is not None
+    walls = stage.statistics.walls[guide.name].values()
+    strokes = stage.cycles_per_update
+    depths = [wall.depth_per_cycle.scaled(strokes) for wall in walls]
+    volumes = [wall.volume_per_cycle.scaled(strokes) for wall in walls]
+    return {
+        f"{guide.name}.depth": max(depths, key=lambda depth: depth.mean),
+        f"{guide.name}.wear_volume": _sum_of(volumes),
+        f"{guide.name}.tilt": _sum_of(depths).scaled(1.0 / guide.length),
+    }
+
+
+def _sum_of(estimates: list[Estimate]) -> Estimate:
+    """Return the sum of independent estimates."""
+    halves = [one.half_width for one in estimates]
+    widths = [half for half in halves if half is not None]
+    half = math.hypot(*widths) if len(widths) == len(halves) else None
+    return Estimate.symmetric(sum(one.mean for one in estimates), half)
 
 
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
     assert scene.life is not None
-    joints = scene.loose_pins
+    joints = scene.wearing_joints
     worn = rates_of(scene, stage)
     limits = tuple(
         _limit(scene, limit, new, worn, stage) for limit in scene.life_limits
@@ -94,29 +122,24 @@ def _limit(
     scene: Scene, limit: Limit, new: WearRates, worn: WearRates, stage: StageResult
 ) -> LimitResult:
     """Return the strokes up to a limit, with the scatter of both rates and no error of steps."""
-    arrays = stage.joints[limit.joint]
-    depth = np.stack([arrays.depth(side) for side in SIDES])
-    rate = np.stack([arrays.wear(side) for side in SIDES]) / worn.strokes
-    value = depth
-    if limit.name == "wear_volume":
-        joint = next(
-            each for each in scene.linkage().clearances if each.name == limit.joint
-        )
-        value = np.array([worn_volume(joint, depth)])
-        rate = np.array([worn_volume(joint, rate)])
+    wear = limited_wear(scene.linkage(), limit)
+    depth, depth_rate = _depth_and_rate(wear, worn, stage)
+    value, rate = wear.numbers(depth), wear.numbers(depth_rate)
     level = float(value.max())
     strokes = math.inf
-    if level >= limit.value:
-        strokes = new.strokes * limit.value / level
+    if level >= wear.bound:
+        strokes = new.strokes * wear.bound / level
     elif np.any(rate > 0.0):
         wears = rate > 0.0
-        remaining = (limit.value - value)[wears] / rate[wears]
+        remaining = (wear.bound - value)[wears] / rate[wears]
         strokes = new.strokes + float(remaining.min())
     share_of_new = min(new.strokes / strokes, 1.0)
     sampling = math.hypot(
         share_of_new * _relative_half_width(new, limit),
         (1.0 - share_of_new) * _relative_half_width(worn, limit),
     )
+    if limit.name == "tilt" and isinstance(wear.joint, GuideCorner):
+        level = tilt_between(wear.joint, depth)
     is_reached = math.isfinite(strokes)
     return LimitResult(
         key=limit.key,
@@ -128,6 +151,18 @@ def _limit(
         last=level,
         last_half_width=new.wear[limit.key].half_width,
     )
+
+
+def _depth_and_rate(
+    wear: LimitedWear, worn: WearRates, stage: StageResult
+) -> tuple[Array, Array]:
+    """Return depths of both surfaces, m, and the depth that a stroke adds, m, each (2, bins)."""
+    if isinstance(wear.joint, GuideCorner):
+        guide = wear.limit.joint
+        return stage.wall_depth(guide)[1], stage.wall_wear(guide)[1]
+    arrays = stage.joints[wear.limit.joint]
+    depth = np.stack([arrays.depth(side) for side in SIDES])
+    return depth, np.stack([arrays.wear(side) for side in SIDES]) / worn.strokes
 
 
 def _relative_half_width(rates: WearRates, limit: Limit) -> float:

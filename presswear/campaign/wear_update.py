@@ -22,8 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
+from presswear.campaign.limited_wear import limited_wear
 from presswear.campaign.replicates import RunSpec
 from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.running_in import (
     Laws,
@@ -161,7 +163,7 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     added_depth = smoothed_mean(ensemble.together.maps, ensemble.bins)
     joints = ensemble.linkage.clearances
     if scene.is_quick:
-        reached = _largest_reached(scene, joints, added_depth)
+        reached = _largest_reached(scene, ensemble.linkage, added_depth)
         return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
     if any(laws := depth_laws_of(joints)):
         depth = ensemble.depth.mean(axis=0)
@@ -186,20 +188,14 @@ def _cycles_to_change(
     return 1.0 / share if _UPDATE_CHANGE * share > _LEAST_CHANGE else 1.0
 
 
-def _largest_reached(
-    scene: Scene, joints: Sequence[ClearanceJoint], added_depth: Array
-) -> float:
+def _largest_reached(scene: Scene, linkage: Linkage, added_depth: Array) -> float:
     """Return the largest part of a limit of a quick life that some wear reaches."""
     assert scene.life is not None
-    names = [joint.name for joint in joints]
     reached = []
     for limit in scene.life_limits:
-        k = names.index(limit.joint)
-        depth = added_depth[k, :, : joints[k].bins]
-        wear = float(depth.max())
-        if limit.name == "wear_volume":
-            wear = worn_volume(joints[k], depth)
-        reached.append(wear / limit.value)
+        wear = limited_wear(linkage, limit)
+        numbers = wear.numbers(wear.depth_of(linkage, added_depth))
+        reached.append(float(numbers.max()) / wear.bound)
     return max(reached)
 
 

@@ -508,6 +508,15 @@ def largest_tilt(guide: Guide, clearance: float) -> float:
     return math.asin((guide.width + 2.0 * clearance) / diagonal) - slope
 
 
+def tilting_clearance(guide: Guide, tilt: float) -> float:
+    """Return the clearance, m, with which the largest tilt is ``tilt``, rad."""
+    assert guide.length is not None
+    assert guide.width is not None
+    diagonal = math.hypot(guide.length, guide.width)
+    slope = math.atan2(guide.width, guide.length)
+    return 0.5 * (diagonal * math.sin(tilt + slope) - guide.width)
+
+
 CORNERS: Mapping[str, tuple[float, float]] = {
     "left front": (1.0, 1.0),
     "left back": (-1.0, 1.0),

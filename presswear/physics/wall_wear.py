@@ -89,6 +89,15 @@ def tilt_between(corner: GuideCorner, walls: Array) -> float:
     ``walls`` are the depths of the left and the right wall, m, shape (2, bins). At some
     place along the guide two opposite corners touch rigid walls.
     """
+    widest = float(openings_between(corner, walls).max())
+    return largest_tilt(corner.guide, corner.clearance + 0.5 * widest)
+
+
+def openings_between(corner: GuideCorner, walls: Array) -> Array:
+    """Return the worn depth of both walls at two opposite corners of a slide, together, m.
+
+    The shape is (2, places along the guide), for a tilt to either side.
+    """
     guide, wall = corner.guide, corner.wall
     assert guide.length is not None
     assert wall is not None
@@ -97,8 +106,7 @@ def tilt_between(corner: GuideCorner, walls: Array) -> float:
     back = front - guide.length
     depth_at_front = np.array([np.interp(front, place, depth) for depth in walls])
     depth_at_back = np.array([np.interp(back, place, depth) for depth in walls])
-    widest = float((depth_at_front + depth_at_back[::-1]).max())
-    return largest_tilt(guide, corner.clearance + 0.5 * widest)
+    return np.asarray(depth_at_front + depth_at_back[::-1])
 
 
 def walls_of(linkage: Linkage, maps: Array) -> dict[str, Array]:

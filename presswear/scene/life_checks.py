@@ -54,9 +54,9 @@ def _check_quick_life(
 ) -> None:
     """Raise InputError if a life cannot be computed from two wear rates."""
     faults = [
-        f"until: {limit.key}: allowed are depth and wear_volume"
+        f"until: {limit.key}: allowed are depth, wear_volume and tilt"
         for limit in limits
-        if limit.name not in ("depth", "wear_volume")
+        if limit.name not in ("depth", "wear_volume", "tilt")
     ]
     faults += [f"{words}: allowed is no maintenance" for words in services]
     if wear_updates > 1:

@@ -304,18 +304,11 @@ class Scene(LoadedLinkage, Checked):
         if self.life is None:
             return ()
         pins = {name: self.bearing(name).clearance for name in self.loose_pins}
-        if self.is_quick and not pins:
-            raise InputError(
-                "life.quick = on: no pin has clearance; the walls of a guide need quick = off"
-            )
-        guides = () if self.is_quick else self.worn_guides
-        return self.life.limits(
-            pins,
-            {
-                one.name: largest_tilt(one, self.bearing(one.name).clearance)
-                for one in guides
-            },
-        )
+        tilts = {
+            guide.name: largest_tilt(guide, self.bearing(guide.name).clearance)
+            for guide in self.worn_guides
+        }
+        return self.life.limits(pins, tilts)
 
     @property
     def _deepest_walls(self) -> dict[str, float]:

@@ -789,7 +789,7 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
         (
             "bdc_drift > 1 mm",
             {},
-            "until: bdc_drift: allowed are depth and wear_volume with",
+            "until: bdc_drift: allowed are depth, wear_volume and tilt with",
         ),
         (
             "depth > 0.1 mm",

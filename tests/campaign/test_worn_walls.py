@@ -9,8 +9,13 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.linkage.elements import WALL_BINS, WallMap, largest_tilt
-from presswear.physics.wall_wear import tilt_between
+from presswear.linkage.elements import (
+    WALL_BINS,
+    WallMap,
+    largest_tilt,
+    tilting_clearance,
+)
+from presswear.physics.wall_wear import tilt_between, wall_volume
 
 STROKES = 3e4  # that wear a wall by a tenth of its clearance
 WALLS = {"wear_updates": 1, "cycles_per_update": STROKES, "replicates": 2, "cycles": 3}
@@ -166,6 +171,7 @@ def test_a_tilt_between_worn_walls_has_a_closed_form(place: int) -> None:
     wider = largest_tilt(guide, 0.05e-3 + 6e-6)
     assert tilt_between(corner, walls) == pytest.approx(wider, rel=1e-9)
     assert tilt_between(corner, walls[::-1]) == pytest.approx(wider, rel=1e-9)
+    assert tilting_clearance(guide, wider) == pytest.approx(0.056e-3, rel=1e-9)
     walls[0] = np.roll(walls[0], 1)
     assert tilt_between(corner, walls) < wider - 1e-6
 
@@ -195,10 +201,47 @@ def test_a_limit_that_does_not_fit_is_refused_in_one_line(
         pw.scenes.press_off_centre(wear_updates=1, life=life)
 
 
-def test_a_quick_life_of_walls_is_refused() -> None:
-    message = r"life\.quick = on: no pin has clearance; the walls of a guide need"
-    with pytest.raises(pw.InputError, match=message):
-        pw.scenes.press_off_centre(wear_updates=1, life=pw.Life(quick="on"))
+def test_a_quick_life_of_walls_is_the_limits_over_two_wear_rates(
+    result: pw.Result, tmp_path: Path
+) -> None:
+    """Half of the first limit wears off at the rate when new, the rest at the second rate."""
+    (guide,) = result.scene.loose_guides
+    assert guide.length is not None
+    tilt = largest_tilt(guide, 0.05e-3) + 30e-6
+    until = (
+        f"guide.depth > 6 um, guide.tilt > {1e6 * tilt!r} um/m, wear_volume > 5 mm^3"
+    )
+    life = pw.Life(until=until, quick="on")
+    settings = {"wear_updates": 1, "cycles": 3, "replicates": 2}
+    quick = pw.run(
+        pw.scenes.press_off_centre(life=life, **settings), tmp_path / "quick", jobs=1
+    )
+    assert quick.life is not None
+    assert quick.life.ended == "quick"
+    sides = result.stages[0].statistics.walls["guide"].values()
+    deepest = max(wall.depth_per_cycle.mean for wall in sides)
+    both = sum(wall.depth_per_cycle.mean for wall in sides)
+    volume = sum(wall.volume_per_cycle.mean for wall in sides)
+    depth, opening, lost = (limit.strokes for limit in quick.life.limits)
+    assert depth == pytest.approx(6e-6 / deepest, rel=0.1)
+    assert opening == pytest.approx(30e-6 * guide.length / both, rel=0.1)
+    assert lost == pytest.approx(5e-9 / volume, rel=0.05)
+    # With constant rates all limits are exceeded by the depth of the walls at that time.
+    worn = quick.stages[1]
+    since = quick.life.wear_rates[1].since
+    _, first = worn.wall_depth("guide")
+    _, rate = worn.wall_wear("guide")
+    assert first.max() == pytest.approx(3e-6, rel=1e-9)
+    corner = quick.scene.linkage().corners[0]
+
+    def walls(strokes: float) -> np.ndarray:
+        return np.asarray(first + (strokes - since) * rate)
+
+    assert walls(depth).max() == pytest.approx(6e-6, rel=1e-12)
+    assert tilt_between(corner, walls(opening)) == pytest.approx(tilt, rel=1e-9)
+    lost_volume = sum(wall_volume(corner, wall) for wall in walls(lost))
+    assert lost_volume == pytest.approx(5e-9, rel=1e-12)
+    assert "guide: worn once" in quick.report().read_text()
 
 
 def test_limits_of_guides_and_pins_are_named() -> None:

@@ -436,7 +436,7 @@ def test_the_rate_of_a_corner_is_a_derivative() -> None:
     ],
 )
 def test_a_slot_that_cannot_have_clearance(
-    sizes: tuple[Any, Any], play: dict[str, float], message: str
+    sizes: tuple[Any, Any], play: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(pw.InputError, match=message):
         pw.Scene(
@@ -457,8 +457,8 @@ def test_what_a_slot_cannot_have_is_refused() -> None:
     yoke = sized(scotch_yoke(), "ways", 0.2, 0.1)
     with pytest.raises(pw.InputError, match=r"inertia of block = 0 kg m\^2: must"):
         pw.Scene(yoke, joints="ways", bearings=play).linkage()
-    scene = scene_of("Scotch yoke")
-    moved = replace(scene, mechanism=scene.mechanism.changed(output="block"))
+    yoke = sized(scotch_yoke(), "slot", L, W).changed(output="block")
+    moved = pw.Scene(yoke, joints="slot", bearings=play)
     work = {"process": "coining", "process.offset": "10 mm"}
     with pytest.raises(pw.InputError, match=r"process.offset = 10 mm: .* is on yoke"):
         changed(moved, work).check()
