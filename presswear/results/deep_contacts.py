@@ -163,7 +163,7 @@ def _dry_contacts(
 def _depth(scene: Scene, joint: str, ratio: float) -> str:
     """Return a penetration in micrometres and relative to the clearance."""
     deepest = readable(1e6 * ratio * scene.bearing(joint).clearance)
-    return f"{deepest} µm, {readable(ratio)} of the clearance"
+    return f"{deepest} µm, {readable(ratio)} times the clearance"
 
 
 def _forces_by_law_text(scene: Scene, joint: str, force: float) -> str:

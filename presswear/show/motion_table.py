@@ -74,7 +74,7 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
         }
 
     return {
-        "cycles": cycles,
+        "cycles": round(cycles) if abs(cycles - round(cycles)) < 1e-6 else cycles,
         "modes": {joint: visits(line) for joint, line in lines.items()},
         "together": visits(together) if together else {},
         "shares": together.shares if together else {},

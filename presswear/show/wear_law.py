@@ -3,7 +3,7 @@
 from presswear.linkage.laws import ARCHARD, UNLISTED, Materials, listed_pair
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import DEFAULT, unread_of
-from presswear.tools.quantities import written
+from presswear.tools.quantities import Quantity, written
 
 # by symbol of the law: setting and unit
 NUMBERS = {
@@ -43,14 +43,19 @@ def user_wear_laws(scene: Scene) -> list[str]:
     ]
 
 
+def with_power(value: float, unit: str) -> str:
+    """Return an SI value with its unit, a small one with a power of ten: ``1.2·10⁻⁶ mm³/(N m)``."""
+    (text,), shown = Quantity(unit).texts(value)
+    return f"{text} {shown}".rstrip()
+
+
 def _number(scene: Scene, joint: str, key: str, unit: str) -> str:
     """Return the value of a number of a joint, and whether it is assumed."""
     bearing = scene.bearing(joint)
     value = getattr(bearing.materials, key)
     if value is None:  # the depth of running-in, which is then the roughness
         return f"{written(bearing.roughness, unit)} (the roughness)"
-    text = written(value, unit).replace("^3", "³")
-    return f"{text} ({_origin(scene, joint, key, value)})"
+    return f"{with_power(value, unit)} ({_origin(scene, joint, key, value)})"
 
 
 def _origin(scene: Scene, joint: str, key: str, value: float) -> str:

@@ -10,6 +10,7 @@ from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import pins_of
 from presswear.show.key_number import key_of_greatest, measured
 from presswear.show.page import KeyNumber
+from presswear.show.wear_law import with_power
 from presswear.tools import numbers
 from presswear.tools.quantities import written
 
@@ -49,7 +50,7 @@ def _place_text(scene: Scene, stage: StageResult, place: tuple[str, str]) -> str
     materials = scene.bearing(name).materials
     represented = numbers.large(stage.cycles_per_update)
     surfaces = "worn" if stage.is_worn else "new"
-    coefficient = written(materials.wear_coefficient, "1/Pa").replace("^3", "³")
+    coefficient = with_power(materials.wear_coefficient, "1/Pa")
     text = (
         f"Deepest place, on the {side} of joint {name}, as a mean over {represented} "
     )

@@ -591,8 +591,8 @@ SCENE = pw.scenes.press_blanking(
     conventions="paper", wear_updates=0, cycles=1, clearance="0.5 mm"
 )
 EQUAL = (
-    "Contacts are deep: pins penetrate their bearings at joint C by 500 µm, 1.00 of the clearance, "
-    "over 120 degrees. The contact law is made for small contacts; here bottom dead centre under "
+    "Contacts are deep: pins penetrate their bearings at joint C by 500 µm, 1.00 times the "
+    "clearance, over 120 degrees. The contact law is made for small contacts; here bottom dead centre under "
     "load may be wrong, forces less so."
 )
 MEASURED = "A measured contact_stiffness reduces this doubt."

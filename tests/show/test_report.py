@@ -245,7 +245,7 @@ ZERO = "counterclockwise from the x axis of the frame"
         (
             wear_times(running_in=30, pressure_exponent=0.65, wear_coefficient=2e-16),
             1,
-            "with K_d = 2e-07 mm³/(N m) (set by the user); rho = 30 (set by the user); "
+            "with K_d = 2·10⁻⁷ mm³/(N m) (set by the user); rho = 30 (set by the user); "
             "h_0 = 0.0003 mm (the roughness); m = 0.65 (set by the user); "
             "p_ref = 10 MPa (assumed). & New surfaces wear 30 times as fast. & "
             "to the power of 0.65, and the coefficient is that at 10 MPa.",
@@ -254,7 +254,7 @@ ZERO = "counterclockwise from the x axis of the frame"
         (
             wear_times(materials="304L-304L"),
             1,
-            "K_d = 2.5e-05 mm³/(N m) (materials 304L-304L); rho = 1 (assumed); m = 1 (assumed). & "
+            "K_d = 2.5·10⁻⁵ mm³/(N m) (materials 304L-304L); rho = 1 (assumed); m = 1 (assumed). & "
             "constant over the strokes",
             "New surfaces wear",
         ),

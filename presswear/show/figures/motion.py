@@ -177,8 +177,11 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     for axes in lowest:
         window.label([axes])
     window.label(panels, zones)
-    for zone in zones:
-        zone.set_ylim(bottom=0.0)
+    tops = dict.fromkeys(result.scene.loose_pins, 0.0)
+    for zone, (joint, _) in zip(zones, places, strict=False):
+        tops[joint] = max(tops[joint], zone.get_ylim()[1])
+    for zone, (joint, _) in zip(zones, places, strict=False):
+        zone.set_ylim(0.0, tops[joint])
     return style.finished("force", sheet, window=window, stages=shown)
 
 
