@@ -1,10 +1,11 @@
 """Write the results of the paper's study into findings.md:  python docs/_tools/findings.py FOLDER
 
-The folder is that of a finished study, ``python -m presswear.paper FOLDER --engine
-dae``.
+Copies its picture of the peak forces, too. The folder is that of a finished study,
+``python -m presswear.paper FOLDER --engine dae``.
 """
 
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from presswear.show.page import text_of
 from presswear.tools.numbers import readable
 
 PAGE = Path(__file__).parents[1] / "findings.md"
+PICTURE = PAGE.with_name("paper-fig-24.png")
 LABELS = {
     "second wear": "ratio of the wear depths at A: second to first wear update",
     "friction, wear": "ratio of the wear depths at A: friction coefficient doubled",
@@ -51,6 +53,7 @@ def fill(folder: Path) -> None:
     PAGE.write_text(
         re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
     )
+    shutil.copyfile(folder / "figures/fig-24-peaks.png", PICTURE)
 
 
 if __name__ == "__main__":

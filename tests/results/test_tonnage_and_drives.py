@@ -592,8 +592,8 @@ SCENE = pw.scenes.press_blanking(
 )
 EQUAL = (
     "Contacts are deep: pins penetrate their bearings at joint C by 500 µm, 1.00 times the "
-    "clearance, over 120 degrees. The contact law is made for small contacts; here bottom dead centre under "
-    "load may be wrong, forces less so."
+    "clearance, over 120 degrees. The contact law is made for small contacts; here bottom dead "
+    "centre under load may be wrong, forces less so."
 )
 MEASURED = "A measured contact_stiffness reduces this doubt."
 
