@@ -22,18 +22,17 @@ def column_table() -> str:
     """Return the columns of ``cycles`` with their units and meanings, in their order."""
     lines = ["| of | column | unit | meaning |", "|---|---|---|---|"]
     for owner, table in TABLES.items():
-        lines += [
-            f"| {owner} | `{one.name}` | {one.unit} | {one.text} |" for one in table
-        ]
+        for column in table:
+            lines.append(
+                f"| {owner} | `{column.name}` | {column.unit} | {column.text} |"
+            )
     return "\n".join(lines)
 
 
 def filled(text: str) -> str:
     """Return the text of the page with the table between its marks."""
-    marks = r"(?s)(<!-- columns -->\n).*?(<!-- end -->)"
-    return re.sub(
-        marks, lambda match: f"{match[1]}\n{column_table()}\n\n{match[2]}", text
-    )
+    marks = re.compile(r"(<!-- columns -->\n).*?(<!-- end -->)", re.DOTALL)
+    return marks.sub(lambda match: f"{match[1]}\n{column_table()}\n\n{match[2]}", text)
 
 
 def fill() -> None:

@@ -29,12 +29,11 @@ COLOURS = 64  # of a stored picture
 
 def pages() -> list[str]:
     """Return the files of the pages with code, relative to ``docs``."""
-    files = (page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
-    return sorted(
-        str(page.relative_to(DOCS))
-        for page in files
-        if "file_format: mystnb" in page.read_text()
-    )
+    names = []
+    for page in DOCS.rglob("*.md"):
+        if "_build" not in page.parts and "file_format: mystnb" in page.read_text():
+            names.append(str(page.relative_to(DOCS)))
+    return sorted(names)
 
 
 def stored_file(page: str) -> Path:
@@ -56,13 +55,15 @@ def read(text: str, page: str) -> Any:
         If the code of the page is not that of the stored outputs.
     """
     notebook = read_myst_markdown_notebook(text, add_source_map=True, path=page)
-    stored, cells = nbformat.read(stored_file(page), 4), cells_of(notebook)
+    cells = cells_of(notebook)
+    stored = nbformat.read(stored_file(page), 4)
     if [cell.source for cell in cells] != [cell.source for cell in stored.cells]:
         raise SphinxError(
             f"{page}: its code has changed; execute it and run docs/_tools/outputs.py"
         )
     for cell, executed in zip(cells, stored.cells, strict=True):
-        cell.outputs, cell.execution_count = executed.outputs, executed.execution_count
+        cell.outputs = executed.outputs
+        cell.execution_count = executed.execution_count
     notebook.metadata.language_info = {"name": "python", "pygments_lexer": "ipython3"}
     return notebook
 
@@ -70,9 +71,9 @@ def read(text: str, page: str) -> Any:
 def _smaller(picture: str) -> str:
     """Return a picture, base64 as in a notebook, with few colours."""
     with Image.open(io.BytesIO(base64.b64decode(picture))) as image:
-        few = image.convert("RGB").quantize(COLOURS)
+        quantized = image.convert("RGB").quantize(COLOURS)
     data = io.BytesIO()
-    few.save(data, "png", optimize=True)
+    quantized.save(data, "png", optimize=True)
     return base64.b64encode(data.getvalue()).decode()
 
 
@@ -80,10 +81,8 @@ def store(page: str) -> None:
     """Store the executed cells of a page."""
     notebook = nbformat.read((EXECUTED / page).with_suffix(".ipynb"), 4)
     notebook.cells = cells_of(notebook)
-    notebook.metadata, notebook.nbformat_minor = (
-        {},
-        4,
-    )  # the next one has random names of cells
+    notebook.metadata = {}
+    notebook.nbformat_minor = 4  # from 4.5 on cells have random names
     for cell in notebook.cells:
         cell.metadata = {}
         cell.pop("id", None)

@@ -76,19 +76,19 @@ def least_kicks(
     speeds : ndarray, shape (joints,)
         Largest speed of a kick of each pin, m/s.
     report : callable
-        Called with the completed share, many times.
+        Called with the completed part of the work, from 0 to 1, before each run.
     """
     if any(leaves(linkage, state, orbit) for state in states):
         return []
     cases = list(product(range(len(states)), DIRECTIONS))
 
-    def rattles(k: int, case: int, speed: float) -> bool:
-        report(k / len(linkage.clearances))
-        state = states[cases[case][0]]
-        degrees = cases[case][1]
-        angle = body_angle(linkage, state, k) + math.radians(degrees)
+    def rattles(joint: int, case: int, speed: float) -> bool:
+        report(joint / len(linkage.clearances))
+        number, degrees = cases[case]
+        state = states[number]
+        angle = body_angle(linkage, state, joint) + math.radians(degrees)
         change = np.zeros((len(linkage.clearances), 2))
-        change[k] = speed * np.array([math.cos(angle), math.sin(angle)])
+        change[joint] = speed * np.array([math.cos(angle), math.sin(angle)])
         return leaves(linkage, kick_pins(linkage, state, change), orbit)
 
     kicks = []
@@ -96,8 +96,8 @@ def least_kicks(
         returns, limit, case = least_speed(
             partial(rattles, k), len(cases), float(speeds[k])
         )
-        state, degrees = cases[case]
-        kicks.append(Kick(joint.name, limit, returns, degrees, state))
+        number, degrees = cases[case]
+        kicks.append(Kick(joint.name, limit, returns, degrees, number))
     return kicks
 
 
@@ -114,23 +114,25 @@ def least_speed(
     limit.
     """
 
-    def first(speed: float) -> int | None:
-        order = [last, *(case for case in range(cases) if case != last)]
+    def rattling_case(speed: float, likely: int) -> int | None:
+        """Return the first case that rattles; ``likely`` is tried first."""
+        order = sorted(range(cases), key=lambda case: case != likely)
         return next((case for case in order if rattles(case, speed)), None)
 
-    last = 0
-    case = first(largest)
+    case = rattling_case(largest, likely=0)
     if case is None:
         return largest, None, 0
     limit = largest
-    last = case
     smallest = WEAKEST * largest
     for factor in FACTORS:
-        while limit > smallest and (case := first(limit / factor)) is not None:
+        while limit > smallest:
+            next_case = rattling_case(limit / factor, likely=case)
+            if next_case is None:
+                break
             limit = limit / factor
-            last = case
+            case = next_case
     returns = limit / FACTORS[-1] if limit > smallest else 0.0
-    return returns, limit, last
+    return returns, limit, case
 
 
 def states_of(linkage: Linkage, ends: Sequence[Start], ideal: Start) -> list[Start]:

@@ -1,4 +1,4 @@
-"""Settled motions of an ensemble: which replicates came to rest, and what each kind of motion is.
+"""Settled motions of an ensemble: the replicates that settled, and the motions they settled on.
 
 See ``presswear.recording.settling`` for the measure and its source.
 """
@@ -26,47 +26,57 @@ Joints = Sequence[ClearanceJoint]
 
 
 def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
-    """Return the motion on which each run came to rest, from its rows of cycles."""
+    """Return the motion on which each run settled, from its rows of cycles; None if it has not."""
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
-    indices = range(len(joints))
-    places = [
-        [cycle_column(f"eccentricity_{axis}", k) for axis in "xy"] for k in indices
-    ]
-    forces = [cycle_column("force_max", k) for k in indices]
-    return [
-        rest_of(signatures(rows[:, places] / clearances, rows[:, forces]))
-        for rows in runs
-    ]
+    places = []  # columns of the eccentricities, (joints, 2)
+    forces = []
+    for k in range(len(joints)):
+        places.append([cycle_column(f"eccentricity_{axis}", k) for axis in "xy"])
+        forces.append(cycle_column("force_max", k))
+    rests = []
+    for rows in runs:
+        signature = signatures(rows[:, places] / clearances, rows[:, forces])
+        rests.append(rest_of(signature))
+    return rests
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
-    """Return what runs came to, from their rows of cycles; None without clearance or cycles."""
+    """Return the settled and the irregular motions of runs, from their rows of cycles.
+
+    None without joints or without cycles.
+    """
     if not joints or not all(map(len, runs)):
         return None
-    rests = rests_of(joints, runs)
-    starts = tuple(None if rest is None else rest.start for rest in rests)
-    settled = [k for k, rest in enumerate(rests) if rest is not None]
-    groups = same_motions([rest for rest in rests if rest is not None])
+    settled: list[Rest] = []
+    settled_rows = []  # of each settled run, from the start of its settled motion on
+    irregular_rows = []  # of each run, before it settled
+    lengths = []  # of the runs that have not settled, cycles
+    starts: list[int | None] = []
+    for rest, rows in zip(rests_of(joints, runs), runs, strict=True):
+        if rest is None:
+            starts.append(None)
+            lengths.append(len(rows))
+            irregular_rows.append(rows)
+        else:
+            starts.append(rest.start)
+            settled.append(rest)
+            settled_rows.append(rows[rest.start :])
+            irregular_rows.append(rows[: rest.start])
     motions = []
-    for group in groups:
-        members = [settled[n] for n in group]
-        period = max(rest.period for k in members if (rest := rests[k]))
-        rows = [runs[k][starts[k] :] for k in members]
-        motions.append(_motion(joints, rows, len(members), period))
-    irregular = [run[:start] for run, start in zip(runs, starts, strict=True)]
-    irregular = [rows for rows in irregular if len(rows) > STARTUP_CYCLES]
-    if irregular:
-        motions.append(_motion(joints, irregular, len(runs) - len(settled), None))
-    times = (
-        [rest.start for rest in rests if rest is not None],
-        [len(run) for run, rest in zip(runs, rests, strict=True) if rest is None],
-    )
+    for group in same_motions(settled):
+        period = max(settled[k].period for k in group)
+        rows_of_group = [settled_rows[k] for k in group]
+        motions.append(_motion(joints, rows_of_group, len(group), period))
+    irregular_rows = [rows for rows in irregular_rows if len(rows) > STARTUP_CYCLES]
+    if irregular_rows:
+        motions.append(_motion(joints, irregular_rows, len(lengths), None))
+    times = [rest.start for rest in settled]
     return Settling(
         watched=min(map(len, runs)),
-        starts=starts,
+        starts=tuple(starts),
         motions=tuple(motions),
-        half_life=half_life(*times),
-        least_half_life=least_half_life(*times),
+        half_life=half_life(times, lengths),
+        least_half_life=least_half_life(times, lengths),
     )
 
 
@@ -76,7 +86,9 @@ def _motion(
     """Return the motion of some rows of cycles, with two rows of start-up before each."""
 
     def mean(name: str, joint: int | None = None) -> Estimate:
-        return pooled([rows[:, cycle_column(name, joint)] for rows in runs])[0].positive
+        column = cycle_column(name, joint)
+        estimate, *_ = pooled([rows[:, column] for rows in runs])
+        return estimate.positive
 
     def by_joint(name: str) -> dict[str, Estimate]:
         return {joint.name: mean(name, k) for k, joint in enumerate(joints)}

@@ -17,25 +17,34 @@ _MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
 
 
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
-    """Return keys under which two stored scenes differ, with both values, long ones cut."""
+    """Return keys under which two stored scenes differ, with both values; long ones are short.
+
+    ``key`` is the key of both values in their scenes. ``name`` and ``kind`` of a part
+    are listed under the key of the part.
+    """
     has_function = is_stored_function(first) or is_stored_function(second)
     if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
-        inner = {
-            n: key if key and n in ("name", "kind") else n for n in {**first, **second}
-        }
-        pairs = (
-            (first.get(name), second.get(name), label) for name, label in inner.items()
-        )
-        return [difference for pair in pairs for difference in differences(*pair)]
+        found = []
+        for name in {**first, **second}:
+            label = key if key and name in ("name", "kind") else name
+            found += differences(first.get(name), second.get(name), label)
+        return found
+    return [] if first == second else [(key, _short(first), _short(second))]
 
-    def short(value: Any) -> Any:
-        if is_stored_function(value):
-            return f"{UserFunction.from_plain(value)}"
-        text = f"{value}"
-        is_long = len(text) > _MAX_VALUE_LENGTH
-        return f"{text[:20]}... ({digest(text.encode())[:12]})" if is_long else value
 
-    return [] if first == second else [(key, short(first), short(second))]
+def _short(value: Any) -> Any:
+    """Return a value; of a long text the beginning and the digest."""
+    if is_stored_function(value):
+        return f"{UserFunction.from_plain(value)}"
+    text = f"{value}"
+    if len(text) <= _MAX_VALUE_LENGTH:
+        return value
+    return f"{text[:20]}... ({digest(text.encode())[:12]})"
+
+
+def _mechanism_name(scene: Scene) -> str:
+    mechanism = scene.mechanism
+    return mechanism.name if isinstance(mechanism, Linkage) else mechanism.kind
 
 
 @dataclass(frozen=True)
@@ -53,37 +62,52 @@ class Change:
 
 
 def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
-    """Return the changes of a scene against another one that do not follow from others."""
-    was = {one.key: one.value for one in settings_of(base)}
+    """Return the changes of a scene against a base scene that do not follow from others."""
+    expected = _expected_values(base, scene)
     settings = settings_of(scene)
-    for one in settings:
-        if not isinstance(one.meaning, Choice) or not one.meaning.is_part:
-            continue
-        if one.value not in one.meaning.words:
-            was[one.key] = one.value  # a set without a name is described by its values
-        elif one.value != was.get(one.key, one.value) and one.value != NONE:
-            part = one.meaning.convert(one.key, one.value)
-            prefix = f"{one.key}."
-            inner = settings_in(part, prefix=prefix if one.meaning.kinds else "")
-            was |= {item.key: item.value for item in inner}
-    for joint in scene.joint_bearings:
-        for key in [item.key for item in settings_in(scene.bearings)]:
-            if key not in was and key not in SINGLE:
-                continue  # a number of a user law, which the law has in its text
-            before = getattr(base.bearings, key) if key in SINGLE else was[key]
-            was.setdefault(f"{joint}.{key}", before)
-    if not base.clearance_joints and scene.clearance_joints:
-        was["wear_updates"] = Scene.wear_updates  # a scene without clearance has none
     changes = []
-    for one in settings:
-        if one.value != was.get(one.key, one.value):
-            values = [
-                NONE if value is None else value for value in (one.value, was[one.key])
-            ]
-            quantity = one.meaning if isinstance(one.meaning, Quantity) else Quantity()
-            (value, before), unit = quantity.texts(*values)
-            changes.append(Change(one.key, value, before, unit, one.meaning.text))
-    return (*changes, *_part_changes(base, scene, {one.key for one in settings}))
+    for setting in settings:
+        key = setting.key
+        meaning = setting.meaning
+        if setting.value == expected.get(key, setting.value):
+            continue
+        values = [NONE if v is None else v for v in (setting.value, expected[key])]
+        quantity = meaning if isinstance(meaning, Quantity) else Quantity()
+        (value, before), unit = quantity.texts(*values)
+        changes.append(Change(key, value, before, unit, meaning.text))
+    keys = {setting.key for setting in settings}
+    return (*changes, *_part_changes(base, scene, keys))
+
+
+def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
+    """Return the values by key that a scene has if only the parts of a base scene change.
+
+    A part with another name has the values of this name, and a joint with a bearing of
+    its own those of the common bearing.
+    """
+    values = {setting.key: setting.value for setting in settings_of(base)}
+    for setting in settings_of(scene):
+        key = setting.key
+        meaning = setting.meaning
+        if not isinstance(meaning, Choice) or not meaning.is_part:
+            continue
+        if setting.value not in meaning.words:
+            values[key] = setting.value  # a set without a name: its values are compared
+        elif setting.value not in (values.get(key, setting.value), NONE):
+            part = meaning.convert(key, setting.value)
+            inner = settings_in(part, prefix=f"{key}." if meaning.kinds else "")
+            values |= {item.key: item.value for item in inner}
+    for joint in scene.joint_bearings:
+        for item in settings_in(scene.bearings):
+            key = item.key
+            if key in SINGLE:
+                values.setdefault(f"{joint}.{key}", getattr(base.bearings, key))
+            elif key in values:  # numbers of a user law are in the text of the law
+                values.setdefault(f"{joint}.{key}", values[key])
+    if not base.clearance_joints and scene.clearance_joints:
+        # A scene without clearance has none.
+        values["wear_updates"] = Scene.wear_updates
+    return values
 
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
@@ -94,10 +118,8 @@ def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]
     names = [key for key in dict.fromkeys(names) if key not in keys]
     if names:
         text = "mechanism; differs in " + ", ".join(names)
-        new, old = (
-            one.name if isinstance(one, Linkage) else one.kind
-            for one in (scene.mechanism, base.mechanism)
-        )
+        new = _mechanism_name(scene)
+        old = _mechanism_name(base)
         yield Change("mechanism", new, old, "", text)
     if scene.surfaces and data["surfaces"] != was["surfaces"]:
         source = scene.origins.get("surfaces", "a script")
