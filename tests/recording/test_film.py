@@ -11,26 +11,27 @@ from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 
+FORCES = [FILM_JOINT.index(name) for name in ("normal", "tangential", "penetration")]
 
-def ran(scene: Scene, cycles: int) -> Run:
-    accuracy = scene.solver.for_cycle(scene.mechanism.period)
+
+def run_cycles(scene: Scene, cycles: int) -> Run:
+    engine = scene.solver.for_cycle(scene.mechanism.period)
     plan = Plan(scene.mechanism.period, cycles)
-    return accuracy.simulate(scene.linkage(), start_of(scene, 0), plan)
+    return engine.simulate(scene.linkage(), start_of(scene, 0), plan)
 
 
 @pytest.fixture(scope="module", params=["exudyn-tree", "dae"])
 def rattling(request: pytest.FixtureRequest) -> Run:
-    return ran(changed(scene_named("wear-times"), {"engine": request.param}), 1)
+    scene = changed(scene_named("wear-times"), {"engine": request.param})
+    return run_cycles(scene, 1)
 
 
 def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
     scene = scene_named("ideal")
-    run = ran(scene, 1)
-    film = run.recorder.film
-    exact = scene.ideal.at(film.time)
-    apart = np.abs(film.position - exact.position)
+    film = run_cycles(scene, 1).recorder.film
+    error = film.position - scene.ideal.at(film.time).position
     assert len(film.time) > 0.9 * FRAMES_PER_CYCLE
-    assert apart.max() < 2e-7
+    assert np.abs(error).max() < 2e-7
     assert film.joints.shape == (len(film.time), 0, len(FILM_JOINT))
 
 
@@ -39,32 +40,38 @@ def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
 ) -> None:
     recorder = rattling.recorder
     film = recorder.film
-    rows = recorder.rows
-    # One in each interval, so at least half of one apart on the average of two.
+    # A frame is the first state in its interval: two frames may be close to each other,
+    # three cannot.
     interval = film.time[-1] / FRAMES_PER_CYCLE
+    steps = np.diff(film.time)
     assert film.time[0] == 0.0
-    assert 0.0 < np.diff(film.time).min() < np.diff(film.time).max() < 3.0 * interval
+    assert 0.0 < steps.min() < steps.max() < 3.0 * interval
     assert (film.time[2:] - film.time[:-2]).min() > 0.9 * interval
-    common, ours, theirs = np.intersect1d(film.time, rows[:, 0], return_indices=True)
+    common, frames, rows = np.intersect1d(
+        film.time, recorder.series("time"), return_indices=True
+    )
     assert len(common) > 50
     for k in range(2):
-        columns = film.joints[:, k]
-        # Normal and tangential force and penetration are those of the series.
-        series = rows[theirs, 4 + 6 * k :][:, [3, 4, 2]]
-        assert np.array_equal(columns[ours][:, [0, 1, 4]], series)
-        assert columns[:, 5].max() == recorder.records.counters["peak_force"][k]
-        assert columns[:, 0].max() < columns[:, 5].max()  # frames alone miss it
-        assert (columns[:, 5] >= columns[:, 0]).all()
+        names = ("normal", "tangential", "penetration")
+        series = np.column_stack([recorder.series(name, k)[rows] for name in names])
+        joint = film.joints[:, k]
+        np.testing.assert_array_equal(joint[frames][:, FORCES], series)
+        normal = joint[:, FILM_JOINT.index("normal")]
+        peak = joint[:, FILM_JOINT.index("peak")]
+        assert peak.max() == recorder.records.counters["peak_force"][k]
+        assert normal.max() < peak.max()  # the peak lies between two frames
+        assert (peak >= normal).all()
 
 
-def test_a_film_ends_and_its_last_frame_goes_on(
+def test_a_full_film_stores_only_the_last_frame_anew(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
-    recorder = ran(changed(scene_named("wear-times"), {"engine": "dae"}), 2).recorder
-    period = scene_named("wear-times").mechanism.period
+    scene = changed(scene_named("wear-times"), {"engine": "dae"})
+    recorder = run_cycles(scene, 2).recorder
+    period = scene.mechanism.period
     assert len(recorder.film.time) == FRAMES_PER_CYCLE
-    # Steps are longer than an interval at times, so a film lasts a little longer.
+    # Some steps are longer than an interval, so that the film lasts a little longer.
     assert recorder.film.time[-1] < 1.3 * period
     last = Film.of(recorder.last_frames(60), 2)
     assert last.time == pytest.approx([2.0 * period], abs=0.01 * period)

@@ -20,8 +20,13 @@ from presswear.tools.numbers import (
     [
         (
             lasting,
-            {0.04: "0.04 s", 59.0: "59 s", 90.0: "1.5 minutes", 5400.0: "1.5 hours"}
-            | {1e6: "11.6 days"},
+            {
+                0.04: "0.04 s",
+                59.0: "59 s",
+                90.0: "1.5 minutes",
+                5400.0: "1.5 hours",
+                1e6: "11.6 days",
+            },
         ),
         (
             readable,
@@ -31,8 +36,10 @@ from presswear.tools.numbers import (
                 -0.9448: "−0.945",
                 999.9: "1\u202f000",
                 None: "–",
-            }
-            | {2.5e-9: "2.50·10⁻⁹", 12.34e6: "12.3·10⁶", float("nan"): "–"},
+                2.5e-9: "2.50·10⁻⁹",
+                12.34e6: "12.3·10⁶",
+                float("nan"): "–",
+            },
         ),
         (
             large,
