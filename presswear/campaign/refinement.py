@@ -31,7 +31,7 @@ EVERY = slice(None)
 # part of the clearance that a cycle of the first refinement takes off
 FIRST_CHANGE = 5e-3
 MIN_BLOCK = 2  # cycles in the shortest load block
-# blocks after which a limit that seems exceeded when new counts as exceeded
+# Blocks after which a life ends at 0 strokes, because new surfaces exceed a limit
 MIN_BLOCKS_FOR_REFUSAL = 16
 MAX_ORDER = 3  # of a polynomial through samples
 # Samples must reach beyond a crossing by this part of the cycles up to the crossing
@@ -117,21 +117,24 @@ class Refinement:
         for limit in limits:
             values = self.curve(limit.key, chosen)
             above = np.flatnonzero(values >= limit.value)
-            if above.size and above[0] == 0:
+            if not above.size:
+                continue
+            k = above[0]
+            if k == 0:
                 return 0.0
-            if above.size:
-                k = above[0]
-                part = (limit.value - values[k - 1]) / (values[k] - values[k - 1])
-                first = min(
-                    first, float(strokes[k - 1] + part * (strokes[k] - strokes[k - 1]))
-                )
+            fraction = (limit.value - values[k - 1]) / (values[k] - values[k - 1])
+            crossing = strokes[k - 1] + fraction * (strokes[k] - strokes[k - 1])
+            first = min(first, float(crossing))
         return first
 
     def _pseudo_values(self, value: Callable[[Chosen], Array | float]) -> Array:
         """Return the pseudo-values of the jackknife over the histories."""
         n = self.histories
-        left_out = np.array([value(np.delete(np.arange(n), k)) for k in range(n)])
-        return n * np.asarray(value(EVERY)) - (n - 1) * left_out
+        without_one = []
+        for k in range(n):
+            others = np.delete(np.arange(n), k)
+            without_one.append(value(others))
+        return n * np.asarray(value(EVERY)) - (n - 1) * np.array(without_one)
 
     def logarithms(self, limits: Sequence[Limit]) -> Array:
         """Return the pseudo-values of the logarithm of the strokes at the first crossing.
@@ -149,14 +152,15 @@ class Refinement:
     def sampling_error(self, limits: Sequence[Limit]) -> float:
         """Return the half width of the logarithm of the strokes; infinite if it is unknown."""
         values = self.logarithms(limits)
-        return half_width(values) or 0.0 if values.size else math.inf
+        if not values.size:
+            return math.inf
+        return half_width(values) or 0.0
 
     def cycles_until(self, strokes: float) -> float:
         """Return the cycles of each history after the first block, up to some strokes."""
-        ends = (
-            np.cumsum([block.cycles for block in self.blocks]) - self.blocks[0].cycles
-        )
-        return float(np.interp(strokes, self.strokes, ends))
+        cycles = np.cumsum([block.cycles for block in self.blocks])
+        cycles -= self.blocks[0].cycles
+        return float(np.interp(strokes, self.strokes, cycles))
 
     def band(self, key: str) -> tuple[Array, Array]:
         """Return a quantity at the ends of blocks and its half width, by the jackknife."""
@@ -183,6 +187,23 @@ class Refinement:
 Refinements = Sequence[Refinement]
 
 
+def _best_order(places: Array, rows: Array, weights: Array) -> int:
+    """Return the order of the polynomial that best predicts one history from the others.
+
+    ``places`` are the worn depths, shape (blocks,), ``rows`` the means of the blocks,
+    (blocks, histories), and ``weights`` the square roots of their cycles, (blocks, 1).
+    """
+    others = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
+    highest = max(min(MAX_ORDER, places.size // 2 - 1), 0)
+    errors = []
+    for order in range(highest + 1):
+        base = np.vander(places, order + 1) * weights
+        coefficients = np.linalg.lstsq(base, others * weights, rcond=None)[0]
+        difference = base @ coefficients - rows * weights
+        errors.append(float((difference**2).sum()))
+    return int(np.argmin(errors))
+
+
 def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     """Return a quantity of a stroke at the ends of the blocks, shape (blocks,).
 
@@ -200,15 +221,9 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     places = (worn[has_cycles] - to_middle) / scale
     rows = np.array([block.samples[key] for block in blocks if block.cycles])
     weights = np.sqrt(counts)[:, np.newaxis]
-    # The order is the one that best predicts one history from the others.
-    others = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
-    errors = []
-    for order in range(max(min(MAX_ORDER, places.size // 2 - 1), 0) + 1):
-        base = np.vander(places, order + 1) * weights
-        fit = base @ np.linalg.lstsq(base, others * weights, rcond=None)[0]
-        errors.append(float(((fit - rows * weights) ** 2).sum()))
-    # With order 0 a drift would be exactly zero.
-    order = max(int(np.argmin(errors)), int(key == "bdc_drift"))
+    order = _best_order(places, rows, weights)
+    if key == "bdc_drift":  # with order 0 a drift would be exactly zero
+        order = max(order, 1)
     order = min(order, places.size - 1)
     mean = rows[:, chosen].mean(axis=1)
     curve = np.polynomial.Polynomial.fit(

@@ -23,10 +23,23 @@ if TYPE_CHECKING:
 
 SHOWN_ROWS = 12
 COLUMN_GAP = 3  # characters between two columns
-LONG = 3600.0  # time of a sweep that needs --yes, s
-# completed rows after which the time is estimated: the first may compile
+MAX_TIME = 3600.0  # of a sweep without --yes, s
+# Completed rows after which the time is estimated; the first one may compile.
 MEASURED_ROWS = 2
 SETTINGS = ("engine", "cycles", "wear_updates")  # settings that have an option
+# Options that a sweep folder stores
+STORED_OPTIONS = (
+    "vary",
+    "sample",
+    "range",
+    "response",
+    "limit",
+    "replicates",
+    "seed",
+    "keep",
+    "set",
+    *SETTINGS,
+)
 
 
 def sweep(arguments: argparse.Namespace, console: Console) -> int:
@@ -75,11 +88,12 @@ def sweep(arguments: argparse.Namespace, console: Console) -> int:
 
 def _check_time(progress: "Progress") -> None:
     """Refuse a sweep whose remaining rows take long; completed rows are kept."""
-    left = progress.rows - progress.done
-    seconds = progress.seconds * left / progress.slots
-    if seconds > LONG:
+    remaining = progress.rows - progress.done
+    seconds = progress.seconds * remaining / progress.slots
+    if seconds > MAX_TIME:
+        runs = f"{remaining} runs of about {lasting(progress.seconds)}"
         raise InputError(
-            f"{left} runs of about {lasting(progress.seconds)}, {progress.slots} at a time, take "
+            f"{runs}, {progress.slots} at a time, take "
             f"about {lasting(seconds)}: continue with --resume --yes"
         )
 
@@ -110,25 +124,14 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
-    """Return the sweep of the options; without options that of the folder."""
+    """Return the sweep of the options; without options the sweep of the folder."""
     from presswear.sweeps.plan import Plan, SweepFile, read_sweep
     from presswear.sweeps.responses import request
     from presswear.sweeps.sweep import FILE, Sweep, load_sweep
 
-    fields = (
-        "vary",
-        "sample",
-        "range",
-        "response",
-        "limit",
-        "replicates",
-        "seed",
-        "keep",
-        "set",
-    )
-    names = (*fields, *SETTINGS)
-    is_bare = arguments.resume and not any(getattr(arguments, name) for name in names)
-    if is_bare and (arguments.out / FILE).exists():
+    has_options = any(getattr(arguments, name) for name in STORED_OPTIONS)
+    is_stored = arguments.resume and not has_options
+    if is_stored and (arguments.out / FILE).exists():
         sweep = load_sweep(arguments.out)
         if arguments.trust:
             sweep.plan.scene.trust()
@@ -138,7 +141,7 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
     else:
         scene = terminal.load_scene(arguments.scene)
         file = SweepFile()
-    if is_bare and file == SweepFile():
+    if is_stored and file == SweepFile():
         return load_sweep(arguments.out)  # its error names the missing file
     options = {name: getattr(arguments, name) for name in SETTINGS}
     settings = terminal.merge_options(terminal.parse_settings(arguments.set), options)
@@ -150,25 +153,24 @@ def _requested_sweep(arguments: argparse.Namespace) -> "Sweep":
         replicates=arguments.replicates or file.replicates,
         seed=file.seed if arguments.seed is None else arguments.seed,
     )
-    names_of_responses: list[str] = []
+    responses: list[str] = []
     for text in arguments.response or file.responses:
-        names_of_responses += text.split(",")
-    requested = request(plan.example, names_of_responses)
+        responses += text.split(",")
+    requested = request(plan.example, responses)
     folder = arguments.out or terminal.free_folder(f"{scene.name}-sweep")
     limits = tuple(arguments.limit or file.limits)
     return Sweep(plan, requested, folder, arguments.keep or file.keep, limits)
 
 
 def _print(console: Console, table: "Table") -> None:
-    """Print the first rows, with as many responses as the terminal is wide enough for."""
+    """Print the first rows, with as many columns as fit into the width of the terminal."""
     heads, *rows = table.texts(SHOWN_ROWS)
-    widths = (
-        COLUMN_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True)
-    )
+    columns = zip(heads, *rows, strict=True)
+    widths = [COLUMN_GAP + max(map(len, column)) for column in columns]
     fitting = sum(end <= console.width for end in accumulate(widths))
     count = max(fitting, len(table.parameters) + 1)
     shown = [f">{head}" for head in heads[:count]]
-    terminal.print_table(console, shown, [cells[:count] for cells in rows])
+    terminal.print_table(console, shown, [row[:count] for row in rows])
     if len(heads) > count:
         text = f"and {', '.join(heads[count:])}"
         terminal.print_lines(console, text)

@@ -43,10 +43,14 @@ class Choice:
     def combine(self, words: Iterable[str]) -> str:
         """Return several words as one value, in the order in which they are allowed."""
         chosen = set(words)
-        used = [word for word in self.words[:-1] if word in chosen]
-        joined = "".join(used)
-        is_plain = len(joined) == len(used) and joined not in self.words
-        return (joined if is_plain else ",".join(used)) or self.words[-1]
+        ordered = [word for word in self.words[:-1] if word in chosen]
+        if not ordered:
+            return str(self.words[-1])
+        joined = "".join(ordered)
+        are_letters = len(joined) == len(ordered)
+        if are_letters and joined not in self.words:
+            return joined
+        return ",".join(ordered)
 
     def split(self, value: str) -> tuple[str, ...]:
         """Return the words of a combined value."""
@@ -60,27 +64,20 @@ class Choice:
         """Return the allowed values in words."""
         if self.example:
             return (f"such as {self.example}",)
-        can_combine = self.several and len(self.words) > 2
-        several = (
-            [f"several together, as {self.combine(self.words)}"] if can_combine else []
-        )
-        return (
-            *self.words,
-            *several,
-            *(["FILE.py:FUNCTION"] if self.parameters else []),
-        )
+        values = [*self.words]
+        if self.several and len(self.words) > 2:
+            values.append(f"several together, as {self.combine(self.words)}")
+        if self.parameters:
+            values.append("FILE.py:FUNCTION")
+        return tuple(values)
 
     def shown(self, value: Any) -> Any:
         """Return the word by which a field value is set: a name, a kind, or the value itself."""
         if self.instances is not None:
-            return next(
-                (
-                    name
-                    for name, one in self.instances.items()
-                    if self._with_fields_that_stay(one, value) == value
-                ),
-                "custom",
-            )
+            for name, instance in self.instances.items():
+                if self._with_fields_that_stay(instance, value) == value:
+                    return name
+            return "custom"
         if self.kinds is not None:
             return NONE if value is None else getattr(value, "kind", ON)
         return value
@@ -99,22 +96,9 @@ class Choice:
     def convert(self, name: str, value: Any) -> Any:
         """Return the field value for a word, an instance or stored data; raise InputError."""
         if self.kinds is not None and value is not None:
-            if isinstance(value, tuple(self.kinds.values())):
-                return value
-            data = _by_name(value) if isinstance(value, Mapping) else {"kind": value}
-            if isinstance(value, str) and value == ON:
-                data |= self.needed
-            kind = data.pop("kind", ON if self.needed else None)
-            self.check(name, kind)
-            return None if kind == NONE else self.kinds[kind](**data)
+            return self._convert_part(self.kinds, name, value)
         if self.instances is not None:
-            class_ = type(next(iter(self.instances.values())))
-            if isinstance(value, class_):
-                return value
-            if isinstance(value, Mapping):
-                return class_(**_by_name(value))
-            self.check(name, value)
-            return self.instances[value]
+            return self._convert_instance(self.instances, name, value)
         is_function = callable(value) or isinstance(value, UserFunction | dict)
         if self.parameters and (is_function or ".py:" in str(value)):
             return UserFunction.read(name, value, self.parameters)
@@ -131,14 +115,37 @@ class Choice:
         values = {key: one for key, one in numbers.items() if key in names}
         return law.with_values(name, values, self.parameters)
 
+    def _convert_part(self, kinds: Mapping[str, Any], name: str, value: Any) -> Any:
+        """Return a part for the word of its kind, an instance or stored data."""
+        if isinstance(value, tuple(kinds.values())):
+            return value
+        data = _by_name(value) if isinstance(value, Mapping) else {"kind": value}
+        if isinstance(value, str) and value == ON:
+            data |= self.needed
+        kind = data.pop("kind", ON if self.needed else None)
+        self.check(name, kind)
+        return None if kind == NONE else kinds[kind](**data)
+
+    def _convert_instance(
+        self, instances: Mapping[str, Any], name: str, value: Any
+    ) -> Any:
+        """Return an instance for its name, an instance or stored data."""
+        class_ = type(next(iter(instances.values())))
+        if isinstance(value, class_):
+            return value
+        if isinstance(value, Mapping):
+            return class_(**_by_name(value))
+        self.check(name, value)
+        return instances[value]
+
     def check(self, name: str, value: Any) -> None:
-        """Raise InputError unless the value is one of the words, or a text where one is free."""
+        """Raise InputError unless the value is one of the words or a free text."""
         if isinstance(value, str):
+            if self.example or value in self.words:
+                return
             parts = self.split(value) if self.several else ()
-            is_combined = len(set(parts)) == len(parts) and set(parts) <= set(
-                self.words[:-1]
-            )
-            if self.example or value in self.words or (parts and is_combined):
+            are_distinct = len(set(parts)) == len(parts)
+            if parts and are_distinct and set(parts) <= set(self.words[:-1]):
                 return
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
