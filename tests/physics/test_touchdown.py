@@ -1,4 +1,4 @@
-"""Touchdowns between two states, steps that land behind them, contacts that are counted."""
+"""Touchdowns between two states, steps that end just after them, and steps of contacts."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -12,6 +12,7 @@ from two_bodies import JOINT, Pair, contacts_in
 
 from presswear.linkage.drives import Drive
 from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT
 from presswear.physics.force_peak import peak_within
@@ -35,15 +36,15 @@ from presswear.physics.touchdown import (
 from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 
-MASS = 0.1
-PARTS = 50.0
-FREE = 1e-4
-LEAST = 1e-9
+MASS = 0.1  # of the body with the pin, kg
+STEPS_PER_CONTACT = 50.0
+FREE_STEP = 1e-4  # s
+LEAST_STEP = 1e-9  # s
 
+# A pin at the mass centre: its bearing meets the whole mass of the body.
 LINE = replace(
     JOINT, bearing=Attachment(GROUND, 0.0, 0.0), pin=Attachment("pin", 0.0, 0.0)
 )
-"""A pin that meets its bearing with the whole mass of its body."""
 
 
 @given(
@@ -55,47 +56,52 @@ LINE = replace(
 def test_contact_step_divides_half_a_period_at_the_deepest_point(
     depth: float, speed: float, sign: float, exponent: float
 ) -> None:
-    """It depends on the energy alone; 1.5 % longer than a Hertz impact, exact for a spring."""
+    """The step depends on the energy alone.
+
+    It is exact for a spring, and 1.5 % longer than that of an impact by Hertz's law.
+    """
     stiffness = 1e10
-    energy = 0.5 * MASS * speed**2 + stiffness * depth ** (exponent + 1.0) / (
-        exponent + 1.0
-    )
-    deepest = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
+    n = exponent + 1.0
+    energy = 0.5 * MASS * speed**2 + stiffness * depth**n / n
+    deepest = (n * energy / stiffness) ** (1.0 / n)
     tangent = exponent * stiffness * deepest ** (exponent - 1.0)
+    half_period = math.pi * math.sqrt(MASS / tangent)
     law = replace(LINE.normal, stiffness=stiffness, exponent=exponent)
     joint = Pair(replace(LINE, normal=law), np.zeros(3), np.zeros(3)).packed.joints[0]
     assert joint["effective_mass"] == MASS
-    step = contact_step(joint, depth, sign * speed, PARTS)
-    assert step == pytest.approx(math.pi * math.sqrt(MASS / tangent) / PARTS, rel=1e-9)
+    step = contact_step(joint, depth, sign * speed, STEPS_PER_CONTACT)
+    assert step == pytest.approx(half_period / STEPS_PER_CONTACT, rel=1e-9)
 
 
-def test_the_mass_that_meets_is_that_of_the_parts_that_give_way() -> None:
-    """Those are free bodies, the positions of driven ones, and nothing of prescribed ones."""
-    pair = replace(
+def test_effective_mass_has_the_coordinates_that_are_free() -> None:
+    """A driven body cannot turn, and a prescribed body cannot move."""
+
+    def mobility(linkage: Linkage) -> float:
+        return float(1.0 / pack(linkage).joints[0]["effective_mass"])
+
+    free = replace(
         Pair(JOINT, np.zeros(6), np.zeros(6)).linkage,
         bodies=(Body("bearing", 0.2, 3e-3), Body("pin", 0.1, 1e-3)),
     )
-    bearing = 1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3
-    pin = 1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
-    assert pack(pair).joints[0]["effective_mass"] == pytest.approx(
-        1 / (bearing + pin), rel=1e-14
-    )
-    driven = replace(pair, drives=(Drive("bearing", 1.0),))
-    assert pack(driven).joints[0]["effective_mass"] == pytest.approx(
-        1 / (5.0 + pin), rel=1e-14
-    )
+    bearing_turns = (
+        0.17**2 + 0.03**2
+    ) / 3e-3  # distance squared over the inertia, 1/kg
+    pin = 1.0 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
+    assert mobility(free) == pytest.approx(1.0 / 0.2 + bearing_turns + pin, rel=1e-14)
+    driven = replace(free, drives=(Drive("bearing", 1.0),))
+    assert mobility(driven) == pytest.approx(1.0 / 0.2 + pin, rel=1e-14)
     pivot = Revolute(
         "pivot", Attachment(GROUND, 0.0, 0.0), Attachment("bearing", 0.0, 0.0)
     )
-    held = replace(driven, joints=(*driven.joints, pivot))
-    assert pack(held).joints[0]["effective_mass"] == pytest.approx(1 / pin, rel=1e-14)
+    prescribed = replace(driven, joints=(*driven.joints, pivot))
+    assert mobility(prescribed) == pytest.approx(pin, rel=1e-14)
 
 
 @dataclass
 class _Line:
-    """A pin on the x axis inside a bearing on the frame, pushed by a constant force."""
+    """A pin on the x axis inside a bearing on the frame, with a constant acceleration."""
 
-    push: float = 0.0
+    push: float = 0.0  # acceleration, m/s^2
     q: Array = field(default_factory=lambda: np.zeros(3))
     v: Array = field(default_factory=lambda: np.zeros(3))
 
@@ -108,16 +114,18 @@ class _Line:
         self.counters = np.zeros(1, COUNTERS)
         self.counters["fewest_steps"] = np.iinfo(np.int64).max
         self.steps = np.zeros(1, STEPS)
-        self.steps["free"] = FREE
-        self.steps["per_contact"] = PARTS
+        self.steps["free"] = FREE_STEP
+        self.steps["per_contact"] = STEPS_PER_CONTACT
         self.steps["sustained"] = 10.0
-        self.steps["least"] = LEAST
+        self.steps["least"] = LEAST_STEP
         self.stored = np.zeros((1, 20), STORED_CONTACT)
         self.contacts = np.zeros(1, CONTACT)
-        # A type of the package: the stored kernels of one of the tests could not be
-        # read elsewhere.
-        used = {"packed": self.packed, "contacts": self.contacts, "onset": self.onset}
-        used |= {
+        # A named tuple of the package, because stored kernels for a type that a test
+        # defines could not be read in other modules
+        used = {
+            "packed": self.packed,
+            "contacts": self.contacts,
+            "onset": self.onset,
             "memory": self.memory,
             "counters": self.counters,
             "stored_contacts": self.stored,
@@ -127,7 +135,7 @@ class _Line:
         self.settle()
 
     def start(self, x: float, speed: float) -> "_Line":
-        """From a place and a speed, as after an accepted step."""
+        """Set position and speed as after an accepted step."""
         self.q[0] = x
         self.v[0] = speed
         self.settle()
@@ -137,18 +145,17 @@ class _Line:
         self.contacts[:] = contacts_in(self.linkage, self.packed, self.q, self.v)
         settle(self.records, 0.0, LEAST_STEPS)
 
-    def wanted(self) -> float:
+    def next_step(self) -> float:
         """Next step from an open state."""
         return next_step(self.records, self.steps, np.array([self.push, 0.0, 0.0]))
 
-    def flown(self, h: float) -> tuple[float, float]:
-        """Place and speed a step later without contact."""
-        return self.q[0] + h * (self.v[0] + 0.5 * h * self.push), self.v[
-            0
-        ] + h * self.push
+    def free_flight(self, h: float) -> tuple[float, float]:
+        """Position and speed a step later without contact."""
+        x = self.q[0] + h * (self.v[0] + 0.5 * h * self.push)
+        return x, self.v[0] + h * self.push
 
-    def shorter(self, h: float, x: float, speed: float) -> float:
-        """Step with which a step that ended in a state has to be repeated; or -1."""
+    def shorter_step(self, h: float, x: float, speed: float) -> float:
+        """Step that replaces a trial step ``h`` that ended in a state, or -1."""
         q = np.array([x, 0.0, 0.0])
         v = np.array([speed, 0.0, 0.0])
         contacts = contacts_in(self.linkage, self.packed, q, v).view(CONTACT)
@@ -158,61 +165,63 @@ class _Line:
 @pytest.mark.parametrize("push", [-2000.0, 0.0, 2000.0])
 @pytest.mark.parametrize("speed", [0.5, 3.0])
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 2e-5])
-def test_step_lands_just_behind_a_touchdown(
+def test_step_ends_just_after_a_touchdown(
     gap: float, speed: float, push: float
 ) -> None:
     line = _Line(push).start(LINE.clearance - gap, speed)
-    h = line.wanted()
-    x, after = line.flown(h)
+    h = line.next_step()
+    x, end_speed = line.free_flight(h)
     closing = math.sqrt(speed**2 + 2.0 * push * gap)
-    part = contact_step(line.packed.joints[0], 0.0, closing, PARTS)
-    landed = (x - LINE.clearance) / closing
-    assert landed == pytest.approx(LANDING * part, rel=0.01)
-    assert line.shorter(h, x, after) == -1.0
+    in_contact = contact_step(line.packed.joints[0], 0.0, closing, STEPS_PER_CONTACT)
+    since_touchdown = (x - LINE.clearance) / closing
+    assert since_touchdown == pytest.approx(LANDING * in_contact, rel=0.01)
+    assert line.shorter_step(h, x, end_speed) == -1.0
 
 
-def test_a_step_past_a_touchdown_is_sent_back_to_it() -> None:
+def test_a_step_past_a_touchdown_is_repeated_up_to_it() -> None:
     speed = 1.0
     gap = 2e-5
     push = 500.0
     line = _Line(push).start(LINE.clearance - gap, speed)
     touchdown = (math.sqrt(speed**2 + 2.0 * push * gap) - speed) / push
-    shorter = line.shorter(FREE, *line.flown(FREE))
-    part = contact_step(line.packed.joints[0], 0.0, speed + push * touchdown, PARTS)
+    closing = speed + push * touchdown
+    shorter = line.shorter_step(FREE_STEP, *line.free_flight(FREE_STEP))
+    in_contact = contact_step(line.packed.joints[0], 0.0, closing, STEPS_PER_CONTACT)
     # Free flight is a parabola: the cubic is exact.
-    assert shorter == pytest.approx(touchdown + LANDING * part, rel=1e-9)
-    assert line.shorter(shorter, *line.flown(shorter)) == -1.0
+    assert shorter == pytest.approx(touchdown + LANDING * in_contact, rel=1e-9)
+    assert line.shorter_step(shorter, *line.free_flight(shorter)) == -1.0
 
 
-def test_a_step_over_a_whole_contact_is_sent_back_into_it() -> None:
-    push = -4e4
+def test_a_step_over_a_whole_contact_is_repeated_into_it() -> None:
+    deceleration = 4e4
     gap = 1e-5
-    # Rises to 1.25e-6 m beyond the bearing's surface and falls back within the step.
-    speed = math.sqrt(2.0 * -push * 1.125 * gap)
-    line = _Line(push).start(LINE.clearance - gap, speed)
-    h = 2.0 * speed / -push
-    x, after = line.flown(h)
+    # The pin goes 1.25e-6 m beyond the surface of the bearing and back within the step.
+    speed = math.sqrt(2.0 * deceleration * 1.125 * gap)
+    line = _Line(-deceleration).start(LINE.clearance - gap, speed)
+    h = 2.0 * speed / deceleration
+    x, end_speed = line.free_flight(h)
     assert x < LINE.clearance
-    shorter = line.shorter(h, x, after)
-    touchdown = (speed - math.sqrt(speed**2 - 2.0 * -push * gap)) / -push
+    shorter = line.shorter_step(h, x, end_speed)
+    closing = math.sqrt(speed**2 - 2.0 * deceleration * gap)
+    touchdown = (speed - closing) / deceleration
     assert touchdown < shorter < 1.1 * touchdown
-    assert line.flown(shorter)[0] > LINE.clearance
+    assert line.free_flight(shorter)[0] > LINE.clearance
 
 
 @pytest.mark.parametrize(
     ("push", "closing"), [(-1e4, 1e-2), (-1e4, 1e-4), (-100.0, 1e-6)]
 )
-def test_a_step_is_not_sent_back_to_the_same_place_again(
+def test_a_step_is_not_repeated_up_to_the_same_time_again(
     push: float, closing: float
 ) -> None:
-    """A graze may be over before the landing behind its touchdown."""
+    """A slow contact may end before the time after its touchdown at which the step ends."""
     gap = 1e-5
     speed = math.sqrt(closing**2 - 2.0 * push * gap)
     line = _Line(push).start(LINE.clearance - gap, speed)
     first = 1.5 * speed / -push
-    second = line.shorter(first, *line.flown(first))
+    second = line.shorter_step(first, *line.free_flight(first))
     assert 0.0 < second < first
-    third = line.shorter(second, *line.flown(second))
+    third = line.shorter_step(second, *line.free_flight(second))
     assert third < 0.0 or third < 0.9 * second
 
 
@@ -223,7 +232,7 @@ def test_a_step_is_not_sent_back_to_the_same_place_again(
         (1e-5, LEAST_STEPS - 1, False, False),
         (1e-5, LEAST_STEPS, False, True),
         (1e-5, 3, True, False),
-        (1.2 * LEAST, 3, False, True),  # hardly longer than the shortest step
+        (1.2 * LEAST_STEP, 3, False, True),  # hardly longer than the shortest step
     ],
 )
 def test_a_contact_that_ends_after_a_few_steps_is_divided(
@@ -234,7 +243,7 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
     line.memory["steps"] = steps
     line.memory["started_closed"] = started_closed
     line.memory["longest_step"] = math.inf
-    shorter = line.shorter(h, *line.flown(h))
+    shorter = line.shorter_step(h, *line.free_flight(h))
     if accepted:
         assert shorter == -1.0
     else:
@@ -247,14 +256,15 @@ def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
     line.packed.joints["always_closed"] = True
     line.steps["free"] = 1.0
     line.memory["penetration"] = 0.0
-    without_force = line.wanted()
+    without_force = line.next_step()
     line.memory["penetration"] = OILED_DEPTH * LINE.clearance
-    assert without_force == line.wanted() < 1e-3
+    assert line.next_step() == without_force
+    assert without_force < 1e-3
 
 
 @pytest.mark.parametrize("h", [1e-6, 1e-9, 1e-12])
-def test_round_off_of_the_place_makes_no_peak(h: float) -> None:
-    """The pin turns back within a step, far from the origin, where places are off by 1e-13 m."""
+def test_round_off_of_a_position_makes_no_peak(h: float) -> None:
+    """The pin turns back within a step; far from the origin a position is off by 1e-13 m."""
     joint = _Line().packed.joints[0]
     last = np.zeros(1, MEMORY)
     contact = np.zeros(1, CONTACT)

@@ -29,29 +29,30 @@ NAMES = {f"{k}": lambda: SCENE for k in range(4)}
 
 
 class Counting(runner.SerialExecutor):
-    """Executor that stores a made-up outcome, and may end the sweep after some rows."""
+    """Executor that stores a made-up outcome, and interrupts the sweep after ``limit`` rows."""
 
-    def __init__(self, most: int = 100) -> None:
+    def __init__(self, limit: int = 100) -> None:
         self.count = 0
-        self.most = most
+        self.limit = limit
 
     def submit(
         self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
     ) -> Future[Any]:
-        if self.count == self.most:
+        if self.count == self.limit:
             raise KeyboardInterrupt
         self.count += 1
+        values = {"bdc_error": Response(1.5, None, True)}
         future: Future[Any] = Future()
-        future.set_result(
-            runner.Outcome({"bdc_error": Response(1.5, None, True)}, "", 2.0)
-        )
+        future.set_result(runner.Outcome(values, "", 2.0))
         return future
 
 
 def rows_in(folder: Path) -> dict[str, int]:
-    return {
-        file.stem: file.stat().st_mtime_ns for file in (folder / "rows").glob("*.json")
-    }
+    """Times at which the rows of a folder were written, ns, by their names."""
+    times = {}
+    for file in (folder / "rows").glob("*.json"):
+        times[file.stem] = file.stat().st_mtime_ns
+    return times
 
 
 def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
@@ -126,22 +127,20 @@ def test_another_program_is_refused() -> None:
 )
 def test_modules_that_workers_share_exist() -> None:
     with runner.ProcessExecutor(1):
-        # A module that is missing is passed over in silence, and every worker imports
-        # its own.
-        assert all(
-            find_spec(name) for name in vars(forkserver._forkserver)["_preload_modules"]
-        )
+        # The server ignores a missing module without a message; every worker then
+        # imports the modules itself.
+        modules = vars(forkserver._forkserver)["_preload_modules"]
+        assert all(map(find_spec, modules))
 
 
-WORDS = (
-    "sweep slider-crank --engine dae --cycles 3 --set wear_updates=0 --set replicates=1"
+SWEEP = (
+    "sweep slider-crank --engine dae --cycles 3 --set wear_updates=0 --set replicates=1 "
+    "--vary clearance=0.1mm:0.5mm:8 --response bdc_error"
 )
-WORDS += " --vary clearance=0.1mm:0.5mm:8 --response bdc_error"
 
 
-def command_of(folder: Path, jobs: int) -> list[str]:
-    line = f"-m presswear {WORDS} --out {folder} --jobs {jobs}"
-    return [sys.executable, *line.split()]
+def command_line(words: str) -> list[str]:
+    return [sys.executable, "-m", "presswear", *words.split()]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -150,30 +149,25 @@ def test_a_killed_sweep_loses_only_the_running_rows(
     number: int, tmp_path: Path
 ) -> None:
     folder = tmp_path / "sweep"
-    command = command_of(folder, 2)
+    command = command_line(f"{SWEEP} --out {folder} --jobs 2")
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
-        until = time.monotonic() + 120.0
+        deadline = time.monotonic() + 120.0
         while not any(file.stat().st_size for file in folder.glob("rows/*.json")):
             assert process.poll() is None
-            assert time.monotonic() < until
+            assert time.monotonic() < deadline
             time.sleep(0.02)
         os.kill(process.pid, number)
         process.wait(30.0)
         errors = process.stderr.read().decode()
-    assert (
-        number == signal.SIGKILL
-        or "all finished runs are stored; continue with" in errors
-    )
-    stored = {
-        name: when
-        for name, when in rows_in(folder).items()
-        if runner.read_row(folder, name)
-    }
+    if number != signal.SIGKILL:
+        assert "all finished runs are stored; continue with" in errors
+    times = rows_in(folder)
+    stored = {name: times[name] for name in times if runner.read_row(folder, name)}
     assert stored
-    command = [*command[:5], "--resume", "--out", str(folder), "--jobs", "1"]
-    assert subprocess.run(command, stdout=subprocess.DEVNULL).returncode == 0
+    resume = command_line(f"sweep slider-crank --resume --out {folder} --jobs 1")
+    assert subprocess.run(resume, stdout=subprocess.DEVNULL).returncode == 0
     assert stored.items() <= rows_in(folder).items()
     assert np.isfinite(load_sweep(folder).table.values).all()
     assert json.loads((folder / "sweep.json").read_text())["schema"] == 2
@@ -181,8 +175,8 @@ def test_a_killed_sweep_loses_only_the_running_rows(
 
 def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
-    command = command_of(folder, 1)
-    parts = [subprocess.Popen([*command, "--shard", f"{k}/2"]) for k in (1, 2)]
+    line = f"{SWEEP} --out {folder} --jobs 1 --shard"
+    parts = [subprocess.Popen(command_line(f"{line} {k}/2")) for k in (1, 2)]
     assert [part.wait() for part in parts] == [0, 0]
     assert np.isfinite(load_sweep(folder).table.values).all()
 
@@ -207,11 +201,11 @@ print(again.table.errors)
 
 
 def test_functions_of_a_notebook_are_responses(tmp_path: Path) -> None:
-    """They are in a main module that workers cannot import; so they run in the parent."""
-    line = [sys.executable, "-c", NOTEBOOK, f"{tmp_path}"]
-    ended = subprocess.run(
-        line, capture_output=True, text=True, timeout=600, check=False
+    """They run in the parent, because workers cannot import the main module of a notebook."""
+    command = [sys.executable, "-c", NOTEBOOK, f"{tmp_path}"]
+    program = subprocess.run(
+        command, capture_output=True, text=True, timeout=600, check=False
     )
-    assert ended.returncode == 0, ended.stderr
-    assert ended.stdout.count("KeyError: 'no such number'") == 2
+    assert program.returncode == 0, program.stderr
+    assert program.stdout.count("KeyError: 'no such number'") == 2
     assert not list((tmp_path / "good" / "runs").iterdir())  # keep = responses
