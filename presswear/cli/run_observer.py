@@ -60,28 +60,28 @@ class RunObserver(Observer):
         check_stopped()
         text = step_text(self._scene, progress.stage, progress.word)
         if self._compile_start is not None:
-            took = clock.perf_counter() - self._compile_start
-            self._compiled += took
+            duration = clock.perf_counter() - self._compile_start
+            self._compiled += duration
             # The time of a stage does not include the wear update after it.
             if not text.startswith("applying"):
-                self._compile_time += took
+                self._compile_time += duration
             self._compile_start = None
-        done = progress.whole
         share = progress.estimate or progress.whole
         if self._start is None:
             self._start = share
             self._compiled = clock.perf_counter() - self._printed
         fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
-        self._bar.update(self._task, description=text, completed=done, **fields)
+        self._bar.update(
+            self._task, description=text, completed=progress.whole, **fields
+        )
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
             self._printed = clock.perf_counter()
-            left = terminal.time_left(self._bar.tasks[self._task])
-            terminal.print_lines(
-                self._bar.console, f"{text}, {100.0 * done:.0f} % {left}".rstrip()
-            )
+            remaining = terminal.time_left(self._bar.tasks[self._task])
+            line = f"{text}, {100.0 * progress.whole:.0f} % {remaining}".rstrip()
+            terminal.print_lines(self._bar.console, line)
 
     def on_life_start(self, cycles: float, seconds: float) -> None:
-        """Print what a life will take; ask a user at a terminal before a long one."""
+        """Print the expected time of a life; ask a user at a terminal before a long one."""
         terminal.print_lines(self._bar.console, f"the life {needed(cycles, seconds)}")
         started = clock.perf_counter()
         if not self._is_confirmed:
@@ -104,27 +104,30 @@ class RunObserver(Observer):
         lines = [f"{stage.name}: {cycles}, {speed:.2f} s per simulated second"]
         joints = stage.statistics.joints.items()
         forces = {name: joint.peak_force_per_cycle for name, joint in joints}
-        guides = self._scene.loose_guides
-        corners = {f"{guide.name} {corner}" for guide in guides for corner in CORNERS}
-        per_million = 1e6 / stage.cycles_per_update
-        volumes = {
-            name: joint.wear_volume.scaled(per_million)
-            for name, joint in joints
-            if name not in corners and not joint.is_unworn
-        }
-        for guide, walls in stage.statistics.walls.items():
-            for side, wall in walls.items():
-                rate = wall.volume_per_cycle.scaled(1e6)
-                volumes[f"{side} wall of {guide}"] = rate
         lines += _largest("mean peak force", "N", forces)
         settling = stage.statistics.settling
         if settling is not None:
             lines.append(f"  motion: {state_of(settling)}")
         remark = self._scene.bin_remark
+        volumes = self._worn_volumes(stage)
         for line in _largest("wear per 10⁶ strokes", "m^3", volumes):
             lines.append(f"{line} ({remark})" if remark else line)
         terminal.print_lines(self._bar.console, *lines)
         self._compile_time = 0.0
+
+    def _worn_volumes(self, stage: "StageResult") -> dict[str, Estimate]:
+        """Return the worn volumes of pin joints and walls in a million strokes, m^3."""
+        corners = []
+        for guide in self._scene.loose_guides:
+            corners += [f"{guide.name} {corner}" for corner in CORNERS]
+        volumes = {}
+        for name, joint in stage.statistics.joints.items():
+            if name not in corners and not joint.is_unworn:
+                volumes[name] = joint.wear_volume.scaled(1e6 / stage.cycles_per_update)
+        for name, walls in stage.statistics.walls.items():
+            for side, wall in walls.items():
+                volumes[f"{side} wall of {name}"] = wall.volume_per_cycle.scaled(1e6)
+        return volumes
 
 
 @contextmanager
@@ -164,19 +167,20 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
         return []
     factor, display = unit_scale(unit, values[names[0]].mean)
     texts = [f"{name} {values[name].scaled(factor)}" for name in names[:SHOWN_JOINTS]]
-    more = f", {len(names) - SHOWN_JOINTS} more" if len(names) > SHOWN_JOINTS else ""
-    return [f"  {words}, {display}: {', '.join(texts)}{more}"]
+    if len(names) > SHOWN_JOINTS:
+        texts.append(f"{len(names) - SHOWN_JOINTS} more")
+    return [f"  {words}, {display}: {', '.join(texts)}"]
 
 
 def needed(cycles: float, seconds: float) -> str:
-    """Return what a life will still take, in words."""
+    """Return the remaining cycles and time of a life in words."""
     count = large(cycles, digits=2)
     chance = "half to three times as much by chance"
     return f"needs about {count} cycles of all replicates, {lasting(seconds)} more ({chance})"
 
 
 def least_needed(cycles: float) -> str:
-    """Return what a life takes at least, in words, before anything has run."""
+    """Return the least number of cycles of a life in words, before anything has run."""
     count = large(cycles, digits=1)
     text = f"needs at least about {count} cycles of all replicates"
     return f"{text}; after its first strokes follow a closer number and the time"

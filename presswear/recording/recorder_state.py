@@ -69,7 +69,7 @@ GUIDE = np.dtype(
         ("point", np.float64),  # m
     ]
 )
-# An elastic pin, the distance of whose centres is recorded
+# An elastic pin. The distance of the centres of pin and bearing is recorded.
 PIN = np.dtype(
     [
         ("first", np.int64),  # of the x of the body of its bearing in q; -1: ground
@@ -107,9 +107,8 @@ class RecorderState(NamedTuple):
     slidings: Array  # sliding speed in the last accepted state, m/s, of each joint
     film_losses: Array  # power in the last accepted state, W, of each joint
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
-    shares: (
-        Array  # working space of ``deposit_over_arc`` and ``deposit_by_law``, (4, m)
-    )
+    # working space of ``deposit_over_arc`` and ``deposit_by_law``, (4, m)
+    shares: Array
     torque: Array  # of the drives in the present state, N m
     drives: Records  # of DRIVE
     # Energies in the order of ENERGIES, J, and their rates in the last state, W; only
@@ -120,6 +119,7 @@ class RecorderState(NamedTuple):
     pins: Records  # of PIN, elastic
     # of the guides, then of the pins, in the rows of the series, m
     stretches: Array
-    angle_indices: NDArray[np.int64]  # of the drives in q, with a motor
-    # their angles, rad, and speeds, rad/s, in the rows of the series, (rows, 2, drives)
+    angle_indices: NDArray[np.int64]  # in q, of the drives with a motor
+    # angles, rad, and speeds, rad/s, of these drives in the rows of the series, (rows, 2,
+    # drives)
     turns: Array

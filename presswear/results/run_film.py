@@ -53,11 +53,15 @@ def _last_cycle(scene: Scene, time: Array) -> NDArray[np.int64]:
 def _film(
     scene: Scene, stage: StageResult, name: str, rows: NDArray[np.int64]
 ) -> JointFilm:
-    """Return the film of a joint; an event stores two rows at one instant."""
-    joint, bearing = stage.joints[name], scene.bearing(name)
-    rows = rows[np.append(True, np.diff(stage.time[rows]) > 0.0)]
+    """Return the film of a joint in some rows of the series."""
+    joint = stage.joints[name]
+    bearing = scene.bearing(name)
+    # An event stores two rows at one instant, of which the first is used.
+    is_later = np.diff(stage.time[rows]) > 0.0
+    rows = rows[np.append(True, is_later)]
     time = stage.time[rows]
-    place = joint.eccentricity[rows] @ np.array([1.0, 1.0j]) / bearing.clearance
+    x, y = joint.eccentricity[rows].T
+    place = (x + 1j * y) / bearing.clearance
     loss = joint.statistics.means["film_loss"].mean
     return JointFilm(
         360.0 * (time - time[0]) / scene.mechanism.period,
@@ -72,11 +76,13 @@ def _film(
 def film_sentences(scene: Scene, stage: StageResult) -> list[str]:
     """Return a paragraph for each joint whose film acts in the run."""
     phase = scene.mechanism.linkage().phase
-    return [
-        f"Joint {name}: the oil film acts in the run. "
-        f"{film_text(film, scene.bearing(name), phase)} {_verdict(film)} {ASSUMES}."
-        for name, film in run_films(scene, stage).items()
-    ]
+    paragraphs = []
+    for name, film in run_films(scene, stage).items():
+        text = film_text(film, scene.bearing(name), phase)
+        paragraphs.append(
+            f"Joint {name}: the oil film acts in the run. {text} {_verdict(film)} {ASSUMES}."
+        )
+    return paragraphs
 
 
 def _verdict(film: JointFilm) -> str:

@@ -22,10 +22,10 @@ def check_life(
     wear_updates: int,
     replicates: int | None,
 ) -> None:
-    """Raise InputError if a life cannot be computed for these joints that wear.
+    """Raise InputError if a life cannot be computed for the joints that wear.
 
-    They are the bearings of pins, and guides, with the greatest wear depth of walls that
-    the model holds for, m.
+    ``pins`` are the bearings of these pin joints, and ``walls`` the greatest wear depth,
+    m, for which the model of a guide is valid.
     """
     if not (pins or walls):
         raise InputError("life: no joint that wears has clearance")
@@ -82,11 +82,11 @@ def _check_reach(
 ) -> None:
     """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
     greatest = [_greatest_value(limit, pins, walls, contact) for limit in limits]
-    values = [limit.value for limit in limits]
-    if not limits or any(
-        value < most for value, most in zip(values, greatest, strict=True)
-    ):
+    if not limits:
         return
+    for limit, value in zip(limits, greatest, strict=True):
+        if limit.value < value:
+            return
     first = limits[0]
     words = elements.DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
     if first.joint in pins:

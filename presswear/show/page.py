@@ -119,25 +119,35 @@ def column_table(
     ``corner`` is the title of the column of labels; ``groups`` are rows by heading.
     Rows without a value in any record are left out.
     """
-    filled = dict[str, list[Line]]()
-    meanings = dict[str, str]()
+    filled: list[tuple[str, tuple[Line, ...]]] = []
+    meanings: dict[str, str] = {}
     for heading, rows in groups.items():
+        lines = []
         for row in rows:
-            values = [value_at(record, row.path) for record in records]
-            largest = 0.0
-            for value in values:
-                number = value.mean if isinstance(value, Estimate) else value
-                if isinstance(number, float):
-                    largest = max(largest, abs(number))
-            # A row of an SI unit is in the unit in which its largest value reads well.
-            shown = replace(row, unit=unit_scale(row.unit, largest or 1.0)[1])
-            cells = [shown.text(record) for record in records]
-            if set(cells) - {NOTHING}:
-                filled.setdefault(heading, []).append((shown.head, *cells))
-                if row.meaning:
-                    meanings[shown.head] = row.meaning
-    lines = tuple((heading, tuple(rows)) for heading, rows in filled.items())
-    return Table((corner, *names), lines, numeric, meanings) if filled else None
+            displayed = _with_readable_unit(row, records)
+            cells = [displayed.text(record) for record in records]
+            if set(cells) <= {NOTHING}:
+                continue
+            lines.append((displayed.head, *cells))
+            if row.meaning:
+                meanings[displayed.head] = row.meaning
+        if lines:
+            filled.append((heading, tuple(lines)))
+    if not filled:
+        return None
+    return Table((corner, *names), tuple(filled), numeric, meanings)
+
+
+def _with_readable_unit(row: Row, records: Sequence[Any]) -> Row:
+    """Return a row with the unit in which its largest value has a readable number."""
+    largest = 0.0
+    for record in records:
+        value = value_at(record, row.path)
+        number = value.mean if isinstance(value, Estimate) else value
+        if isinstance(number, float):
+            largest = max(largest, abs(number))
+    _, unit = unit_scale(row.unit, largest or 1.0)
+    return replace(row, unit=unit)
 
 
 def plain_table(
@@ -189,21 +199,23 @@ def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]
     try:
         # An image is compressed and written while the next one is drawn.
         with ThreadPoolExecutor(1) as writer:
-            written = [
-                writer.submit(illustration, each, rendered(each), svg_of(each))
-                for each in drawings
-            ]
-        return [future.result() for future in written]
+            futures = []
+            for drawing in drawings:
+                image = rendered(drawing)
+                svg = svg_of(drawing)
+                futures.append(writer.submit(illustration, drawing, image, svg))
+        return [future.result() for future in futures]
     finally:
         gc.enable()
 
 
 def drawn_inline(drawings: Iterable[Drawing]) -> list[Illustration]:
     """Draw figures for a page without files."""
-    return [
-        Illustration(each.file, each.title, each.caption, svg_of(each))
-        for each in drawings
-    ]
+    figures = []
+    for drawing in drawings:
+        svg = svg_of(drawing)
+        figures.append(Illustration(drawing.file, drawing.title, drawing.caption, svg))
+    return figures
 
 
 def _svg_of_image(image: Image, data: bytes) -> str:
@@ -251,7 +263,7 @@ class FirstScreen:
     """Top of a page: the status, limits, key numbers beside a picture, and the warnings."""
 
     status: str = ""
-    style: str = "completed"
+    style: str = "completed"  # class of the status in the style sheet
     key_numbers: Sequence[KeyNumber] = ()
     warnings: Sequence[str] = ()
     picture: Illustration | None = None

@@ -141,7 +141,8 @@ def spring_period(linkage: Linkage) -> float:
             ratio = inertia / drive.motor.stiffness
             shortest = min(shortest, 2.0 * math.pi * math.sqrt(ratio))
     springs = [(spring.ends, spring.stiffness) for spring in _springs_along(linkage)]
-    springs += [(ends_of(one), one.stiffness or 0.0) for one in linkage.elastic_joints]
+    for joint in linkage.elastic_joints:
+        springs.append((ends_of(joint), joint.stiffness or 0.0))
     for ends, stiffness in springs:
         if stiffness > 0.0:
             mass = effective_mass(linkage, ends)
