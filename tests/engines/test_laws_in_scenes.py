@@ -1,4 +1,4 @@
-"""Contact and friction laws by name and of one's own in a whole mechanism, in every engine."""
+"""Contact and friction laws by name, and user laws, in whole mechanisms in every engine."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ from presswear.tools.user_function import UserFunction
 from presswear.validation.cases import contacts_of
 
 BASE = replace(pw.scenes.wear_times(friction=0.1), wear_updates=0)
-OWN = """
+USER_LAWS = """
 import math
 
 def rub(sliding, normal, coefficient):
@@ -58,41 +58,41 @@ SETTINGS = [
 
 
 def with_laws(settings: dict[str, object], folder: Path) -> Scene:
-    """The base scene with laws; those that are no names stand in a file of one's own."""
+    """Return the base scene with laws; the names of user laws are replaced by file and name."""
     file = folder / "laws.py"
-    file.write_text(OWN)
-    own = {
-        key: f"{file}:{value}" if f"def {value}(" in OWN else value
-        for key, value in settings.items()
-    }
-    return changed(BASE, own)
+    file.write_text(USER_LAWS)
+    changes = {}
+    for key, value in settings.items():
+        is_user_law = f"def {value}(" in USER_LAWS
+        changes[key] = f"{file}:{value}" if is_user_law else value
+    return changed(BASE, changes)
 
 
 def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
     run = run_scene(scene, engine, duration)
-    # Where a contact ends with a jump of the force, the sums of Exudyn's steps feel it.
+    # Sums over Exudyn's steps have an error at a jump of the force at a separation.
     assert residual(run) < (1e-7 if isinstance(engine, InHouse) else 3e-7)
     return run
 
 
 @pytest.mark.parametrize(
-    "settings", SETTINGS, ids=lambda own: ",".join(map(str, own.values()))
+    "settings", SETTINGS, ids=lambda laws: ",".join(map(str, laws.values()))
 )
 def test_engines_agree_and_keep_the_energy(
     settings: dict[str, object], tmp_path: Path
 ) -> None:
-    """Over the first touches of the press; the law makes a difference by then."""
+    """During the first contacts of the press, whose motion differs from that of the base scene."""
     scene = with_laws(settings, tmp_path)
     scene.check_user_laws()
-    # Quadratures of energies are not under the control of the error: they need it
-    # finer.
-    engines = InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-12)
-    one, other = (run_for(scene, engine, 0.03) for engine in engines)
-    assert sum(contacts_of(one, k)["touchdown"].size for k in range(2)) >= 4
-    assert np.abs(one.end.position - other.end.position).max() < 1e-8
-    plain = run_for(BASE, engines[0], 0.03)
+    # The tolerance is small, because step control does not include energy integrals.
+    in_house = InHouse(integration_tolerance=1e-12)
+    run = run_for(scene, in_house, 0.03)
+    tree = run_for(scene, ExudynTree(tree_tolerance=1e-12), 0.03)
+    assert sum(contacts_of(run, k)["touchdown"].size for k in range(2)) >= 4
+    assert np.abs(run.end.position - tree.end.position).max() < 1e-8
+    base = run_for(BASE, in_house, 0.03)
     if scene.bearings != BASE.bearings or scene.conventions != BASE.conventions:
-        assert np.abs(one.end.position - plain.end.position).max() > 1e-8
+        assert np.abs(run.end.position - base.end.position).max() > 1e-8
 
 
 @pytest.mark.parametrize("seed", range(1, 5))
@@ -107,9 +107,9 @@ def test_a_force_that_jumps_acts_from_the_touchdown_on(seed: int) -> None:
 
 
 def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
-    """Ten touchdowns of a four-bar with soft bristles, which bend during all of a contact.
+    """Ten touchdowns of a four-bar with soft bristles, which bend throughout a contact.
 
-    Bristles that bent before the touchdown too gave a friction loss off by 4e-3 at any
+    If bristles bend before the touchdown, too, the friction loss is off by 4e-3 at any
     step.
     """
     scene = changed(
@@ -138,8 +138,8 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
     assert touchdowns >= 10
     errors = []
     for steps in (200, 800):
-        loss, found = outcome(ExudynJoints(steps_per_contact=steps))
-        assert found == touchdowns
+        loss, count = outcome(ExudynJoints(steps_per_contact=steps))
+        assert count == touchdowns
         errors.append(abs(loss / reference - 1.0))
     assert errors[0] < 4e-5
     assert errors[1] < 4e-6
@@ -147,7 +147,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "law", "words"),
+    ("key", "law", "message"),
     [
         ("normal_law", "pull", "makes energy"),
         ("normal_law", "words", "must be a number"),
@@ -156,13 +156,14 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
         ("normal_law", "lists", r"A\.normal_law: lists cannot be compiled"),
     ],
 )
-def test_laws_that_make_energy_are_refused(
-    key: str, law: str, words: str, tmp_path: Path
+def test_wrong_laws_are_refused(
+    key: str, law: str, message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match=words) as told:
+    """Laws that create energy or jump, whose result is no number, or that do not compile."""
+    with pytest.raises(InputError, match=message) as refusal:
         pw.run(with_laws({key: law}, tmp_path), tmp_path / "out")
-    assert law in str(told.value)
-    assert "\n" not in str(told.value)
+    assert law in str(refusal.value)
+    assert "\n" not in str(refusal.value)
     assert not (tmp_path / "out").exists()
 
 
@@ -170,15 +171,12 @@ def mine(penetration: float, rate: float, onset_speed: float) -> float:
     return 1.25e10 * penetration**1.5 * (1.0 + 0.1 * rate / onset_speed)
 
 
-def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(
-    tmp_path: Path,
-) -> None:
-    """From Python; reopened without it; another law is refused by name."""
+def test_a_result_stores_its_function_and_refuses_another_law(tmp_path: Path) -> None:
     scene = replace(BASE, bearings=pw.Bearing(normal_law=mine), cycles=1)
     result = pw.run(scene, tmp_path / "out", engine="dae")
-    again = pw.load(tmp_path / "out")
-    assert again.scene == result.scene
-    law = again.scene.bearings.normal_law
+    loaded = pw.load(tmp_path / "out")
+    assert loaded.scene == result.scene
+    law = loaded.scene.bearings.normal_law
     assert isinstance(law, UserFunction)
     assert "def mine" in law.source
     other = replace(BASE, bearings=pw.Bearing(normal_law="flores"), cycles=1)
@@ -190,7 +188,7 @@ def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(
 def test_a_law_without_a_number_ends_the_run(
     engine: InHouse | ExudynTree, tmp_path: Path
 ) -> None:
-    """Beyond the places at which it is asked before; nothing passes through its bearing."""
+    """The law is not a number at penetrations beyond those that are checked before the run."""
     law = "1e7 * penetration if penetration < 9e-6 else math.nan"
     text = f"def late(penetration):\n    return {law}\n"
     (tmp_path / "late.py").write_text(text)
@@ -203,18 +201,16 @@ def test_a_law_without_a_number_ends_the_run(
     assert run.status == "failed"
 
 
-def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
-    """A record whose force is greater where it opens: the ledger counts it, not as a loss."""
+def test_energy_that_a_user_law_creates_is_in_the_ledger() -> None:
+    """The force of the law is greater while the pin leaves than while it approaches."""
     linkage = BASE.linkage()
-    source = "def rise(penetration, rate, onset_speed):\n    return 1e10 * penetration ** 1.5 "
-    source += "* (1.0 - 0.2 * rate / onset_speed)\n"
+    force = "1e10 * penetration ** 1.5 * (1.0 - 0.2 * rate / onset_speed)"
+    source = f"def rise(penetration, rate, onset_speed):\n    return {force}\n"
     law = NormalLaw(1e10, user_law=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
-    run = InHouse().simulate(
-        replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1)
-    )
-    lost, made = (
-        float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J")
-    )
-    assert lost < 0.0
-    assert made == pytest.approx(-lost, rel=1e-9)
+    linkage = replace(linkage, clearances=joints)
+    run = InHouse().simulate(linkage, start_of(BASE), Plan(0.03, 1))
+    loss = float(run.diagnostics["contact_loss_J"])
+    created = float(run.diagnostics["contact_made_J"])
+    assert loss < 0.0
+    assert created == pytest.approx(-loss, rel=1e-9)

@@ -1,4 +1,4 @@
-"""Assembly and ideal motion: closed forms, and what must be refused."""
+"""Assembly and ideal motion: closed forms, and linkages that are refused."""
 
 import math
 
@@ -20,11 +20,21 @@ from presswear.physics.curve_following import motion_of
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.tools.errors import AssemblyError
 
-PERIOD = 2.0 * math.pi / 30.0
+SPEED = 30.0  # of the crank, rad/s
+START = 0.3  # angle of the crank, rad
+PERIOD = 2.0 * math.pi / SPEED
+# Lengths of the four-bar, m
+CRANK = 0.05
+COUPLER = 0.20
+ROCKER = 0.12
+BASE = 0.18
 
 
 def four_bar(
-    crank: float = 0.05, coupler: float = 0.20, rocker: float = 0.12, base: float = 0.18
+    crank: float = CRANK,
+    coupler: float = COUPLER,
+    rocker: float = ROCKER,
+    base: float = BASE,
 ) -> Linkage:
     return assemble(
         bodies=[
@@ -38,21 +48,21 @@ def four_bar(
             Pin("B", "coupler.head", "rocker.head"),
             Pin("P", (base, 0.0), "rocker.tail"),
         ],
-        drives=[Drive("crank", 30.0, 0.3)],
+        drives=[Drive("crank", SPEED, START)],
         guess={"coupler": 0.6, "rocker": 1.4},
         output=OutputPoint("rocker", 0.0),
     )
 
 
-def agree(result: Motion, exact: Motion, speed: float) -> None:
-    """To 1e-12 m and rad, and accelerations to 1e-10 of their greatest."""
+def assert_equal_motions(result: Motion, exact: Motion, speed: float) -> None:
+    """Compare two motions of a mechanism with a crank speed, rad/s."""
+    largest = np.abs(exact.acceleration).max()
     np.testing.assert_allclose(result.position, exact.position, atol=1e-12)
     np.testing.assert_allclose(
         result.velocity / speed, exact.velocity / speed, atol=1e-11
     )
-    most = np.abs(exact.acceleration).max()
     np.testing.assert_allclose(
-        result.acceleration, exact.acceleration, atol=1e-10 * most
+        result.acceleration, exact.acceleration, atol=1e-10 * largest
     )
 
 
@@ -65,72 +75,64 @@ def test_the_press_moves_as_in_closed_form(
     name: str, speed: float, cycles: list[float]
 ) -> None:
     press = Press(geometry=GEOMETRIES[name], speed=speed)
-    time = press.period * np.array(cycles)
-    exact = press_motion(press, np.append(0.0, time))
-    result = motion_of(press).at(np.append(0.0, time))
-    # The closed form makes angles continuous from one instant to the next, whatever
-    # lies between.
+    time = press.period * np.append(0.0, cycles)
+    exact = press_motion(press, time)
+    result = motion_of(press).at(time)
+    # The closed form has the nearest angle to that of the instant before, which may be
+    # several turns off.
     turns = np.round((exact.position - result.position)[:, 2::3] / (2.0 * math.pi))
     exact.position[:, 2::3] -= 2.0 * math.pi * turns
-    agree(result, exact, speed)
+    assert_equal_motions(result, exact, speed)
 
 
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
 def test_the_slider_crank_moves_as_in_closed_form(
     crank: float, ratio: float, speed: float
 ) -> None:
-    mechanism = SliderCrank(
-        crank, min(ratio * crank, 10.0), slide_angle=0.0, speed=speed
-    )
+    rod = min(ratio * crank, 10.0)
+    mechanism = SliderCrank(crank, rod, slide_angle=0.0, speed=speed)
     time = np.linspace(0.0, 2.0 * mechanism.period, 97)
-    agree(motion_of(mechanism).at(time), slider_crank_motion(mechanism, time), speed)
+    exact = slider_crank_motion(mechanism, time)
+    assert_equal_motions(motion_of(mechanism).at(time), exact, speed)
 
 
 def test_the_four_bar_moves_as_in_the_textbook() -> None:
-    """Freudenstein's equation for the rocker, and the coupler between their ends."""
+    """Freudenstein's equation for the rocker, and the coupler between crank and rocker.
+
+    K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), with angles from the base.
+    """
     time = np.linspace(0.0, PERIOD, 361)
-    crank = 0.3 + 30.0 * time
+    crank = START + SPEED * time
     _, coupler, rocker = ideal_motion(four_bar(), PERIOD).at(time).position[:, 2::3].T
-    a = 0.05
-    b = 0.20
-    c = 0.12
-    d = 0.18
-    k1 = d / a
-    k2 = d / c
-    k3 = (a * a - b * b + c * c + d * d) / (2.0 * a * c)
-    # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's
-    # line.
+    k1 = BASE / CRANK
+    k2 = BASE / ROCKER
+    k3 = (CRANK**2 - COUPLER**2 + ROCKER**2 + BASE**2) / (2.0 * CRANK * ROCKER)
     left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
     np.testing.assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
-    tip = a * np.exp(1j * crank) + b * np.exp(1j * coupler)
-    np.testing.assert_allclose(tip, d + c * np.exp(1j * rocker), atol=1e-13)
+    tip = CRANK * np.exp(1j * crank) + COUPLER * np.exp(1j * coupler)
+    np.testing.assert_allclose(tip, BASE + ROCKER * np.exp(1j * rocker), atol=1e-13)
 
 
 def test_rows_are_those_of_the_engines() -> None:
     """Phi, its derivatives and its Jacobian, far from any assembled position."""
     generator = np.random.default_rng(2)
-    for linkage in (
-        Press().linkage(),
-        SliderCrank(slide_angle=0.0).linkage(),
-        four_bar(),
-    ):
+    slider_crank = SliderCrank(slide_angle=0.0).linkage()
+    for linkage in (Press().linkage(), slider_crank, four_bar()):
         rows = Rows(linkage)
         constraints = constraints_of(linkage)
         assert rows.names == constraints.names
-        shape = 5, rows.bodies, 3
-        q, v, a = generator.normal(size=(3, *shape))
+        q, v, a = generator.normal(size=(3, 5, rows.bodies, 3))
         time = generator.uniform(0.0, 1.0, 5)
-        errors = rows.errors(time, q, v, a)
+        errors, rates, accelerations = rows.errors(time, q, v, a)
         jacobian = rows.jacobian(q)
         for k, t in enumerate(time):
             phi, phi_t, gamma, dense = constraints.evaluate(
                 float(t), q[k].ravel(), v[k].ravel()
             )
-            np.testing.assert_allclose(errors[0][k], phi, atol=1e-12)
-            np.testing.assert_allclose(errors[1][k], phi_t, atol=1e-12)
-            np.testing.assert_allclose(
-                errors[2][k], dense @ a[k].ravel() - gamma, atol=1e-12
-            )
+            phi_tt = dense @ a[k].ravel() - gamma
+            np.testing.assert_allclose(errors[k], phi, atol=1e-12)
+            np.testing.assert_allclose(rates[k], phi_t, atol=1e-12)
+            np.testing.assert_allclose(accelerations[k], phi_tt, atol=1e-12)
             np.testing.assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
@@ -166,30 +168,30 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     assert max(sizes) < 40
     q = position.reshape(len(time), -1, 3)
     right = np.random.default_rng(1).normal(size=(len(time), 81))
-    whole = np.linalg.solve(ideal.rows.jacobian(q), right[..., np.newaxis])[..., 0]
+    exact = np.linalg.solve(ideal.rows.jacobian(q), right[..., np.newaxis])[..., 0]
     result = ideal.rows.solve(q, right).reshape(len(time), -1)
-    np.testing.assert_allclose(result, whole, atol=1e-9 * np.abs(whole).max())
+    np.testing.assert_allclose(result, exact, atol=1e-9 * np.abs(exact).max())
 
 
-def test_the_guess_says_which_way_it_is_put_together() -> None:
-    down = four_bar().changed(guess={"coupler": -0.8, "rocker": -1.9})
-    for linkage, side in ((four_bar(), 1.0), (down, -1.0)):
+def test_the_guess_selects_the_assembly_branch() -> None:
+    lower = four_bar().changed(guess={"coupler": -0.8, "rocker": -1.9})
+    for linkage, side in ((four_bar(), 1.0), (lower, -1.0)):
         crank, _, rocker = assembled(linkage)[:, 2]
-        assert crank == 0.3
-        tip = 0.05 * np.exp(0.3j)
-        coupler = 0.18 + 0.12 * np.exp(1j * rocker) - tip
-        assert abs(coupler) == pytest.approx(0.20, rel=1e-13)
-        assert side * (coupler / (0.18 - tip)).imag > 0.0
+        assert crank == START
+        tip = CRANK * np.exp(1j * START)
+        coupler = BASE + ROCKER * np.exp(1j * rocker) - tip
+        assert abs(coupler) == pytest.approx(COUPLER, rel=1e-13)
+        assert side * (coupler / (BASE - tip)).imag > 0.0
 
 
-TWICE = [Drive("crank", 30.0, 0.3), Drive("rocker", 1.0)]
+TWICE = [Drive("crank", SPEED, START), Drive("rocker", 1.0)]
 PARALLELOGRAM = four_bar(0.1, 0.2, 0.1, 0.2)
 REFUSED = {
     "free to move: .* hold 8; add joints, guides or drives that hold 1 more$": four_bar().changed(
         drives=[]
     ),
     "overconstrained: .* 1 too many": four_bar().changed(drives=TWICE),
-    # The crank is too long to turn all around: the links stretch at B on the way.
+    # The crank is too long for a full turn: coupler and rocker are in line before.
     r"at crank angle \S+ deg joint [ABP] does not close or is at a": four_bar(
         crank=0.15
     ),
@@ -204,7 +206,7 @@ REFUSED = {
     "does not come back: after a cycle of 0.20944 s crank is elsewhere": four_bar().changed(
         drives=[Drive("crank", 12.0, 0.3)]
     ),
-    # It folds.
+    # All links are in line at 180 degrees.
     r"at crank angle 162\.\d deg joint . does not close or is at a dead point": (
         PARALLELOGRAM.changed(guess={"coupler": 0.0, "rocker": 0.3})
     ),

@@ -29,7 +29,9 @@ from presswear.physics.friction_and_normal import (
 from presswear.tools.arrays import Array
 
 EPS = float(np.finfo(float).eps)
-NO_LOAD = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_LOAD = (0.0,) * 6
+STIFFNESS = 1.25e10  # of JOINT, N/m^1.5
+DAMPING = 0.1425  # of JOINT: part of the elastic force at the closing speed
 
 joints = st.sampled_from([JOINT, worn_joint("fixed"), worn_joint("body")])
 directions = st.floats(-math.pi, math.pi)
@@ -61,25 +63,31 @@ def pairs(
 
 
 def _arms(pair: Pair) -> Array:
-    """The common point from both mass centres, (2, 2), from the bearing's side, without kernels."""
+    """Return the vectors from both mass centres to the point of contact, (2, 2), m, in numpy.
+
+    The point lies on the bearing, half the penetration beyond its worn surface.
+    """
     joint = pair.joint
     q = pair.q
     bearing = q[:2] + turned(q[2], joint.bearing.x, joint.bearing.y)
-    e = q[3:5] + turned(q[5], joint.pin.x, joint.pin.y) - bearing
-    direction = math.atan2(e[1], e[0])
-    length = float(np.hypot(*e))
-    angle = np.array([direction - (joint.map_frame == "body") * q[2]])
-    indentation = 0.5 * max(length - gap_of(joint, direction, q[2], q[5]), 0.0)
-    reach = joint.bearing_radius + float(joint.bearing_surface(angle)[0]) + indentation
-    return np.asarray(bearing + reach * e / length - q.reshape(2, 3)[:, :2])
+    pin = q[3:5] + turned(q[5], joint.pin.x, joint.pin.y)
+    x, y = pin - bearing
+    direction = math.atan2(y, x)
+    distance = math.hypot(x, y)
+    map_angle = direction - q[2] if joint.map_frame == "body" else direction
+    depth = float(joint.bearing_surface(np.array([map_angle]))[0])
+    penetration = max(distance - gap_of(joint, direction, q[2], q[5]), 0.0)
+    radius = joint.bearing_radius + depth + 0.5 * penetration
+    point = bearing + radius * (pin - bearing) / distance
+    return np.array([point - q[:2], point - q[3:5]])
 
 
 @given(pairs(st.floats(1e-9, 1e-4)))
-def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
-    """Linear and angular momentum stay to round-off."""
+def test_force_acts_at_one_point_and_follows_the_laws(pair: Pair) -> None:
+    """Linear and angular momentum are conserved to round-off."""
     contact = pair.contact()
     load = pair.load(0.5)
-    law = normal_law(1.25e10, 1.5, pair.joint.normal.damping)
+    law = normal_law(STIFFNESS, 1.5, pair.joint.normal.damping)
     assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
     friction = friction_force(
         contact.sliding, load.normal, friction_record(FrictionLaw(0.1))
@@ -119,11 +127,10 @@ def test_penetration_is_measured_from_the_worn_gap(
 @given(pairs(st.floats(0.0, 1e-4)))
 def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
     contact = pair.contact()
-    velocity = [
-        pair.v[body : body + 2] + pair.v[body + 2] * np.array([-arm[1], arm[0]])
-        for body, arm in zip((0, 3), _arms(pair), strict=True)
-    ]
-    x, y = velocity[1] - velocity[0]
+    on_bearing, on_pin = _arms(pair)
+    bearing = pair.v[:2] + pair.v[2] * np.array([-on_bearing[1], on_bearing[0]])
+    pin = pair.v[3:5] + pair.v[5] * np.array([-on_pin[1], on_pin[0]])
+    x, y = pin - bearing
     nx = contact.normal_x
     ny = contact.normal_y
     # Speeds up to 300 rad/s times 0.2 m.
@@ -148,12 +155,12 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
 
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
-    """Whether the contact crosses the centre of a bin within so many radians."""
+    """Return whether the contact is within ``span`` of the centre of a bin, rad."""
     width = 2.0 * math.pi / max(int(pair.packed.joints[0]["surface_bins"]), 1)
-    places = (
-        direction_of(pair.contact()) - (pair.joint.map_frame == "body") * pair.q[2::3]
-    )
-    positions = places / width - 0.5
+    angles = np.full(2, direction_of(pair.contact()))  # on the maps of bearing and pin
+    if pair.joint.map_frame == "body":
+        angles -= pair.q[2::3]
+    positions = angles / width - 0.5
     return bool(np.any(np.abs(positions - np.round(positions)) * width <= span))
 
 
@@ -191,36 +198,37 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     assert all(math.isfinite(value) for value in contact)
     assert pair.load(0.0) == NO_LOAD
     assert math.isfinite(pair.penetration_acceleration(np.ones(6)))
-    # Nor has an open joint that still has the speed of its last touchdown.
+    # An open joint with the closing speed of its last touchdown has no force either.
     assert placed(JOINT, -1e-9, 1.0, rates=v).load(0.7) == NO_LOAD
 
 
-def test_first_step_of_a_contact_uses_its_own_rate() -> None:
+def test_first_step_of_a_contact_is_damped_by_its_own_rate() -> None:
+    """The rate takes the place of a closing speed at touchdown that is still 0."""
     pair = placed(JOINT, 1e-6, 0.0, rates=np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
     assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
-    elastic = 1.25e10 * 1e-6**1.5
-    assert pair.load(0.0).normal == pytest.approx(elastic * 1.1425, rel=1e-8)
-    assert pair.load(0.8).normal == pytest.approx(
-        elastic * (1.0 + 0.1425 * 0.5), rel=1e-8
-    )
+    elastic = STIFFNESS * 1e-6**1.5
+
+    def force(ratio: float) -> float:
+        return pytest.approx(elastic * (1.0 + DAMPING * ratio), rel=1e-8)
+
+    assert pair.load(0.0).normal == force(1.0)
+    assert pair.load(0.8).normal == force(0.5)
     slow = pair.after(0.0)
     slow.v[3] = 1e-9
-    floored = elastic * (1.0 + 0.1425 * 1e-9 / ONSET_SPEED_FLOOR)
-    assert slow.load(0.0).normal == pytest.approx(floored, rel=1e-8)
+    assert slow.load(0.0).normal == force(1e-9 / ONSET_SPEED_FLOOR)
 
 
 @given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
 def test_a_bearing_on_the_frame_is_at_rest(
     penetration: float, direction: float, v: Array
 ) -> None:
-    fixed = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
-    free = placed(
-        replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0)), penetration, direction
-    )
-    free.q[2] = 0.0
-    free.v[3:] = v[3:]
-    alone = Pair(fixed, free.q[3:], free.v[3:])
-    assert alone.contact() == free.contact()
+    on_frame = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
+    on_body = replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0))
+    two_bodies = placed(on_body, penetration, direction)
+    two_bodies.q[2] = 0.0
+    two_bodies.v[3:] = v[3:]
+    one_body = Pair(on_frame, two_bodies.q[3:], two_bodies.v[3:])
+    assert one_body.contact() == two_bodies.contact()
     a = 100.0 * v[:3]
-    whole = free.penetration_acceleration(np.concatenate([np.zeros(3), a]))
-    assert alone.penetration_acceleration(a) == whole
+    expected = two_bodies.penetration_acceleration(np.concatenate([np.zeros(3), a]))
+    assert one_body.penetration_acceleration(a) == expected

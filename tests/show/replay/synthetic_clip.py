@@ -10,6 +10,7 @@ from presswear.scene.catalog import scene_named
 from presswear.show.replay.clip import Chapter, Clip
 
 FRAMES = 101
+ECCENTRICITY = 7.9e-4  # of the pins, m; the clearance is 8e-4
 
 
 def synthetic_clip(
@@ -18,10 +19,8 @@ def synthetic_clip(
     """Return one cycle of the press with clearance at A and C and worn surfaces."""
     scene = scene_named("wear-times")
     angle = bin_centres(360)
-    bearing, pin = (
-        Surface(max_depth * np.exp(-((angle - middle) ** 2) / width))
-        for middle, width in ((1.5, 0.1), (4.0, 0.2))
-    )
+    bearing = Surface(max_depth * np.exp(-((angle - 1.5) ** 2) / 0.1))
+    pin = Surface(max_depth * np.exp(-((angle - 4.0) ** 2) / 0.2))
     linkage = scene.linkage(dict.fromkeys("AC", (bearing, pin)))
     period = scene.mechanism.period
     motion = scene.ideal.at(np.linspace(0.0, period, FRAMES))
@@ -29,14 +28,20 @@ def synthetic_clip(
     angle = 2.0 * np.pi * motion.time / period
     for body in ("rod 3", "rod 5"):
         first = 3 * linkage.index(body)
-        position[:, first] += 7.9e-4 * np.cos(3.0 * angle)
-        position[:, first + 1] += 7.9e-4 * np.sin(3.0 * angle)
+        position[:, first] += ECCENTRICITY * np.cos(3.0 * angle)
+        position[:, first + 1] += ECCENTRICITY * np.sin(3.0 * angle)
+    normal = max_force * np.abs(np.cos(angle))
+    normal[1::2] = 0.0  # the joints are open in every second frame
+    columns = {
+        "normal": normal,
+        "tangential": 0.1 * normal,
+        "direction_x": np.cos(angle),
+        "direction_y": np.sin(angle),
+        "peak": 1.5 * normal,
+    }
     joints = np.zeros((FRAMES, 2, len(FILM_JOINT)))
-    joints[::2, :, 0] = max_force * np.abs(np.cos(angle[::2, None]))
-    joints[:, :, 1] = 0.1 * joints[:, :, 0]
-    joints[:, :, 2] = np.cos(angle)[:, None]
-    joints[:, :, 3] = np.sin(angle)[:, None]
-    joints[:, :, 5] = 1.5 * joints[:, :, 0]
+    for name, values in columns.items():
+        joints[:, :, FILM_JOINT.index(name)] = values[:, np.newaxis]
     return Clip(
         title=title,
         chapters=(Chapter("first wear", linkage),),
