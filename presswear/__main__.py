@@ -12,8 +12,7 @@ from collections.abc import Sequence
 # The threads of numpy's linear algebra would wait in a busy loop beside these small
 # matrices.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# Else worker processes would take a file of the user, such as statistics.py, for a
-# module.
+# Without this, worker processes would import a file of the user, such as statistics.py.
 os.environ.setdefault("PYTHONSAFEPATH", "1")
 
 # Windows can block no signal.
@@ -36,9 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(
-                errors="backslashreplace"
-            )  # for characters the terminal lacks
+            # Characters that the terminal lacks are written as escapes.
+            stream.reconfigure(errors="backslashreplace")
     try:
         with stoppable():
             if _mask:
@@ -88,19 +86,17 @@ def _run(words: Sequence[str]) -> int:
 
     module, _, function = COMMANDS[arguments.command]["call"].partition(":")
     command = getattr(import_module(f"presswear.cli.{module}"), function)
+    # Names of files and scenes may look like markup.
+    console = Console(markup=False, highlight=False, emoji=False)
     with logging_to_stderr("verbose" in arguments):
-        # Names of files and scenes are no markup.
-        return int(
-            command(arguments, Console(markup=False, highlight=False, emoji=False))
-        )
+        return int(command(arguments, console))
 
 
 def _is_output_broken() -> bool:
     """Return whether standard output cannot be written; its buffer then goes to the null device."""
     try:
-        sys.stdout.write(
-            "\n"
-        )  # without a buffer nothing else is left that a flush would write
+        # A stream without a buffer has nothing that a flush would write.
+        sys.stdout.write("\n")
         sys.stdout.flush()
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -23,37 +23,39 @@ from presswear.campaign.service_life import (
 from presswear.campaign.wear_update import STEP_SAFETY
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 
-# Expected distance of the lives of the first two refinements: a part of the tolerance,
-# or of the half width over the histories. With one life known it is the mean for equal
-# distributions; before, that with which half of the lives need more cycles.
+# Expected distance of the lives of the first two refinements over the tolerance
 FIRST_DISTANCE = 0.3
+# Expected distance over the half width of the histories: after the first refinement the
+# mean for equal distributions; during it, half of the lives then need more cycles.
 FIRST_SCATTER = 0.4
 EARLY_SCATTER = 0.7
+# Growth of a quantity of the surfaces over the wear of one surface: a clearance grows by
+# the wear of both, a diametral clearance by twice as much.
+_SURFACES = {"depth": 1.0, "radial_clearance": 2.0, "diametral_clearance": 4.0}
 
 
 def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> float:
-    """Return the cycles of each history that two refinements take at least, before any has run.
+    """Return the least number of cycles of each history in two refinements, before a run.
 
-    A cycle of the first one wears no joint by more than a part of its clearance, m, so
-    that a limit on a depth takes some cycles. The second one has at least twice as
-    many.
+    A cycle of the first refinement wears no joint by more than FIRST_CHANGE of its
+    clearance, so that a limit on a depth takes some cycles. The second refinement has at
+    least twice as many. ``clearances`` are those of the new joints by name, m.
     """
-    # A clearance grows by as much as both surfaces wear.
-    surfaces = {"depth": 1.0, "radial_clearance": 2.0, "diametral_clearance": 4.0}
-    parts = [
-        (limit.value - limit.new)
-        / (surfaces[limit.name] * FIRST_CHANGE * clearances[limit.joint])
-        if limit.name in surfaces
-        else 0.0
-        for limit in problem.limits
-    ]
-    first = max(min(parts), MIN_BLOCK)
+    cycles_to_limits = []
+    for limit in problem.limits:
+        if limit.name not in _SURFACES:
+            cycles_to_limits.append(0.0)
+            continue
+        per_cycle = FIRST_CHANGE * clearances[limit.joint]
+        growth = limit.value - limit.new
+        cycles_to_limits.append(growth / (_SURFACES[limit.name] * per_cycle))
+    first = max(min(cycles_to_limits), MIN_BLOCK)
     second = max(SECOND_GROWTH * first, MIN_CYCLES)
     return 2 * (STARTUP_CYCLES + MIN_BLOCK) + first + second
 
 
 def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
-    """Return the cycles of each history that are expected until the life is known.
+    """Return the cycles of each history that are expected until the computation ends.
 
     After the last refinement others follow by the rule of ``next_refinement``. The
     error of the scatter falls with the root of the cycles of all refinements. That of
@@ -79,10 +81,10 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     part = FIRST_SCATTER if coarser else EARLY_SCATTER
     distance = max(FIRST_DISTANCE * problem.tolerance, part * sampling)
     if coarser:
-        change = abs(
-            math.log(coarser[0].crossing(limits) / coarser[-1].crossing(limits))
-        )
-        distance = change if 0.0 < change < math.inf else distance
+        lives = coarser[0].crossing(limits), coarser[-1].crossing(limits)
+        change = abs(math.log(lives[0] / lives[1]))
+        if 0.0 < change < math.inf:
+            distance = change
     while True:
         sampling *= math.sqrt(pooled / sum(ends))
         pooled = sum(ends)
@@ -90,9 +92,9 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         slope = distance * ends[0] * ratio / (ratio - 1.0)
         step = STEP_SAFETY * slope * len(ends) / pooled
         cycles = next_cycles(problem, sampling, ends)
-        is_known = math.hypot(sampling, step) <= problem.tolerance
-        is_used_up = cycles * histories > problem.max_cycles
-        if len(ends) > 1 and (is_known or is_used_up):
+        is_accurate = math.hypot(sampling, step) <= problem.tolerance
+        is_too_long = cycles * histories > problem.max_cycles
+        if len(ends) > 1 and (is_accurate or is_too_long):
             return left
         left += STARTUP_CYCLES + MIN_BLOCK + cycles
         ends.append(cycles)
@@ -109,13 +111,17 @@ def _expected_sampling(
     if not completed or refinement.histories < 2:
         return problem.tolerance
     levels = refinement.blocks[-1].levels
-    limits = [limit for limit in problem.limits if limit.key in levels]
-    depths = [levels[limit.key] - limit.new for limit in limits]
-    halves = [
-        half_width(np.log(depth)) or 0.0 for depth in depths if np.all(depth > 0.0)
-    ]
+    half_widths = []
+    for limit in problem.limits:
+        if limit.key not in levels:
+            continue
+        depth = levels[limit.key] - limit.new
+        if np.all(depth > 0.0):
+            half_widths.append(half_width(np.log(depth)) or 0.0)
+    if not half_widths:
+        return problem.tolerance
     share = min(completed / cycles, 1.0)
-    return min(halves) * math.sqrt(share) if halves else problem.tolerance
+    return min(half_widths) * math.sqrt(share)
 
 
 def _left_in_last(
@@ -130,14 +136,14 @@ def _left_in_last(
     *coarser, last = refinements
     blocks = last.blocks
     limits = problem.limits
-    lefts = []
+    remaining = []  # expected cycles up to each limit
     whole = float(MIN_CYCLES)
     if coarser:
         before = coarser[-1]
-        life = coarser[-1].crossing(limits)
-        each = finished_cycles(coarser, limits)
-        finished = each[-1]
-        whole = next_cycles(problem, estimate_life(coarser, limits).sampling, each)
+        life = before.crossing(limits)
+        finished = finished_cycles(coarser, limits)
+        sampling = estimate_life(coarser, limits).sampling
+        whole = next_cycles(problem, sampling, finished)
     if not blocks:
         return whole
     strokes = blocks[-1].strokes
@@ -150,11 +156,11 @@ def _left_in_last(
                 growth = float(values[0]) - limit.new
                 per_cycle = growth / first.strokes * last.change / first.rate
             if per_cycle > 0.0:
-                lefts.append(float(limit.value - values[-1]) / per_cycle)
+                remaining.append(float(limit.value - values[-1]) / per_cycle)
         elif coarser and before.crossing([limit]) == life:
-            part = before.cycles_until(strokes) / max(finished, 1.0)
-            lefts.append((1.0 + MARGIN) * whole * (1.0 - part))
+            part = before.cycles_until(strokes) / max(finished[-1], 1.0)
+            remaining.append((1.0 + MARGIN) * whole * (1.0 - part))
     if completed and strokes > blocks[-2].strokes:
-        stood_for = (strokes - blocks[-2].strokes) / blocks[-1].cycles
-        lefts.append((problem.at_most - strokes) / stood_for)
-    return max(min(lefts, default=whole - completed), 0.0)
+        strokes_per_cycle = (strokes - blocks[-2].strokes) / blocks[-1].cycles
+        remaining.append((problem.at_most - strokes) / strokes_per_cycle)
+    return max(min(remaining, default=whole - completed), 0.0)

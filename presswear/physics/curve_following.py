@@ -31,13 +31,18 @@ def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
 def followed(linkage: Linkage) -> Linkage:
     """Return a linkage whose drives move so that their points follow the requested curves.
 
-    The linkage is followed around its cycle with the points on their curves; the angles
-    of the drives become tables of degree 5, fine enough for ``FOLLOWED``. AssemblyError
-    where a point cannot follow, or not by a drive with the mean speed that is given.
+    The motion with the points on their curves is computed over a cycle. The angles of
+    the drives become tables of degree 5, with errors up to ``FOLLOWED``.
+
+    Raises
+    ------
+    AssemblyError
+        If a point cannot follow its curve, or not with the specified mean speed.
     """
-    following = [
-        k for k, drive in enumerate(linkage.drives) if drive.follow is not None
-    ]
+    following = []
+    for k, drive in enumerate(linkage.drives):
+        if drive.follow is not None:
+            following.append(k)
     if not following:
         return linkage
     period = linkage.period
@@ -55,38 +60,54 @@ def followed(linkage: Linkage) -> Linkage:
     rows = inverse.rows
     breaks = _breaks(linkage, period)
     curves = [motion_of_row(linkage.drives[k], inverse.times)[0] for k in following]
-    allowed = max(
-        FOLLOWED * (np.ptp(curves, axis=1).max() or rows.size), ROUND_OFF * rows.size
-    )
-    off = math.inf
-    for parts in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
-        counts = np.maximum(
-            np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int), 1
-        )
-        if counts.sum() > MAX_PIECES:
+    stroke = np.ptp(curves, axis=1).max() or rows.size
+    allowed = max(FOLLOWED * stroke, ROUND_OFF * rows.size)
+    error = math.inf
+    # A break adds up to one piece.
+    for pieces in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
+        nodes = _nodes_of(breaks, period, pieces)
+        if nodes.size > MAX_PIECES:
             continue
-        intervals = zip(breaks[:-1], breaks[1:], counts, strict=True)
-        nodes = np.concatenate(
-            [np.linspace(*item, endpoint=False) for item in intervals]
-        )
         result = _through(linkage, inverse, nodes)
-        length = np.diff(nodes, append=period)
-        between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
-        near = inverse.at(between).position.reshape(between.size, -1, 3)
-        reached = close(Rows(result), between, near).q
-        off = float(np.abs(rows.errors(between, reached)[0][:, rows.following]).max())
-        if off <= allowed:
+        error = _greatest_error(result, inverse, nodes)
+        if error <= allowed:
             return result
     name = linkage.drives[following[0]].name
-    if math.isinf(off):
+    if math.isinf(error):
         raise AssemblyError(
             f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
             f"are {MAX_PIECES}"
         )
     raise AssemblyError(
-        f"{name}: with {MAX_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
+        f"{name}: with {MAX_PIECES} pieces its point is {error:.3g} m off the curve; allowed is "
         f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
     )
+
+
+def _nodes_of(breaks: Array, period: float, pieces: int) -> Array:
+    """Return the starts of some pieces of equal length in each interval between breaks, s.
+
+    A cycle has at least ``pieces``, and each interval at least one.
+    """
+    nodes = []
+    for first, last in pairwise(breaks):
+        # Round-off of an interval adds no piece.
+        count = max(math.ceil((last - first) / period * pieces - 1e-9), 1)
+        nodes.append(np.linspace(first, last, count, endpoint=False))
+    return np.concatenate(nodes)
+
+
+def _greatest_error(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> float:
+    """Return the greatest distance of points from their curves within the pieces, m.
+
+    ``linkage`` has tables between the nodes; ``inverse`` is the motion on the curves.
+    """
+    length = np.diff(nodes, append=inverse.period)
+    time = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
+    guess = inverse.at(time).position.reshape(time.size, -1, 3)
+    position = close(Rows(linkage), time, guess).q
+    errors, *_ = inverse.rows.errors(time, position)
+    return float(np.abs(errors[:, inverse.rows.following]).max())
 
 
 def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
@@ -113,14 +134,13 @@ def _breaks(linkage: Linkage, period: float) -> Array:
     for drive in linkage.drives:
         law = drive.follow or drive
         starts = law.pieces.start
-        for turn in range(
-            round(period * drive.base / (2.0 * math.pi)) if starts.size else 0
-        ):
+        if not starts.size:
+            continue
+        for turn in range(round(period * drive.base / (2.0 * math.pi))):
             result += ((starts + 2.0 * math.pi * turn) / drive.base).tolist()
     least = MIN_PIECE * period
-    separate = [
-        time
-        for before, time in pairwise([-period, *sorted(result)])
-        if time - before > least
-    ]
-    return np.array([*(time for time in separate if period - time > least), period])
+    breaks = []
+    for before, time in pairwise([-period, *sorted(result)]):
+        if time - before > least and period - time > least:
+            breaks.append(time)
+    return np.array([*breaks, period])

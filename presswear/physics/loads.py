@@ -53,10 +53,8 @@ MODE = np.dtype(
         # limits of position, m or rad, or of time, s, of this mode
         *floats("low", "high"),
         *floats("slow", "fast"),  # limits of speed of this mode
-        (
-            "deepest",
-            np.float64,
-        ),  # position of the last reversal of the motion, m or rad
+        # position of the last reversal of the motion, m or rad
+        ("deepest", np.float64),
         ("deepest_size", np.float64),  # size of the load at this position, N or N m
         # in the last accepted state; position in m or rad
         *floats("place", "speed", "acceleration"),
@@ -118,18 +116,19 @@ def load_size(
 def load_motion(
     load: Records, q: Array, v: Array, a: Array
 ) -> tuple[float, float, float]:
-    """Return the position in the table, m or rad, speed and acceleration of what a load acts on."""
+    """Return the position in the table, m or rad, speed and acceleration along a load."""
     b = load.body
-    along, across = load.cosine, load.sine
+    cosine = load.cosine
+    sine = load.sine
     if load.turns:
-        return along * q[b + 2] - load.zero, along * v[b + 2], along * a[b + 2]
+        return cosine * q[b + 2] - load.zero, cosine * v[b + 2], cosine * a[b + 2]
     rx, ry = lever(b, load.x, load.y, q)
-    spin = v[b + 2]
-    arm = across * rx - along * ry
-    place = along * (q[b] + rx) + across * (q[b + 1] + ry) - load.zero
-    speed = along * v[b] + across * v[b + 1] + spin * arm
-    acceleration = along * a[b] + across * a[b + 1] + a[b + 2] * arm
-    acceleration -= spin * spin * (along * rx + across * ry)
+    omega = v[b + 2]
+    arm = sine * rx - cosine * ry
+    place = cosine * (q[b] + rx) + sine * (q[b + 1] + ry) - load.zero
+    speed = cosine * v[b] + sine * v[b + 1] + omega * arm
+    acceleration = cosine * a[b] + sine * a[b + 1] + a[b + 2] * arm
+    acceleration -= omega * omega * (cosine * rx + sine * ry)
     return place, speed, acceleration
 
 

@@ -38,17 +38,15 @@ def scene_schema() -> Node:
     """
     scene = Scene()
     bearing = _properties(settings_in(Bearing()))
-    mechanisms = {
-        kind: _properties(settings_in(one())) for kind, one in MECHANISMS.items()
-    }
+    mechanisms = {kind: _fields(class_()) for kind, class_ in MECHANISMS.items()}
     every = _properties(settings_in(scene)) | bearing
-    for one in mechanisms.values():
-        every |= one
+    for properties in mechanisms.values():
+        every |= properties
     parts = {"process": PROCESSES, "life": LIVES, SERVO: SERVOS}
     described = {name: _part(kinds) for name, kinds in parts.items()}
     described[MOTOR] = _table(_fields(Motor(torque=0.0)))
     of_bodies = {"type": "object", "required": ["bodies"]}
-    kinds = [_kind(kind, one) for kind, one in mechanisms.items()]
+    kinds = [_kind(kind, properties) for kind, properties in mechanisms.items()]
     schema: Node = {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Scene of presswear",
@@ -81,7 +79,7 @@ def _with_references(
     ``names`` are the names of definitions by their text.
     """
     if isinstance(node, list):
-        return [_with_references(one, definitions, names) for one in node]
+        return [_with_references(item, definitions, names) for item in node]
     if not isinstance(node, dict):
         return node
     result = {}
@@ -104,8 +102,8 @@ def _kind(kind: str, properties: Mapping[str, Node]) -> Node:
 def _part(kinds: Mapping[str, Any]) -> Node:
     """Return the table of a part of one of some kinds."""
     tables = []
-    for kind, one in kinds.items():
-        tables.append(_table({"kind": {"const": kind}, **_fields(one())}))
+    for kind, class_ in kinds.items():
+        tables.append(_table({"kind": {"const": kind}, **_fields(class_())}))
     return {"anyOf": tables}
 
 
@@ -124,7 +122,9 @@ def _table(properties: Mapping[str, Node], others: Node | None = None) -> Node:
 
 def _properties(settings: Iterable[Setting]) -> dict[str, Node]:
     """Return the value of each setting by its key, and by its symbol."""
-    values = {one.key: _value(one.meaning, one.value) for one in settings}
+    values = {}
+    for setting in settings:
+        values[setting.key] = _value(setting.meaning, setting.value)
     if "clearance" in values:
         for key, meaning in DOUBLED_MEANINGS.items():
             values[key] = _value(meaning, 0.0)
@@ -137,25 +137,21 @@ def _properties(settings: Iterable[Setting]) -> dict[str, Node]:
 
 
 def _value(meaning: Quantity | Choice, value: Any) -> Node:
-    """Return what a setting allows, with its meaning and its default."""
+    """Return the allowed values of a setting, with its meaning and its default."""
     if isinstance(meaning, Choice):
-        node: Node = {
-            "description": meaning.text,
-            "type": ["string", "array", "object"],
-        }
-        is_closed = not (meaning.several or meaning.parameters or meaning.example)
-        if is_closed:
-            node = {"description": meaning.text, "enum": [*meaning.words]}
-        return node | {"default": value}
+        node: Node = {"description": meaning.text, "default": value}
+        if meaning.several or meaning.parameters or meaning.example:
+            return node | {"type": ["string", "array", "object"]}
+        return node | {"enum": [*meaning.words]}
     limits = meaning.in_unit_of(meaning.low if value is None else value).range_text()
-    text = f"{meaning.text} ({limits}{'; ' if meaning.origin else ''}{meaning.origin})"
+    remarks = f"{limits}; {meaning.origin}" if meaning.origin else limits
     default = NONE if value is None else meaning.written(value)
-    node = {"description": text, "default": default}
+    node = {"description": f"{meaning.text} ({remarks})", "default": default}
     if not meaning.unit:
         return node | _plain_number(meaning)
-    units = [
-        one for name in meaning.unit.split(" or ") for one in UNITS.get(name, [name])
-    ]
+    units: list[str] = []
+    for name in meaning.unit.split(" or "):
+        units += UNITS.get(name, [name])
     listed = "|".join(map(_pattern_of, sorted(units, key=len, reverse=True)))
     pi = r"\s*(pi)?" if "rad" in meaning.unit else ""
     pattern = rf"^\s*({_NUMBER}{pi}\s*({listed})|[+-]?0|none)\s*$"
@@ -164,7 +160,7 @@ def _value(meaning: Quantity | Choice, value: Any) -> Node:
 
 
 def _plain_number(meaning: Quantity) -> Node:
-    """Return what a number without a unit allows."""
+    """Return the allowed values of a number without a unit."""
     pattern = rf"^\s*({_NUMBER}\s*(%|percent)?|none)\s*$"
     node: Node = {"type": ["number", "string"], "pattern": pattern}
     if meaning.whole:

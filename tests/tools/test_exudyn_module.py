@@ -23,7 +23,8 @@ print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, ends]))
 """
 
 
-def ran(module: str) -> tuple[bool, list[list[float]]]:
+def run_with(module: str) -> tuple[bool, list[list[float]]]:
+    """Return whether the fast module is used, and positions and contacts of both engines."""
     environment = {**os.environ, "EXUDYN_MODULE": module}
     text = subprocess.run(
         [sys.executable, "-c", RUN],
@@ -32,16 +33,19 @@ def ran(module: str) -> tuple[bool, list[list[float]]]:
         text=True,
         check=True,
     ).stdout
-    is_fast, ends = json.loads(text)  # nothing else is printed
+    is_fast, ends = json.loads(text)  # Exudyn prints nothing
     return is_fast, ends
 
 
-def test_both_modules_give_the_same_motion_through_the_first_touches() -> None:
-    fast = ran("")
-    safe = ran("Safe ")
-    assert not safe[0]
+def test_both_modules_give_the_same_motion_during_the_first_contacts() -> None:
+    is_fast_by_default, default_ends = run_with("")
+    is_fast, safe_ends = run_with("Safe ")
+    assert not is_fast
     processor = Path("/proc/cpuinfo")
-    assert fast[0] == (processor.exists() and "avx2" in processor.read_text())
-    for one, other in zip(fast[1], safe[1], strict=True):
-        assert one[-1] == other[-1] > 0.0
-        assert one == pytest.approx(other, abs=1e-11)
+    has_avx2 = processor.exists() and "avx2" in processor.read_text()
+    assert is_fast_by_default == has_avx2
+    for default, safe in zip(default_ends, safe_ends, strict=True):
+        contacts = default[-1]
+        assert contacts > 0.0
+        assert contacts == safe[-1]
+        assert default == pytest.approx(safe, abs=1e-11)

@@ -37,7 +37,8 @@ class TreeLink(NamedTuple):
 
 
 def _rotation(angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
@@ -69,10 +70,8 @@ def tree_links(chain: Chain) -> list[TreeLink]:
 
 def _guided(link: Link, numbers: dict[str, int]) -> TreeLink:
     """Return a link that slides along a guide on the frame or on a body."""
-    x, y = _rotation(_turn_of_axes(link))[:2, :2] @ (
-        -link.branch.end.x,
-        -link.branch.end.y,
-    )
+    end = link.branch.end
+    x, y = _rotation(_turn_of_axes(link))[:2, :2] @ (-end.x, -end.y)
     slide = TreeLink(
         exu.JointType.PrismaticX,
         turn=link.branch.slope,

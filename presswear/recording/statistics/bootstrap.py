@@ -24,10 +24,10 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     """Return bootstrap means, (RESAMPLES, bins), of maps, (n, bins), with weights, (n,)."""
     count = len(maps)
     generator = np.random.default_rng(seed)
-    picked = (
-        generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights
-    )
-    return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
+    shares = np.full(count, 1.0 / count)
+    repeats = generator.multinomial(count, shares, RESAMPLES)  # of each map
+    factors = repeats * weights
+    return np.asarray(factors @ maps / factors.sum(axis=1, keepdims=True))
 
 
 def _ends(draws: Array, centre: Array | float, count: int) -> Array:
@@ -63,12 +63,14 @@ def angle_interval(
     angle = 2.0 * math.pi * (place + 0.5) / bins
     if count < MIN_SAMPLES:
         return Estimate(angle, samples=count)
-    moved = (places - place + bins // 2) % bins - bins // 2
-    left, right = _ends(moved.astype(np.float64), 0.0, count).tolist()
-    width = 2.0 * math.pi / bins  # no place is known better than its bin
-    return Estimate(
-        angle, angle + width * min(left, -0.5), angle + width * max(right, 0.5), count
-    )
+    # Distances from the place in bins, the short way round
+    distances = (places - place + bins // 2) % bins - bins // 2
+    left, right = _ends(distances.astype(np.float64), 0.0, count).tolist()
+    width = 2.0 * math.pi / bins
+    # The interval is at least as wide as a bin.
+    low = angle + width * min(left, -0.5)
+    high = angle + width * max(right, 0.5)
+    return Estimate(angle, low, high, count)
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
