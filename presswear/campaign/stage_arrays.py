@@ -105,9 +105,9 @@ def _wear_arrays(ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:
         bins[joint.name] = joint.bins
         arrays[f"{joint.name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
         for i, side in enumerate(SIDES):
-            added = wear.added_depth[k, i, : joint.bins]
+            new_depth = wear.added_depth[k, i, : joint.bins]
             arrays[f"{joint.name}_depth_{side}"] = depth[k, i, : joint.bins]
-            arrays[f"{joint.name}_wear_{side}"] = added
+            arrays[f"{joint.name}_wear_{side}"] = new_depth
     arrays |= wall_arrays(ensemble.linkage, depth, ensemble.together.recorders)
     counts = set(bins.values())
     if len(counts) == 1:

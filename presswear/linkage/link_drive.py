@@ -114,31 +114,34 @@ class LinkDrive(Mechanism):
     @property
     def _corners(self) -> Mapping[str, complex]:
         """Corners of the plate from its centroid, m; the x axis points from A to B."""
+        a = 0j
         b = complex(self.plate_to_rocker)
         c = cmath.rect(self.plate_to_rod, self.plate_angle)
         centroid = (b + c) / 3.0
-        return {name: at - centroid for name, at in (("A", 0j), ("B", b), ("C", c))}
+        return {"A": a - centroid, "B": b - centroid, "C": c - centroid}
 
     @property
     def _plate(self) -> Body:
         corners = self._corners
         inertia = self.plate_inertia
-        if inertia is None:  # of a triangle: m times the sum of its sides squared / 36
+        if inertia is None:
+            # Of a triangle: m / 12 times the sum of the squared distances of its corners
+            # from the centroid
             squares = sum(abs(corner) ** 2 for corner in corners.values())
             inertia = self.plate_mass * squares / 12.0
-        places = {name: (at.real, at.imag) for name, at in corners.items()}
-        return Body("plate", self.plate_mass, inertia, places)
+        points = {name: (point.real, point.imag) for name, point in corners.items()}
+        return Body("plate", self.plate_mass, inertia, points)
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the rocker from P to B, the rod from C to D.
-        a, p = complex(self.crank_length), complex(self.rocker_x, self.rocker_y)
+        a = complex(self.crank_length)
+        p = complex(self.rocker_x, self.rocker_y)
         side = RIGHT if self.rocker_x < 0.0 else LEFT
         b = meeting_point(a, p, self.plate_to_rocker, self.rocker_length, side)
         c = a + cmath.rect(self.plate_to_rod, cmath.phase(b - a) + self.plate_angle)
         down = math.sqrt(max(self.rod_length**2 - c.real**2, 0.0))
-        crown = self._crown(
-            0.5 * math.pi, {"O": (0.0, 0.0), "P": (self.rocker_x, self.rocker_y)}
-        )
+        pivots = {"O": (0.0, 0.0), "P": (self.rocker_x, self.rocker_y)}
+        crown = self._crown(0.5 * math.pi, pivots)
         return assemble(
             name="link drive",
             bodies=(

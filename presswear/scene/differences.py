@@ -24,11 +24,11 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
     """
     has_function = is_stored_function(first) or is_stored_function(second)
     if isinstance(first, Mapping) and isinstance(second, Mapping) and not has_function:
-        found = []
+        result = []
         for name in {**first, **second}:
             label = key if key and name in ("name", "kind") else name
-            found += differences(first.get(name), second.get(name), label)
-        return found
+            result += differences(first.get(name), second.get(name), label)
+        return result
     return [] if first == second else [(key, _short(first), _short(second))]
 
 

@@ -27,9 +27,9 @@ from presswear.tools.files import BUSY, digest, lock, write_bytes
 from presswear.tools.kernel_digest import fields_of
 from presswear.tools.processes import signals_held
 
-# s for which a process that compiles may stand still; a function takes up to 15 s
+# Time for which a process that compiles may stand still, s; a function takes up to 15 s
 PATIENCE = 20.0
-_PAUSE = 0.05  # s between two looks at it
+_PAUSE = 0.05  # between two attempts to lock, s
 _MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
 _PACKAGE = Path(__file__).parents[1]
 # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
@@ -55,7 +55,8 @@ def _is_safe(status: os.stat_result, folder: Path) -> bool:
     """
     if os.name != "posix":
         return True
-    owners, forbidden = {0, os.geteuid()}, stat.S_IWGRP | stat.S_IWOTH
+    owners = {0, os.geteuid()}
+    forbidden = stat.S_IWGRP | stat.S_IWOTH
     if folder.parent == _PACKAGE:
         package = _PACKAGE.stat()
         owners.add(package.st_uid)
@@ -127,11 +128,11 @@ class KernelCache:
         folders = {base / "presswear" / "kernels": processor}
         if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
             folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
-        return [
-            folder
-            / digest(repr((self._key, signature, fields, triple, *processor)).encode())
-            for folder, processor in folders.items()
-        ]
+        files = []
+        for folder, processor in folders.items():
+            key = (self._key, signature, fields, triple, *processor)
+            files.append(folder / digest(repr(key).encode()))
+        return files
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where it is to be compiled in this process."""
@@ -146,12 +147,11 @@ class KernelCache:
 
     def _stored(self, signature: Any, context: Any) -> Any:
         """Return stored code; None where there is none, or where it cannot be used."""
-        with suppress(
-            Exception
-        ):  # without a part of numba nothing is stored; see below
+        # Another version of numba can fail in any way; see ``save_overload``.
+        with suppress(Exception):
             for file in self.files(signature, context):
-                # An entry that fits no longer fails in any way: a named tuple may be
-                # gone.
+                # An entry of other source code can fail in any way, such as by a named
+                # tuple that is missing.
                 with suppress(Exception):
                     if not _is_usable(file.parent):
                         continue
@@ -220,12 +220,15 @@ def _remove_oldest(folder: Path) -> None:
 
 def _wait(opened: IO[str]) -> bool:
     """Wait for a lock; return False once the process that has it stands still."""
-    latest, due = 0, 0.0
+    last_change = 0
+    deadline = 0.0
     while lock(opened) in BUSY:
-        changed, now = os.fstat(opened.fileno()).st_mtime_ns, time.monotonic()
-        if changed != latest:
-            latest, due = changed, now + KernelCache.patience
-        elif now > due:
+        change = os.fstat(opened.fileno()).st_mtime_ns
+        now = time.monotonic()
+        if change != last_change:
+            last_change = change
+            deadline = now + KernelCache.patience
+        elif now > deadline:
             opened.seek(0)
             _warn(
                 f"{opened.readline() or 'another process'} compiles kernels and stands still (is "

@@ -28,16 +28,16 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
 
-# largest change of a coordinate of the disturbed initial state, m or rad
+# Largest change of a coordinate of the disturbed initial state, m or rad
 DISTURBANCE = 1e-9
 GROWTH = 1000.0  # of the disturbance at the horizon
 REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
-# divide the steps of exudyn-joints; bounds apply to the last
+# Divisors of the steps of exudyn-joints; bounds apply to the last
 FINENESS = (1, 2, 4, 8, 16)
-# divide the tolerance of the tree; bounds apply to the last
+# Divisors of the tolerance of the tree; bounds apply to the last
 TOLERANCE_PARTS = (1, 10, 100, 1000)
-FIRST_TOUCHDOWNS = 10  # touchdowns with bounds
-CYCLES = 50  # whose means are compared, unless the scene has a number
+FIRST_TOUCHDOWNS = 10  # number of touchdowns with bounds
+CYCLES = 50  # number of cycles in the compared means, unless the scene has a number
 MEAN_BOUND = 0.1  # of the relative difference of two means
 PARTS = 40  # of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
@@ -50,7 +50,7 @@ CLOSING_BOUND = 1e-4  # relative, of their closing speeds
 FORCE_BOUND = 1e-3  # relative, of their peak forces
 ORDER = 2.0  # of Exudyn's trapezoidal rule
 ORDER_BOUND = 0.3
-# Of the tree up to the last of them
+# Bounds of the tree up to the last of the first touchdowns
 TREE_TIME_BOUND = 1e-8  # s
 TREE_SLIDER_BOUND = 1e-8  # m
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
@@ -77,16 +77,13 @@ def touchdowns_of(run: Run) -> Array:
     """Return the touchdowns of all recorded contacts, and of those that last to the end."""
     rows = []
     records = run.recorder.records
-    for k, last in enumerate(records.memory):
+    for k, memory in enumerate(records.memory):
         contacts = contacts_of(run, k)
-        columns = (
-            contacts[name] for name in ("touchdown", "closing_speed", "peak_force")
-        )
+        columns = [contacts[n] for n in ("touchdown", "closing_speed", "peak_force")]
         rows += [(k, *row) for row in zip(*columns, strict=True)]
-        if records.onset[k] > 0.0 and not last["started_closed"]:
-            rows.append(
-                (k, last["touchdown_time"], records.onset[k], last["peak_force"])
-            )
+        if records.onset[k] > 0.0 and not memory["started_closed"]:
+            time = memory["touchdown_time"]
+            rows.append((k, time, records.onset[k], memory["peak_force"]))
     touchdowns = np.array(rows, float).reshape(-1, len(TOUCHDOWN))
     return touchdowns[np.argsort(touchdowns[:, 1], kind="stable")]
 
@@ -97,11 +94,11 @@ def slider_difference(one: Trajectory, two: Trajectory) -> Array:
     Columns are time, s, distance, m, and difference of the velocities, m/s.
     """
     time = np.linspace(0.0, min(one.time[-1], two.time[-1]), GRID)
-    first, second = (
-        CubicHermiteSpline(each.time, *each.slider.T) for each in (one, two)
-    )
+    first = CubicHermiteSpline(one.time, one.slider[:, 0], one.slider[:, 1])
+    second = CubicHermiteSpline(two.time, two.slider[:, 0], two.slider[:, 1])
+    distance = np.abs(first(time) - second(time))
     speed = np.abs(first(time, 1) - second(time, 1))
-    return np.column_stack([time, np.abs(first(time) - second(time)), speed])
+    return np.column_stack([time, distance, speed])
 
 
 def touchdown_differences(reference: Array, compared: Array) -> Array:
@@ -112,13 +109,14 @@ def touchdown_differences(reference: Array, compared: Array) -> Array:
     """
     differences = np.full((len(reference), 3), math.inf)
     for joint in np.unique(reference[:, 0]):
-        twins = compared[compared[:, 0] == joint]
         rows = np.flatnonzero(reference[:, 0] == joint)
-        rows = rows[: len(twins)]
-        twins = twins[: len(rows), 1:]
-        ours = reference[rows, 1:]
-        differences[rows, 0] = twins[:, 0] - ours[:, 0]
-        differences[rows, 1:] = twins[:, 1:] / ours[:, 1:] - 1.0
+        rows_compared = np.flatnonzero(compared[:, 0] == joint)
+        count = min(len(rows), len(rows_compared))
+        rows = rows[:count]
+        expected = reference[rows, 1:]
+        result = compared[rows_compared[:count], 1:]
+        differences[rows, 0] = result[:, 0] - expected[:, 0]
+        differences[rows, 1:] = result[:, 1:] / expected[:, 1:] - 1.0
     return np.abs(differences)
 
 
@@ -152,23 +150,21 @@ class _Runner:
     def trajectory(
         self, word: str, engine: Engine, end: float, moved: bool = False
     ) -> Trajectory:
-        run = self.run(
-            word, engine, Plan(end / PARTS, PARTS, PARTS, by_clock=True), moved
-        )
+        plan = Plan(end / PARTS, PARTS, PARTS, by_clock=True)
+        run = self.run(word, engine, plan, moved)
         recorder = run.recorder
-        records = run.recorder.records
-        # The series holds displacements, and a disturbed initial state is displaced
-        # already.
-        position = recorder.series("displacement") + float(records.output["start"][0])
-        names = ("eccentricity_x", "eccentricity_y")
-        series = [
-            recorder.series(n, k) for k in range(records.memory.size) for n in names
-        ]
+        # The displacement is measured from the start, which may be disturbed.
+        start = float(recorder.records.output["start"][0])
+        position = recorder.series("displacement") + start
+        eccentricities = []
+        for k in range(recorder.records.memory.size):
+            eccentricities.append(recorder.series("eccentricity_x", k))
+            eccentricities.append(recorder.series("eccentricity_y", k))
         return Trajectory(
-            recorder.series("time").copy(),
-            np.column_stack([position, recorder.series("velocity")]),
-            np.array(series).reshape(-1, position.size).T,
-            touchdowns_of(run),
+            time=recorder.series("time").copy(),
+            slider=np.column_stack([position, recorder.series("velocity")]),
+            eccentricity=np.array(eccentricities).reshape(-1, position.size).T,
+            touchdowns=touchdowns_of(run),
         )
 
     def separation(
@@ -239,18 +235,17 @@ def exudyn_of(scene: Scene) -> dict[str, Engine]:
     scene.check()
     period = scene.mechanism.period
     engine = scene.solver.for_cycle(period)
+    engines: dict[str, Engine] = {}
     if isinstance(engine, ExudynTree):
-        tolerances = [engine.tolerance / part for part in TOLERANCE_PARTS]
-        return {
-            f"Exudyn's tree at {t:g}": replace(engine, tree_tolerance=t)
-            for t in tolerances
-        }
-    return {
-        f"Exudyn{f', steps / {n}' if n > 1 else ''}": finer_joints(
-            scene.numerics.joints, n, period
-        )
-        for n in FINENESS
-    }
+        for part in TOLERANCE_PARTS:
+            tolerance = engine.tolerance / part
+            name = f"Exudyn's tree at {tolerance:g}"
+            engines[name] = replace(engine, tree_tolerance=tolerance)
+        return engines
+    for factor in FINENESS:
+        name = f"Exudyn, steps / {factor}" if factor > 1 else "Exudyn"
+        engines[name] = finer_joints(scene.numerics.joints, factor, period)
+    return engines
 
 
 def finer_joints(joints: ExudynJoints, factor: float, period: float) -> ExudynJoints:
@@ -276,45 +271,51 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
     curves = {}
     diverged = False
     if separation is not None:
-        time, calm, moved = separation
+        time, undisturbed, disturbed_motion = separation
         diverged = time is not None
         end = time or end
-        curves[f"in-house, start moved by {DISTURBANCE:g} m"] = slider_difference(
-            calm, moved
-        )
+        label = f"in-house, start moved by {DISTURBANCE:g} m"
+        curves[label] = slider_difference(undisturbed, disturbed_motion)
     reference = runner.trajectory("dae to the horizon", precise, end)
     engines = exudyn_of(scene)
-    compared = {
-        word: runner.trajectory(word, engine, end) for word, engine in engines.items()
-    }
-    distances = {
-        word: slider_difference(reference, each) for word, each in compared.items()
-    }
+    compared = {}
+    distances = {}
+    for word, engine in engines.items():
+        compared[word] = runner.trajectory(word, engine, end)
+        distances[word] = slider_difference(reference, compared[word])
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
-    if len(first := reference.touchdowns[:FIRST_TOUCHDOWNS]):
-        # Far enough to include the last of the touchdowns.
-        plan = Plan(min(1.001 * first[-1, 1], end), 1, 1, by_clock=True)
-        second = replace(precise, integrator="dopri5", coordinates="fewest")
-        run = runner.run("dae with dopri5 in fewest coordinates", second, plan)
-        largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
-        words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
-        checks.append(Check(words, largest, INTEGRATOR_BOUND, "s"))
-    beyond, undecided, statistics = (
-        _check_means(scene, runner) if diverged else ([], [], {})
-    )
-    every = (*checks, *beyond)
-    curves = curves | distances
+    if len(reference.touchdowns):
+        checks.append(_check_integrators(runner, precise, reference, end))
+    undecided: list[str] = []
+    statistics: Means = {}
+    if diverged:
+        checks_of_means, undecided, statistics = _check_means(scene, runner)
+        checks += checks_of_means
     return Crosscheck(
-        scene,
-        end,
-        diverged,
-        every,
-        tuple(undecided),
-        reference.touchdowns,
-        curves,
-        statistics,
+        scene=scene,
+        horizon=end,
+        diverged=diverged,
+        checks=tuple(checks),
+        undecided=tuple(undecided),
+        touchdowns=reference.touchdowns,
+        differences=curves | distances,
+        statistics=statistics,
     )
+
+
+def _check_integrators(
+    runner: _Runner, precise: InHouse, reference: Trajectory, end: float
+) -> Check:
+    """Compare the times of the first touchdowns between two in-house integrators."""
+    first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+    # The duration includes the last of these touchdowns.
+    plan = Plan(min(1.001 * first[-1, 1], end), 1, 1, by_clock=True)
+    engine = replace(precise, integrator="dopri5", coordinates="fewest")
+    run = runner.run("dae with dopri5 in fewest coordinates", engine, plan)
+    largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
+    name = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
+    return Check(name, largest, INTEGRATOR_BOUND, "s")
 
 
 def _exudyn_checks(
@@ -425,13 +426,13 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
     end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
-    for (label, curve), colour in zip(
-        result.differences.items(), _COLOURS, strict=False
-    ):
-        shown = curve[
-            (curve[:, 0] <= end) & (curve[:, 1] > 0.0)
-        ]  # a logarithm shows no zeros
-        axes.semilogy(*shown[:, :2].T, color=colour, linewidth=0.9, label=label)
+    curves = zip(result.differences.items(), _COLOURS, strict=False)
+    for (label, curve), colour in curves:
+        # A logarithm shows no zeros.
+        shown = curve[(curve[:, 0] <= end) & (curve[:, 1] > 0.0)]
+        time = shown[:, 0]
+        distance = shown[:, 1]
+        axes.semilogy(time, distance, color=colour, linewidth=0.9, label=label)
     axes.axhline(
         SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0))
     )
@@ -439,12 +440,14 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     if result.diverged:
         axes.axvline(result.horizon, color=style.REFERENCE, linewidth=0.7)
         side = "left" if result.horizon < 0.7 * end else "right"
-        place = (result.horizon, 0.02)
-        text_style: dict[str, Any] = {
-            "transform": axes.get_xaxis_transform(),
-            "va": "bottom",
-        }
-        axes.text(*place, f" horizon: grown {GROWTH:g} times ", ha=side, **text_style)
+        axes.text(
+            result.horizon,
+            0.02,
+            f" horizon: grown {GROWTH:g} times ",
+            transform=axes.get_xaxis_transform(),
+            va="bottom",
+            ha=side,
+        )
     label = "distance of the slider from the\nin-house reference (m)"
     axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)

@@ -1,4 +1,4 @@
-"""Bad command lines, drawn at random: refused in one line, before anything runs or is written."""
+"""Random bad command lines are refused in one line, before anything runs or is written."""
 
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -13,23 +13,23 @@ from presswear.scene.setting_list import settings_of
 
 
 def refuse(trial: Trial, here: Path, count: int, seed: int, in_processes: int) -> None:
-    """Give so many bad lines in a new folder, some of them to processes of their own as well."""
+    """Run ``count`` bad lines in a new folder, and some of them in a new process, too."""
     (here / FILE).write_text("somebody's")
     (here / FOLDER).mkdir()
     (here / FOLDER / "precious").write_text("somebody's")
-    every = count // in_processes
-    for place in range(count):
-        line = bad_line(place, seed)
+    between_processes = count // in_processes
+    for number in range(count):
+        line = bad_line(number, seed)
         answers = [answered(line)]
-        # The operating system passes no zero byte on.
-        if place % every == 0 and not any("\0" in word for word in line):
+        # The operating system passes on no zero byte.
+        has_zero_byte = any("\0" in word for word in line)
+        if number % between_processes == 0 and not has_zero_byte:
             answers.append(end(start_process(*line), PATIENCE))
-        wrong = [answer.problem for answer in answers if not answer.is_refusal]
+        faults = [answer.problem for answer in answers if not answer.is_refusal]
         if list(here.iterdir()) or len(list((here / FOLDER).iterdir())) != 1:
-            wrong.append("something was written")
-        trial.add(
-            f"case {place} of seed {seed}: {line!r:.300}: {wrong[0]}" if wrong else ""
-        )
+            faults.append("something was written")
+        case = f"case {number} of seed {seed}: {line!r:.300}"
+        trial.add(f"{case}: {faults[0]}" if faults else "")
     trial.check()
 
 
