@@ -1,8 +1,9 @@
-"""Presses of ``presswear new`` against closed forms: circles that meet, and d'Alembert.
+"""Presses of ``presswear new`` compared with closed forms and d'Alembert's principle.
 
-Nothing here is computed by the program: places are intersections of circles, speeds and
-accelerations their central differences over the crank angle, torques follow from the
-energy and joint forces from the equilibrium of the last link and the slide.
+Expected values do not use the program. Positions are intersections of circles, as
+complex numbers, m. Speeds and accelerations are their central differences over the
+crank angle. Torques follow from the energy, and joint forces from the equilibrium of the
+last link and the slide.
 """
 
 import cmath
@@ -63,9 +64,12 @@ def knuckle_press(tip: Any) -> dict[str, Bar]:
     o = complex(-0.73, -0.7375) + 0.0 * tip
     a = o + 0.1875 * tip
     c = meeting(0.0 * tip, a, 0.83, 0.92, side=1.0)
-    links = {"crank": bar(800.0, o, a), "rod": bar(900.0, a, c)}
-    upper = {"upper": bar(800.0, 0.0 * a, c)}
-    return {**links, **upper, "last": bar(800.0, c, below(c, 0.83))}
+    return {
+        "crank": bar(800.0, o, a),
+        "rod": bar(900.0, a, c),
+        "upper": bar(800.0, 0.0 * a, c),
+        "last": bar(800.0, c, below(c, 0.83)),
+    }
 
 
 def link_drive(tip: Any) -> dict[str, Bar]:
@@ -73,10 +77,12 @@ def link_drive(tip: Any) -> dict[str, Bar]:
     p = complex(-1.175, -0.375) + 0.0 * tip
     b = meeting(a, p, 0.8, 0.9, side=-1.0)
     c = a + (b - a) * cmath.rect(1.175 / 0.8, math.radians(134.0))
-    sides = sum(np.abs(one - other)[0] ** 2 for one, other in ((a, b), (b, c), (c, a)))
+    # Inertia of a triangle: m / 36 times the sum of its squared sides
+    squares = np.abs(a - b) ** 2 + np.abs(b - c) ** 2 + np.abs(c - a) ** 2
+    inertia = 4000.0 * squares[0] / 36.0
     return {
         "crank": bar(2000.0, 0.0 * a, a),
-        "plate": Bar(4000.0, 4000.0 * sides / 36.0, a, b, (a + b + c) / 3.0),
+        "plate": Bar(4000.0, inertia, a, b, (a + b + c) / 3.0),
         "rocker": bar(1000.0, p, b),
         "last": bar(2000.0, c, below(c, 1.175)),
     }
@@ -95,13 +101,13 @@ def energy_of(bars: Mapping[str, Bar], mass: float, speed: float) -> Any:
     """Return kinetic energy and potential energy of weight of links and slide over a turn, J."""
     slide = bars["last"].head.imag
     energy = 0.5 * mass * rate(slide, speed) ** 2 + mass * G * slide
-    for one in bars.values():
-        velocity = rate(one.centre, speed)
-        turning = (rate(one.head - one.tail, speed) / (one.head - one.tail)).imag
-        energy += (
-            0.5 * one.mass * np.abs(velocity) ** 2 + 0.5 * one.inertia * turning**2
-        )
-        energy += one.mass * G * one.centre.imag
+    for link in bars.values():
+        velocity = rate(link.centre, speed)
+        axis = link.head - link.tail
+        omega = (rate(axis, speed) / axis).imag
+        energy += 0.5 * link.mass * np.abs(velocity) ** 2
+        energy += 0.5 * link.inertia * omega**2
+        energy += link.mass * G * link.centre.imag
     return energy
 
 
@@ -131,42 +137,48 @@ def test_stroke_and_torques_of_a_new_press(kind: str, tmp_path: Path) -> None:
     scene = scene_of(kind, tmp_path)
     speed = strokes * math.pi / 30.0
     bars = places(np.exp(1j * TURN))
-    last = bars["last"]
-    slide = last.head.imag
-    bottom, top = slide.min(), slide.max()
+    slide = bars["last"].head.imag
+    bottom = slide.min()
     assert scene.bottom == pytest.approx(bottom, abs=2e-8)
-    assert scene.stroke == pytest.approx(top - bottom, abs=4e-8)
+    assert scene.stroke == pytest.approx(slide.max() - bottom, abs=4e-8)
     assert 60.0 / scene.mechanism.period == pytest.approx(strokes, rel=1e-12)
 
     force = work_on_the_way_down(scene, slide - bottom, size)
-    sinking = rate(slide, speed)
     static = static_torque_of(kind, scene)
     assert static_torque(scene) == pytest.approx(static, rel=2e-4)
+    torque = rate(energy_of(bars, mass, speed), 1.0) - force * rate(slide, 1.0)
+    (drive,) = ideal_drives(scene).values()
+    assert abs(drive.torque.peak) == pytest.approx(np.abs(torque).max(), rel=1e-3)
 
-    # Also fast and without work, where the inertia of all bodies matters.
+    # The inertia of all bodies matters in a fast press without work.
     fast = pw.changed(scene, {"process": "none", "speed": 20.0 * speed})
-    for one, at_speed, work in ((scene, speed, force), (fast, 20.0 * speed, 0.0)):
-        energy = energy_of(bars, mass, at_speed)
-        torque = rate(energy, 1.0) - work * rate(slide, 1.0)
-        (drive,) = ideal_drives(one).values()
-        largest = np.abs(torque).max()
-        assert abs(drive.torque.peak) == pytest.approx(largest, rel=1e-3)
+    torque = rate(energy_of(bars, mass, 20.0 * speed), 1.0)
+    (drive,) = ideal_drives(fast).values()
+    assert abs(drive.torque.peak) == pytest.approx(np.abs(torque).max(), rel=1e-3)
 
-    # Equilibrium of the slide, and moments about the upper pin of the last link.
-    # Force of the slide on the link, upwards.
-    push = force - mass * (G + rate(sinking, speed))
-    acceleration = rate(rate(last.centre, speed), speed) + 1j * G
-    arm = last.head - last.tail
-    turning = rate((rate(arm, speed) / arm).imag, speed)
-    to_centre = last.centre - last.tail
-    moment = (to_centre.conjugate() * last.mass * acceleration).imag
-    moment += last.inertia * turning
-    lower = (arm.real * push - moment) / arm.imag + 1j * push
-    upper = last.mass * acceleration - lower
+    # Force of the slide on the link, upwards
+    push = force - mass * (G + rate(rate(slide, speed), speed))
+    upper, lower = forces_on(bars["last"], push, speed)
     _, forces = ideal_forces(scene)
     for pin, expected in zip(pins, (upper, lower), strict=True):
         peak = float(np.abs(forces[pin]).max())
         assert peak == pytest.approx(np.abs(expected).max(), rel=1e-3)
+
+
+def forces_on(link: Bar, push: Array, speed: float) -> tuple[Any, Any]:
+    """Return the forces at the upper and the lower pin of the last link, N.
+
+    ``push`` is the vertical force at the lower pin. The horizontal force there follows
+    from the moments about the upper pin.
+    """
+    acceleration = rate(rate(link.centre, speed), speed) + 1j * G
+    axis = link.head - link.tail
+    alpha = rate((rate(axis, speed) / axis).imag, speed)
+    to_centre = link.centre - link.tail
+    moment = (to_centre.conjugate() * link.mass * acceleration).imag
+    moment += link.inertia * alpha
+    lower = (axis.real * push - moment) / axis.imag + 1j * push
+    return link.mass * acceleration - lower, lower
 
 
 def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path: Path) -> None:
@@ -178,17 +190,19 @@ def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path: Path) -> None:
 
 
 def test_the_two_bottoms_of_the_knuckle_press(tmp_path: Path) -> None:
-    """24.24 degrees apart, and 13.63 um below the place between them."""
+    """24.24 degrees apart, and 13.63 um below the slide between them."""
     linkage = scene_of("knuckle-press", tmp_path).mechanism.linkage()
     turn = np.linspace(0.0, 2.0 * math.pi, 3601)
     height = heights(linkage, turn)
-    low = np.flatnonzero((height[1:-1] < height[:-2]) & (height[1:-1] < height[2:])) + 1
-    (first, bottom), (second, other) = (extreme(linkage, float(turn[k])) for k in low)
-    assert bottom == pytest.approx(-1.66, abs=1e-9)  # both links in line
-    assert other == pytest.approx(-1.66, abs=1e-9)
-    assert math.degrees(second - first) == pytest.approx(24.24, abs=5e-3)
-    between = heights(linkage, np.linspace(first, second, 201)).max()
-    assert 1e6 * (between - bottom) == pytest.approx(13.63, abs=5e-3)
+    is_minimum = (height[1:-1] < height[:-2]) & (height[1:-1] < height[2:])
+    first, second = 1 + np.flatnonzero(is_minimum)
+    first_angle, first_bottom = extreme(linkage, float(turn[first]))
+    second_angle, second_bottom = extreme(linkage, float(turn[second]))
+    assert first_bottom == pytest.approx(-1.66, abs=1e-9)  # both links in line
+    assert second_bottom == pytest.approx(-1.66, abs=1e-9)
+    assert math.degrees(second_angle - first_angle) == pytest.approx(24.24, abs=5e-3)
+    between = heights(linkage, np.linspace(first_angle, second_angle, 201)).max()
+    assert 1e6 * (between - first_bottom) == pytest.approx(13.63, abs=5e-3)
 
 
 def test_bottom_and_stroke_of_the_link_drive(tmp_path: Path) -> None:
