@@ -12,6 +12,7 @@ from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force
 from presswear.linkage.spring import Spring
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
 # Engines, and the part of the tolerance of positions that is theirs, m
@@ -49,7 +50,7 @@ def spring_to_origin(length: float, damping: float = 0.0) -> Spring:
 
 
 def run_from(
-    engine: Engine, linkage: Linkage, x: float, velocity: Sequence[float]
+    engine: Engine, linkage: Linkage, x: float, velocity: Sequence[float] | Array
 ) -> Run:
     """Run a linkage with the body at ``x`` on the x axis."""
     start = Start(np.array([x, 0.0, 0.0]), np.array(velocity))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -208,7 +209,7 @@ def test_first_step_of_a_contact_is_damped_by_its_own_rate() -> None:
     assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
     elastic = STIFFNESS * 1e-6**1.5
 
-    def force(ratio: float) -> float:
+    def force(ratio: float) -> Any:
         return pytest.approx(elastic * (1.0 + DAMPING * ratio), rel=1e-8)
 
     assert pair.load(0.0).normal == force(1.0)
