@@ -1,6 +1,6 @@
 """Report as a PDF for an author: key numbers, tables, and figures as vectors with fonts."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import write_whole
 
 # Text as fonts that an editor of vectors and a publisher can read, not as outlines
-FONTS = {"pdf.fonttype": 42, "ps.fonttype": 42}
+FONTS: Mapping[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42}
 PAGE = 8.27, 11.69  # A4, inches
 MARGIN = 0.5 * (PAGE[0] - WIDTH)
 LINE = 0.16  # inches, of text of 8 pt

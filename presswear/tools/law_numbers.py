@@ -55,17 +55,17 @@ def _meaning_of(name: str, annotation: ast.expr | None, text: str) -> Quantity:
     """Return unit and range of a number from its annotation, such as ``0.1 um to 1 mm``."""
     if annotation is None or isinstance(annotation, ast.Name):
         return Quantity(origin="law", text=text)
-    words = annotation.value if isinstance(annotation, ast.Constant) else None
-    low, to, high = words.partition(_TO) if isinstance(words, str) else ("", "", "")
+    words = f"{annotation.value!s}" if isinstance(annotation, ast.Constant) else ""
+    first, to, last = words.partition(_TO)
     if not to:
         raise InputError(
             f"{name}: {ast.unparse(annotation)}: a range such as '0.1 um to 1 mm' is expected"
         )
-    unit = _unit_of(high)
-    ends = [parse_quantity(name, end, Quantity(unit)) for end in (low, high)]
-    if not ends[0] < ends[1]:
+    unit = _unit_of(last)
+    low, high = (parse_quantity(name, end, Quantity(unit)) for end in (first, last))
+    if not low < high:
         raise InputError(f"{name}: {words}: the first end must be below the second")
-    return Quantity(unit, *map(float, ends), "law", text)
+    return Quantity(unit, low, high, "law", text)
 
 
 def _unit_of(text: str) -> str:

@@ -12,6 +12,7 @@ from presswear.scene.setting_list import settings_of, used_settings_of
 from presswear.scene.settings import changed
 from presswear.sweeps.parameters import parse_group
 from presswear.tools.errors import InputError
+from presswear.tools.quantities import Quantity
 from presswear.tools.user_function import UserFunction, compile_function
 
 LAWS = """
@@ -64,6 +65,7 @@ def test_a_file_sets_numbers_of_laws(scene: Scene) -> None:
     expected = {"friction_law.width": 1e-3, "B.wear_law.ratio": 30.0}
     assert values_of(scene) == expected | {"B.wear_law.fade": 3e-6}
     meaning = setting_of(scene, "B.wear_law.fade").meaning
+    assert isinstance(meaning, Quantity)
     assert (meaning.unit, meaning.low, meaning.high) == ("m", 1e-7, 1e-3)
     assert values_of(scene).keys() <= {one.key for one in used_settings_of(scene)} | {
         "B.wear_law.fade"
