@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.elements import Bar, Body, Guide, Pin
+from presswear.linkage.elements import Bar, Body, Guide, Pin, Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.motor import Motor
 
@@ -13,14 +13,17 @@ RADIUS, HEIGHT = 0.1, 0.3  # of the crank and of its pivot above that of the roc
 YOKE_MASS = 2.0
 
 
-def sized(linkage: Linkage, slot: str, length: float, width: float) -> Linkage:
+def sized(
+    linkage: Linkage, slot: str, length: float | None, width: float | None
+) -> Linkage:
     """Return a linkage whose block in a slot has a length and a width, m."""
-    return linkage.changed(
-        joints=[
-            replace(one, length=length, width=width) if one.name == slot else one
-            for one in linkage.joints
-        ]
-    )
+
+    def joint(one: Revolute | Guide) -> Revolute | Guide:
+        if isinstance(one, Guide) and one.name == slot:
+            return replace(one, length=length, width=width)
+        return one
+
+    return linkage.changed(joints=[*map(joint, linkage.joints)])
 
 
 def quick_return(speed: float = SPEED) -> Linkage:

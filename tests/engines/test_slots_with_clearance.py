@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from runs import residual, run_scene
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from slotted import (
     driven_rod,
     quick_return,
@@ -138,6 +139,29 @@ def in_disc(run: Run) -> Array:
     _, _, angle, x, y, block = run.end.position
     c, s = math.cos(angle), math.sin(angle)
     return np.array([c * x + s * y, c * y - s * x, block - angle])
+
+
+@pytest.mark.parametrize(("engine", "within"), ENGINES)
+def test_two_corners_of_a_face_touch_a_turning_wall_at_the_same_instant(
+    engine: Engine, within: float
+) -> None:
+    """A block at rest in the disc flies straight on: y = r (p cos p - sin p), p = W t."""
+    linkage = on_disc(restitution=0.5)
+    start = from_disc(linkage, np.array([FIRST, 0.0, 0.0]), np.zeros(3), 0.3)
+    run = engine.for_cycle(0.01).simulate(linkage, start, Plan(0.01, 1))
+    assert run.status == "completed", run.message
+
+    def gap(phase: float) -> float:
+        return FIRST * (phase * math.cos(phase) - math.sin(phase)) + C
+
+    phase = brentq(gap, 0.1, 0.3, xtol=1e-14)
+    speed = FIRST * TURN * phase * math.sin(phase)
+    for k in (2, 3):
+        first = run.recorder.stored_contacts(k)[0]
+        assert first[0] == pytest.approx(phase / TURN, abs=1e-2 * within)
+        assert first[2] == pytest.approx(speed, rel=max(10.0 * within, 1e-8))
+    assert all(len(run.recorder.stored_contacts(k)) == 0 for k in (0, 1))
+    assert abs(in_disc(run)[2]) < within
 
 
 def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
@@ -381,6 +405,26 @@ def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block() -> None:
         volume = wall_volume(scene.linkage().corners[0], depth)
         assert volume == pytest.approx(wall.coefficient * load, rel=1e-12)
         assert volume > 0.0
+
+
+@pytest.mark.parametrize(
+    ("engine", "within"),
+    [
+        (InHouse(integration_tolerance=1e-10), 1e-7),
+        (ExudynTree(tree_tolerance=1e-10), 1e-7),
+        (ExudynJoints(), 1e-5),
+    ],
+)
+def test_worn_walls_that_move_create_no_energy(engine: Engine, within: float) -> None:
+    """Waves of 10 um over 20 mm along both walls, without friction and damping."""
+    scene = scene_of("quick return", friction=0.0, restitution=1.0)
+    wall = scene.linkage().corners[0].wall
+    assert wall is not None
+    waves = np.cos(2.0 * math.pi * bin_centres_of(wall) / 0.02)
+    worn = {"slot": (Surface(5e-6 * (1.0 + waves)), Surface(5e-6 * (1.0 - waves)))}
+    run = run_scene(scene, engine, 0.05, linkage=scene.linkage(worn))
+    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 8
+    assert residual(run) < within
 
 
 def test_the_rate_of_a_corner_is_a_derivative() -> None:
