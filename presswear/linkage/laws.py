@@ -89,6 +89,14 @@ FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper
 """Parameters of a user friction law: m/s, N, -, m/s, m/s."""
 
 
+STATE_PARAMETERS = (*FRICTION_PARAMETERS, "state")
+"""Parameters of a user friction law with a state, m."""
+
+RATE_PARAMETERS = ("sliding", *FRICTION_PARAMETERS[2:], "state", "closed")
+"""Parameters of the rate of this state, m/s; ``closed`` is 1 in contact and 0 in flight."""
+
+STATE_SCALE = 1e-6  # m, of the state of a law without the number ``scale``
+
 ARCHARD = "archard"
 WEAR_PARAMETERS = ("depth", "load_distance", "pressure", "coefficient")
 """Parameters of a user wear law: m, N/m, Pa, 1/Pa."""
@@ -238,6 +246,45 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
                     )
 
 
+def has_state(law: UserFunction) -> bool:
+    """Return whether a user friction law has a state."""
+    return "state" in law.parameters("friction_law", STATE_PARAMETERS)
+
+
+def rate_of(law: UserFunction) -> UserFunction:
+    """Return the function of RATE_PARAMETERS that is the rate of the state of a law."""
+    rate = UserFunction(f"{law.name}_rate", law.source)
+    names = {one.name for one in rate.numbers("friction_law", RATE_PARAMETERS)}
+    values = {name: value for name, value in law.values if name in names}
+    return rate.with_values("friction_law", values, RATE_PARAMETERS)
+
+
+def state_scale(law: UserFunction) -> float:
+    """Return a change of the state that matters, m: the number ``scale`` of a law."""
+    settings = law.settings("friction_law", STATE_PARAMETERS)
+    values = {number.name: value for number, value in settings}
+    return values.get("scale", STATE_SCALE)
+
+
+def steady_state(key: str, law: UserFunction, values: Mapping[str, float]) -> float:
+    """Return the state of steady sliding, m, between -1 and 1 m, by bisection."""
+    rate = rate_of(law)
+
+    def slope(state: float) -> float:
+        point = {**values, "state": state, "closed": 1.0}
+        return rate.number(key, RATE_PARAMETERS, point)
+
+    low, high = -1.0, 1.0
+    if not slope(low) >= 0.0 >= slope(high):
+        raise InputError(
+            f"{key}: {rate.name} must fall with the state, from above 0 at -1 m to below 0 at 1 m"
+        )
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if slope(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)
+
+
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
     """Raise InputError where a user friction law gives no number, creates energy or jumps."""
     for speed in (
@@ -251,13 +298,17 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
     ):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
-            force = law.number(key, FRICTION_PARAMETERS, state)
+            if has_state(law):
+                state["state"] = steady_state(key, law, state)
+            force = law.number(key, STATE_PARAMETERS, state)
             if force * sliding > 0.0:
                 fault = (
                     f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"
                 )
                 remedy = "a force against the sliding has the other sign"
                 raise InputError(f"{key}: {law.name} makes energy: {fault}; {remedy}")
+    if has_state(law):
+        return  # which keeps the force from jumping
     if jump := law.jump("sliding", {**values, "normal": 100.0}):
         place, below, above = jump
         fault = (

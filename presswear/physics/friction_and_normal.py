@@ -14,6 +14,7 @@ from presswear.linkage.laws import (
     NORMAL_PARAMETERS,
     FrictionLaw,
     NormalLaw,
+    has_state,
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
@@ -325,7 +326,7 @@ def friction_record(law: FrictionLaw) -> Records:
     record["lower"] = law.lower
     record["upper"] = law.upper
     force: Any = FRICTION_FORCES.get(law.name)
-    if law.user_law is not None:
+    if law.user_law is not None and not has_state(law.user_law):
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
     is_inline = force in (None, ramp_friction)
     record["force"] = (

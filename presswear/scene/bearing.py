@@ -110,7 +110,7 @@ class DryContact(Checked):
         0.0, "N s/m", 0.0, 1e8, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
     )
     friction_law: Law = choice(
-        "ramp", tuple(FRICTIONS), "friction law", laws.FRICTION_PARAMETERS
+        "ramp", tuple(FRICTIONS), "friction law", laws.STATE_PARAMETERS
     )
     friction: float = quantity(
         0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f"
@@ -275,6 +275,14 @@ class Bearing(FrictionSettings, DryContact):
 
     def _check_friction_settings(self) -> None:
         """Raise InputError for settings that the friction law refuses or does not read."""
+        user = self.friction_law
+        if isinstance(user, UserFunction) and laws.has_state(user):
+            if self.clearance == 0.0 or self.has_film:
+                reason = "clearance = 0" if self.clearance == 0.0 else "film = run"
+                raise InputError(
+                    f"friction_law = {user}: with {reason} allowed is a law without a state"
+                )
+            laws.rate_of(user).parameters("friction_law", laws.RATE_PARAMETERS)
         for law, settings in WITH_SETTINGS.items():
             if self.friction_law == law:
                 if self.clearance == 0.0:

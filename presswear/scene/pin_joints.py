@@ -76,7 +76,9 @@ def check_user_friction(bearing: Bearing, joint: str) -> None:
         key = f"{joint}.friction_law"
         ramp = {"lower_speed": bearing.lower_speed, "upper_speed": bearing.upper_speed}
         laws.check_friction(key, law, {"coefficient": bearing.friction, **ramp})
-        law.check_compiles(key, laws.FRICTION_PARAMETERS)
+        if laws.has_state(law):
+            laws.rate_of(law).check_compiles(key, laws.RATE_PARAMETERS)
+        law.check_compiles(key, laws.STATE_PARAMETERS)
 
 
 def rigid_joint(bearing: Bearing, revolute: elements.Revolute) -> elements.Revolute:

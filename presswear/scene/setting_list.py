@@ -13,6 +13,7 @@ from presswear.tools.fields import meaning_of
 from presswear.tools.quantities import Quantity
 from presswear.tools.user_function import UserFunction
 
+OF_LAW = "law"  # origin of the default of a number of a user law
 SET = "set by the user"  # origin of a value that was changed
 COMMON = "bearings"  # field of a scene with the bearing that joints share
 
@@ -104,7 +105,8 @@ def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
         key = f"{joint}.{setting.key}"
         meaning = setting.meaning
         if isinstance(meaning, Quantity):
-            meaning = replace(meaning, origin=scene.origins.get(key, SET))
+            default = OF_LAW if meaning.origin == OF_LAW else SET
+            meaning = replace(meaning, origin=scene.origins.get(key, default))
         yield Setting(key, setting.value, meaning)
 
 

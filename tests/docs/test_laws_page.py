@@ -11,8 +11,10 @@ from presswear.scene.settings import changed
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/laws.md"
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-LAWS = re.findall(r"^def (\w+)\((\w+)", "\n".join(BLOCKS), re.MULTILINE)
-KINDS = {"penetration": "normal_law", "sliding": "friction_law"}
+FUNCTIONS = re.findall(r"^def (\w+)\((\w+)", "\n".join(BLOCKS), re.MULTILINE)
+LAWS = [law for law in FUNCTIONS if not law[0].endswith("_rate")]
+KINDS = {"penetration": "normal_law"}
+KINDS |= dict.fromkeys(("sliding", "normal"), "friction_law")
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from presswear.linkage.friction_settings import FRICTIONS
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.laws import FrictionLaw, has_state
 from presswear.physics.friction_and_normal import (
     FRICTION_FORCES,
     fill_friction,
@@ -15,6 +15,7 @@ from presswear.physics.friction_and_normal import (
 )
 from presswear.physics.interactions.lugre import LuGre
 from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.interactions.user_friction import UserFrictionWithState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import unknown
@@ -102,6 +103,8 @@ def friction_of(
     """Return the friction law of a joint; its variables in the text begin with ``prefix``."""
     if law.name not in FRICTIONS:
         raise unknown("friction law", law.name, FRICTIONS)
+    if law.user_law is not None and has_state(law.user_law):
+        return UserFrictionWithState(page, prefix, joint, law)
     if law.name in LAWS_WITH_SETTINGS and law.coefficient > 0.0:
         return LAWS_WITH_SETTINGS[law.name](page, prefix, joint, law)
     return FrictionWithoutState(page, prefix, law, record)
@@ -109,6 +112,8 @@ def friction_of(
 
 def steady_friction(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
     """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
+    if law.user_law is not None and has_state(law.user_law):
+        return UserFrictionWithState.steady_force(law, sliding, normal)
     if law.name in LAWS_WITH_SETTINGS:
         return LAWS_WITH_SETTINGS[law.name].steady_force(law, sliding, normal)
     return FrictionWithoutState.steady_force(law, sliding, normal)
