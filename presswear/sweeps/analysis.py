@@ -3,18 +3,11 @@
 from dataclasses import dataclass
 
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
+from presswear.sweeps.response_distribution import Spread, spread_of_rows
+from presswear.sweeps.response_points import Points, points_of
 from presswear.sweeps.responses import Limit
-from presswear.sweeps.sensitivity import (
-    Points,
-    Sensitivity,
-    Spread,
-    Surrogate,
-    chaotic_share,
-    fit,
-    points_of,
-    sensitivity,
-    spread_of_rows,
-)
+from presswear.sweeps.sensitivity import Sensitivity, chaotic_share, sensitivity
+from presswear.sweeps.surrogate import Surrogate, fit
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import readable, whole
 

@@ -11,15 +11,11 @@ from presswear.show.figures import style
 from presswear.show.figures.style import LINES, Drawing, Pen, finished
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.parameters import Column, Display
+from presswear.sweeps.response_distribution import PROBABILITIES, Spread
+from presswear.sweeps.response_points import Points
 from presswear.sweeps.responses import Limit
-from presswear.sweeps.sensitivity import (
-    PROBABILITIES,
-    Points,
-    Sensitivity,
-    Spread,
-    Surrogate,
-    is_logarithmic,
-)
+from presswear.sweeps.sensitivity import Sensitivity
+from presswear.sweeps.surrogate import Surrogate, is_logarithmic
 from presswear.tools.arrays import Array
 
 COLOURS = "cividis"  # distinguishable with colour blindness and in grey print

@@ -29,16 +29,11 @@ from presswear.sweeps.parameters import (
     parse_distribution,
 )
 from presswear.sweeps.plan import Table
+from presswear.sweeps.response_distribution import PROBABILITIES, spread_of_rows
+from presswear.sweeps.response_points import Points, points_of
 from presswear.sweeps.responses import Limit
-from presswear.sweeps.sensitivity import (
-    PROBABILITIES,
-    Points,
-    chaotic_share,
-    fit,
-    points_of,
-    sensitivity,
-    spread_of_rows,
-)
+from presswear.sweeps.sensitivity import chaotic_share, sensitivity
+from presswear.sweeps.surrogate import fit
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity

@@ -1,0 +1,63 @@
+"""Distribution of a response over the points of a sample."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswear.recording.statistics import LEVEL
+from presswear.sweeps.plan import Table
+from presswear.sweeps.responses import Limit
+from presswear.tools.arrays import Array
+
+PROBABILITIES = np.arange(1, 100) / 100.0  # of the quantiles
+# Probabilities at the ends of an interval
+ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Distribution of a response: quantiles at `PROBABILITIES` with their 95 % intervals."""
+
+    source: str
+    values: Array  # shape (99,); NaN if unknown
+    low: Array
+    high: Array
+    # probability of a violation with its interval
+    violation: tuple[float, float, float] | None
+
+
+def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread | None:
+    """Return the distribution of a response over the first replicates of a sample.
+
+    Intervals of quantiles are those of order statistics (David and Nagaraja, Order
+    Statistics, section 7.1), the interval of a probability is that of Clopper and
+    Pearson (1934). A censored value may be any larger one: intervals contain all
+    possibilities. None without values.
+    """
+    from scipy import stats
+
+    k = table.index(key)
+    values = table.values[:: table.replicates, k]
+    censored = table.censored[:: table.replicates, k][np.isfinite(values)]
+    values = values[np.isfinite(values)]
+    count = len(values)
+    if count == 0:
+        return None
+    least = np.sort(values)
+    most = np.sort(np.where(censored, np.inf, values))
+    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
+    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
+    place = np.ceil(count * PROBABILITIES).astype(int) - 1
+    low = np.where(first > 0, least[first - 1], np.nan)
+    high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
+    violation = None
+    if limit is not None:
+        fewest, largest = limit.count(values, censored)
+        violation = (
+            0.5 * (fewest + largest) / count,
+            float(stats.binomtest(fewest, count).proportion_ci(LEVEL).low),
+            float(stats.binomtest(largest, count).proportion_ci(LEVEL).high),
+        )
+    middle = np.where(least[place] == most[place], least[place], np.nan)
+    high = np.where(np.isinf(high), np.nan, high)
+    return Spread("by the runs alone", middle, low, high, violation)
