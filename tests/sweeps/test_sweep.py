@@ -123,7 +123,7 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     command(f"{line} --shard 2/2")
     wider = line.replace("0.6mm", "0.6mm,0.8mm,0.9mm")
     assert "--resume extends it" in command(f"{wider} --shard 1/2", 2)
-    monkeypatch.setattr(sweep_command, "LONG", 1e-6)
+    monkeypatch.setattr(sweep_command, "MAX_TIME", 1e-6)
     assert "continue with --resume --yes" in command(f"{wider} --resume", 2)
     command(f"{wider} --resume --yes")
     table = load_sweep(folder).table
