@@ -132,6 +132,9 @@ def seam(angle: Array, depths: list[Array]) -> float:
     return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
 
 
+LEAST_MILLION = 2e5  # cycles that are counted by the million
+
+
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the deepest wear of each surface over the represented cycles, if wear went in steps.
 
@@ -142,7 +145,10 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         return []
     joints = result.scene.loose_pins
     steps = [step for stage in result.stages for step in stage.wear_steps]
-    sizes = (unit_factor("million") * step.cycles_per_update for step in steps)
+    whole = sum(step.cycles_per_update for step in steps)
+    unit = "million" if whole >= LEAST_MILLION else "thousand"
+    factor = unit_factor("million") * (1.0 if unit == "million" else 1e3)
+    sizes = (factor * step.cycles_per_update for step in steps)
     cycles = list(accumulate(sizes, initial=0.0))
     ends = list(
         accumulate((len(stage.wear_steps) for stage in result.stages), initial=0)
@@ -177,7 +183,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
             )
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
-        axes.set_xlabel("represented cycles (million)")
+        axes.set_xlabel(f"represented cycles ({unit})")
         axes.set_ylabel("deepest wear (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     pens = _SURFACES.values()
