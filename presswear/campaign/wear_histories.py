@@ -104,14 +104,22 @@ class WearHistories:
         """
         runner = self.runner
         scene = runner.scene
-        runner.later = fewest_cycles_of(scene) / scene.replicate_count
-        runner.later += self.later_stages * _stage_cycles(runner, ())
         most = max(scene.max_cycles // scene.replicate_count, 1)
         label = "life, does the motion settle?"
         spec = RunSpec(most, math.inf, label=label)
         if scene.cycles is None:
             spec = replace(stage_spec(scene, 0), label=label)
+        later = fewest_cycles_of(scene) / scene.replicate_count
+        later += self.later_stages * _stage_cycles(runner, ())
+        # Progress counts cycles on worn surfaces. Those on round ones take less time.
+        cost = 1.0
+        if not self.initial.any():
+            cost = scene.solver.step_time / scene.solver.worn_step_time
+        runner.later = later / cost
         self._run_without_wear(spec, "watched", StepCheck(scene, self.initial[0]))
+        runner.done *= cost
+        runner.reported *= cost
+        runner.later = later
         if self.settling and self.settling.verdict == "settled":
             wear = wear_update.CycleWear(0.0, ())
             spec = RunSpec(most, math.inf, wear=wear, label=label)

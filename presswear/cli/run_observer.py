@@ -175,7 +175,7 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
 def needed(cycles: float, seconds: float) -> str:
     """Return the remaining cycles and time of a life in words."""
     count = large(cycles, digits=2)
-    chance = "half to three times as much by chance"
+    chance = "half to twice as much by chance"
     return f"needs about {count} cycles of all replicates, {lasting(seconds)} more ({chance})"
 
 
