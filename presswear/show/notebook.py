@@ -12,13 +12,13 @@ from presswear.tools.errors import NotStored
 
 def html_of(result: Result) -> str:
     """Return the headline of a result, its key numbers and its first figure as HTML."""
-    ending = f": {result.message}" if result.message else ""
-    where = f", in {result.path}" if result.path else ""
-    headline = f"{title_of(result.scene)}: {result.status}{ending}{where}"
+    message = f": {result.message}" if result.message else ""
+    folder = f", in {result.path}" if result.path else ""
+    headline = f"{title_of(result.scene)}: {result.status}{message}{folder}"
     row = Markup("<tr><th style='text-align: left'>{}</th><td>{}</td><td>{}</td></tr>")
-    rows = Markup("").join(
-        row.format(one.name, one.value, one.interval) for one in key_numbers(result)
-    )
+    rows = Markup("")
+    for number in key_numbers(result):
+        rows += row.format(number.name, number.value, number.interval)
     text = Markup("<p><b>{}</b></p><table>{}</table>{}")
     return str(text.format(headline, rows, Markup(_picture(result))))
 

@@ -1,4 +1,4 @@
-"""Bearings: materials, clearance or none."""
+"""Bearings with other materials, and bearings of rigid joints."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,8 +18,8 @@ from presswear.tools.errors import InputError
 BASE = replace(wear_times(), name="base", title="a scene")
 
 
-def test_numbers_that_no_pair_states_stay_with_other_materials() -> None:
-    """Running-in and pressure exponent are not dropped by a comparison of materials."""
+def test_wear_law_stays_with_other_materials() -> None:
+    """Named materials have no running-in and no pressure exponent: those of the scene stay."""
     law = {
         "running_in": 30.0,
         "running_in_depth": 2e-6,
@@ -49,9 +49,8 @@ def test_materials_set_the_wear_of_both_sides() -> None:
     assert setting_of(custom, "A.materials").value == "custom"
     assert custom.bearing("A").materials.bearing_share == law.bearing_share
     assert Scene.from_dict(scene.as_dict()) == scene
-    assert Bearing(
-        materials="chromed-304L"
-    ).materials.wear_coefficient == pytest.approx(50.1e-15)
+    chromed = Bearing(materials="chromed-304L").materials
+    assert chromed.wear_coefficient == pytest.approx(50.1e-15)
 
 
 def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
@@ -63,11 +62,9 @@ def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
     linkage = scene.linkage()
     assert [joint.name for joint in linkage.clearances] == ["B"]
     (joint,) = linkage.rubbing_pins
-    assert (joint.name, joint.bearing_radius, joint.friction.coefficient) == (
-        "O",
-        0.03,
-        0.1,
-    )
+    assert joint.name == "O"
+    assert joint.bearing_radius == 0.03
+    assert joint.friction.coefficient == 0.1
     assert [joint.name for joint in linkage.bushings] == ["B", "O"]
     assert Scene.from_dict(scene.as_dict()) == scene
     used = {setting.key for setting in used_settings_of(scene)}

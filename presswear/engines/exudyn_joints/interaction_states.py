@@ -8,10 +8,13 @@ from presswear.physics.touchdown import joint_crossing
 from presswear.recording.recorder_state import RecorderState
 from presswear.tools.compile import compiled
 
-# Rows of ``BodyState.states`` at the start and at the end of a step. Each begins three rows:
-# value, rate, and derivative of the rate by the value.
-STEP_START, STEP_END = 0, 3
-RATE, SLOPE = 1, 2
+# First of the three rows of ``BodyState.states`` at the start and at the end of a step:
+# value, rate, and derivative of the rate by the value
+STEP_START = 0
+STEP_END = 3
+# Rate and derivative, counted from the first row
+RATE = 1
+SLOPE = 2
 
 
 @compiled
@@ -77,10 +80,9 @@ def fill_end_forces(
     if count > 0:
         fill_forces(body_state, t, END)
         linearise_states(body_state, t, STEP_END)
+        first = body_state.layout.first_state
         for i in range(count):
-            body_state.y[body_state.layout.first_state + i] = next_state(
-                body_state, records, i, t
-            )
+            body_state.y[first + i] = next_state(body_state, records, i, t)
     fill_forces(body_state, t, level)
 
 

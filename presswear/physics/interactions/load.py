@@ -43,17 +43,18 @@ class LoadWithLaw:
 
     def write(self, page: Page) -> None:
         """Write the force or moment on the body, and its power."""
-        text, load, record = page.text, self.load, self.record
+        text = page.text
+        load = self.load
         name = f"load {self.number + 1}"
         if isinstance(load, Force) and load.name:
             name = load.name
         prefix = text.prefix(name)
         link = page.chain.of(load.body)
         text.comment(f"{name}: on {load.body}")
-        zero = text.parameter(f"{prefix}_zero", record["zero"])
+        zero = text.parameter(f"{prefix}_zero", self.record["zero"])
         direction = Vector(
-            text.direction(f"{prefix}_direction_x", record["cosine"]),
-            text.direction(f"{prefix}_direction_y", record["sine"]),
+            text.direction(f"{prefix}_direction_x", self.record["cosine"]),
+            text.direction(f"{prefix}_direction_y", self.record["sine"]),
         )
         if isinstance(load, Force):
             arm = link.arm(text, load.attachment, prefix)
