@@ -115,3 +115,14 @@ def test_kernels_make_no_array_and_raise_no_error() -> None:
                     wrong.append(f"{file}:{function.lineno}: {function.name}")
     assert kernels > 100
     assert not wrong
+
+
+def test_no_public_name_is_a_module_of_its_package() -> None:
+    """After an import of the module, a function of the same name would be the module."""
+    for stub in (ROOT / "presswear").rglob("__init__.pyi"):
+        imports = re.findall(
+            r"from presswear(\.[\w.]+)? import (\w+) as", stub.read_text()
+        )
+        names = {name for module, name in imports if module}
+        modules = {file.stem for file in stub.parent.glob("*.py")}
+        assert not names & modules, stub

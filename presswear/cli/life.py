@@ -45,7 +45,7 @@ def life(arguments: argparse.Namespace, console: Console) -> int:
     is_folder = (Path(arguments.scene) / "result.json").exists()
     if arguments.readings is not None and is_plain and is_folder:
         result = terminal.load_result(Path(arguments.scene), console)
-        from presswear.results.remaining_life import remaining_life
+        from presswear.results.life_from_readings import remaining_life
 
         remaining_life(result, arguments.readings)  # nothing is stored if it is wrong
         return finish(result, arguments, console)
@@ -83,8 +83,8 @@ def _changes_a_life(arguments: argparse.Namespace) -> bool:
 
 def _with_readings(scene: Scene, arguments: argparse.Namespace) -> Scene:
     """Return the scene with the life of this command, checked for the readings."""
+    from presswear.results.life_from_readings import check_for_life
     from presswear.results.readings import read_readings
-    from presswear.results.remaining_life import check_for_life
 
     if _changes_a_life(arguments):
         raise InputError(

@@ -186,7 +186,7 @@ def finish(result: "Result", arguments: argparse.Namespace, console: Console) ->
     if result.status == "unconverged":
         terminal.print_lines(console, f"not converged: {result.message}")
     if readings is not None:
-        from presswear.results.remaining_life import remaining_life
+        from presswear.results.life_from_readings import remaining_life
 
         terminal.print_lines(console, *remaining_life(result, readings).lines)
     return 0

@@ -11,9 +11,9 @@ from presswear.results.life import (
     span_of,
     words_of,
 )
+from presswear.results.life_from_readings import remaining_life
 from presswear.results.motor_load import mean_period
 from presswear.results.readings import FILE as READINGS
-from presswear.results.remaining_life import remaining_life
 from presswear.results.result import Result
 from presswear.show.figures.life import limit_text, services_done
 from presswear.show.page import NOTHING, Line

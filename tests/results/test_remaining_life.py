@@ -13,8 +13,8 @@ from scipy import stats
 import presswear as pw
 from presswear.physics.running_in import RunningIn
 from presswear.results.life import LifeResult
+from presswear.results.life_from_readings import remaining_life
 from presswear.results.readings import Reading, read_readings
-from presswear.results.remaining_life import remaining_life
 from presswear.results.result import Result
 from presswear.results.steady_wear import steady_wear
 from presswear.results.wear_posterior import Observed, Shape, posterior_of
