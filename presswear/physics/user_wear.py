@@ -216,9 +216,9 @@ def deposit_by_law(
     for side in range(2):
         share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         for k in range(depth.shape[1]):
-            added = archard[side, k]
-            if added != 0.0:
-                pressure = force * added / (share * coefficient * load_distance)
+            by_archard = archard[side, k]
+            if by_archard != 0.0:
+                pressure = force * by_archard / (share * coefficient * load_distance)
                 law = call(joint.wear_address, (0.0, 0.0, pressure, coefficient))
-                depth[side, k] += added * (law / coefficient)
+                depth[side, k] += by_archard * (law / coefficient)
                 archard[side, k] = 0.0

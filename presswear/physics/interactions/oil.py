@@ -209,8 +209,8 @@ class OiledContact:
         mean = text.let(f"{prefix}_mean_speed", mean)
         velocity = velocity.minus(place.rotated_at(mean))
         velocity = text.let_vector(f"{prefix}_velocity", velocity)
-        held = elastic.minus(velocity.times(f"{prefix}_damping"))
-        film_velocity = self._write_film_velocity(page, prefix, film, held)
+        resistance = elastic.minus(velocity.times(f"{prefix}_damping"))
+        film_velocity = self._write_film_velocity(page, prefix, film, resistance)
         rate = film_velocity.plus(film.rotated_at(mean))
         rate = text.let_vector(f"{prefix}_film_rate", rate)
         for i, component in zip(axes, rate, strict=True):
@@ -231,15 +231,15 @@ class OiledContact:
             self._write_record(page, prefix, (film, rate, force), losses)
 
     def _write_film_velocity(
-        self, page: Page, prefix: str, film: Vector, held: Vector
+        self, page: Page, prefix: str, film: Vector, resistance: Vector
     ) -> Vector:
-        """Write e_f' in the turning frame; ``held`` is the force at e_f' = 0."""
+        """Write e_f' in the turning frame; ``resistance`` is the force at e_f' = 0."""
         text = page.text
         clearance = text.parameter(f"{prefix}_clearance", self.joint.clearance)
         chord = f"chord_of({prefix}_stretch, {clearance})"
         arguments = (
             f"({film.x}, {film.y})",
-            f"({held.x}, {held.y})",
+            f"({resistance.x}, {resistance.y})",
             f"({chord}, {prefix}_damping, {prefix}_relaxation)",
             self._bearing(page, prefix),
         )
