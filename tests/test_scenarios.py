@@ -65,6 +65,7 @@ def _with_half_width(text: str) -> list[float]:
     ]
 
 
+@pytest.mark.slow
 def test_second_wear_by_assumption(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

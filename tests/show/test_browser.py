@@ -91,6 +91,7 @@ def test_a_report_executes_no_script(
     assert browser.find_element(By.CSS_SELECTOR, ".drawing svg").size["width"] > 100
 
 
+@pytest.mark.slow
 def test_a_report_of_seven_joints_is_small(tmp_path: Path) -> None:
     scene = replace(made.BODY, joints="O2,O7,A,B,C,D,E")
     seven = write_report(replace(made.made_up(scene, 2), path=tmp_path))
