@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from presswear.scene.fits import clearances_of, fit_of
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import setting_of
 from presswear.scene.setting_list import Setting
@@ -188,12 +189,20 @@ ARGUMENTS = {
 def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     """Read the distribution of a parameter.
 
-    ``0.2mm:1mm`` is uniform. A lognormal distribution has a median and a coefficient of
+    ``0.2mm:1mm`` is uniform; so is a fit with its diameter, ``110 H8/f7``, from its least
+    to its largest clearance. A lognormal distribution has a median and a coefficient of
     variation, ``50%``, or a factor of one standard deviation of the logarithm,
     ``x1.6``. A line of ``table(FILE.csv)`` has a value with its unit, and optionally a
     weight after a comma. `InputError` if the text is not a distribution, or more than
     `MAX_CUT` of it is out of range.
     """
+    if fit := fit_of(text):
+        if fit.diameter is None:
+            raise InputError(
+                f"{key} = {text}: a fit with its diameter is expected, such as 110 H8/f7"
+            )
+        least, largest = clearances_of(fit, fit.diameter)
+        text = f"{least!r} m:{largest!r} m"
     kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
     if not bracket and ":" in text:
         kind = "uniform"

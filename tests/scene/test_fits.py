@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import presswear as pw
@@ -19,6 +20,7 @@ from presswear.scene.fits import (
 )
 from presswear.scene.setting_keys import setting_of
 from presswear.scene.value_ranges import values_of
+from presswear.sweeps.parameters import parse_distribution
 from presswear.tools.quantities import Quantity
 
 # Formulas of ISO 286-1 before rounding, D in mm and results in um: tolerances in units of i up
@@ -106,6 +108,14 @@ def test_a_file_has_diameters_and_fits(tmp_path: Path) -> None:
 def test_a_sweep_goes_over_a_fit() -> None:
     values = values_of("clearance", "110 H8/f7:3", Quantity("m"))
     assert values == pytest.approx([18e-6, 40.25e-6, 62.5e-6])
+
+
+def test_a_sample_of_a_fit_goes_over_its_field() -> None:
+    field = parse_distribution("110 H8/f7", "clearance", Quantity("m"))
+    ends = field.ppf(np.array([0.0, 0.5, 1.0]))
+    np.testing.assert_allclose(ends, [18e-6, 40.25e-6, 62.5e-6], rtol=1e-9)
+    with pytest.raises(pw.InputError, match="with its diameter is expected"):
+        parse_distribution("H8/f7", "clearance", Quantity("m"))
 
 
 @pytest.mark.parametrize(
