@@ -116,7 +116,9 @@ def life_result(
         strokes = each.crossing(problem.limits)
         error = each.sampling_error(problem.limits)
         logarithms = each.logarithms(problem.limits)
-        deviations = weight * (logarithms - logarithms.mean()) if weight > 0.0 else ()
+        deviations = np.zeros(0)
+        if weight > 0.0 and logarithms.size:
+            deviations = weight * (logarithms - logarithms.mean())
         stored.append(
             RefinementResult(
                 change=each.change,
