@@ -29,6 +29,7 @@ IMPORTED_BY_NAME = {
         "'presswear.tools.errors'",
         "'presswear.tools.serialize'",
         "f'{package}.{name}'",
+        "f'{package}.{part}'",
         "modules[name]",
     ],
     "tools/processes.py": ["'presswear'", "name"],

@@ -33,6 +33,14 @@ def test_every_public_name_exists(package: ModuleType) -> None:
         _ = getattr(package, "Sceen")  # noqa: B009 (type checkers refuse the attribute)
 
 
+def test_a_name_of_a_part_is_found_there() -> None:
+    """Five parts have names that a user may look for at the root."""
+    for name, place in {"InHouse": "engines", "deflection": "statics"}.items():
+        message = f"it is presswear.{place}.{name}$"
+        with pytest.raises(AttributeError, match=message):
+            getattr(pw, name)
+
+
 def test_one_version_in_package_citation_and_changelog() -> None:
     root = Path(__file__).parents[1]
     version = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]

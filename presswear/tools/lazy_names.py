@@ -22,12 +22,19 @@ def attach_stub(package: str, file: str) -> tuple[object, object, list[str]]:
         words = [line.split() for line in stub if line.startswith("from ")]
     modules = {line[3]: line[1] for line in words if line[4:5] == ["as"]}
     names = list(modules)
+    parts = [name for name in names if modules[name] == package]
+
+    def hint_at(name: str) -> str:
+        for part in parts:
+            if name in dir(import_module(f"{package}.{part}")):
+                return f"; it is {package}.{part}.{name}"
+        return str(import_module("presswear.tools.errors").remedy(name, names))
 
     def load(name: str) -> object:
         if name not in modules:
-            hint = import_module("presswear.tools.errors").remedy(name, names)
+            hint = hint_at(name)
             raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
-        if modules[name] == package:
+        if name in parts:
             return import_module(f"{package}.{name}")
         value = getattr(import_module(modules[name]), name)
         if hasattr(value, "__dataclass_fields__"):
