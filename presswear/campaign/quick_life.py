@@ -14,6 +14,7 @@ from presswear.linkage.elements import Guide, GuideCorner
 from presswear.linkage.surface import SIDES
 from presswear.physics.wall_wear import tilt_between
 from presswear.recording.statistics import Estimate, quantile
+from presswear.recording.statistics.estimate import weighted_sum
 from presswear.results.life import QUICK, LifeResult, LimitResult, WearRate
 from presswear.results.stage import StageResult
 from presswear.scene.options import Limit
@@ -72,17 +73,9 @@ def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
     volumes = [wall.volume_per_cycle.scaled(strokes) for wall in walls]
     return {
         f"{guide.name}.depth": max(depths, key=lambda depth: depth.mean),
-        f"{guide.name}.wear_volume": _sum_of(volumes),
-        f"{guide.name}.tilt": _sum_of(depths).scaled(1.0 / guide.length),
+        f"{guide.name}.wear_volume": weighted_sum(volumes, (1.0, 1.0)),
+        f"{guide.name}.tilt": weighted_sum(depths, (1.0 / guide.length,) * 2),
     }
-
-
-def _sum_of(estimates: list[Estimate]) -> Estimate:
-    """Return the sum of independent estimates."""
-    halves = [one.half_width for one in estimates]
-    widths = [half for half in halves if half is not None]
-    half = math.hypot(*widths) if len(widths) == len(halves) else None
-    return Estimate.symmetric(sum(one.mean for one in estimates), half)
 
 
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:

@@ -1,11 +1,10 @@
 """Bottom dead centre of the strokes of a stage over the ideal one, and its change."""
 
-import math
-
 import numpy as np
 
 from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import weighted_sum
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -39,6 +38,4 @@ def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     earlier = since.statistics.bdc
     if later is None or earlier is None:
         return None
-    halves = later.error.half_width, earlier.error.half_width
-    half = None if None in halves else math.hypot(*filter(None, halves))
-    return Estimate.symmetric(later.error.mean - earlier.error.mean, half)
+    return weighted_sum((later.error, earlier.error), (1.0, -1.0))

@@ -12,7 +12,7 @@ from presswear.scene.catalog import title_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import SETTINGS, WIDTH, Drawing, Sheet, wrapped
 from presswear.show.page import FirstScreen, Line, Table
-from presswear.show.report import check_cycles, first_screen, report_tables
+from presswear.show.report import TITLES, check_cycles, first_screen, report_tables
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_whole
 
@@ -21,22 +21,6 @@ FONTS: Mapping[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42}
 PAGE = 8.27, 11.69  # A4, inches
 MARGIN = 0.5 * (PAGE[0] - WIDTH)
 LINE = 0.16  # inches, of text of 8 pt
-TITLES = {
-    "chosen": "Specified settings",
-    "changes": "Changed settings",
-    "bodies": "Bodies",
-    "pins": "Joints",
-    "joints": "Motion, forces and wear",
-    "bottom": "Accuracy and repeatability at bottom dead centre",
-    "tonnage": "Tonnage and shock",
-    "guide": "Tilt and load of the slide in its guide",
-    "motor": "Speed, torque and energy of the motor",
-    "drives": "Torque, power and energy of the drives",
-    "growth": "Wear updates",
-    "motion": "Modes of contact",
-    "endings": "End of each stage",
-}
-"""Tables of the report by name, in their order, with their titles."""
 LABEL = 52  # letters of a first column
 CELL = 34  # letters of another column, at most
 

@@ -70,6 +70,23 @@ from presswear.tools.files import inside, write_bytes
 
 MANY_CYCLES = 10  # recorded cycles from which sections and spectra show something
 
+# Titles of the tables that a reader of HTML and of PDF sees, in their order, by name
+TITLES = {
+    "chosen": "Specified settings",
+    "changes": "Changed settings",
+    "bodies": "Bodies",
+    "pins": "Joints",
+    "joints": "Motion, forces and wear",
+    "bottom": "Accuracy and repeatability at bottom dead centre",
+    "tonnage": "Tonnage and shock",
+    "guide": "Tilt and load of the slide in its guide",
+    "motor": "Speed, torque and energy of the motor",
+    "drives": "Torque, power and energy of the drives",
+    "growth": "Wear updates",
+    "motion": "Modes of contact",
+    "endings": "End of each stage",
+}
+
 
 def prepare(scene: Scene) -> None:
     """Compile the kernels of a report, and compute what does not depend on the run."""
@@ -164,6 +181,7 @@ def render_report(
     missing = list[str]()
     content: Record = {
         "result": result,
+        "titles": TITLES,
         "scene": scene,
         "base": named_scene(scene),
         "stages": stages,

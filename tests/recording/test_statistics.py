@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from presswear.recording import statistics
+from presswear.recording.statistics.estimate import weighted_sum
 from presswear.tools.arrays import Array
 
 
@@ -425,3 +426,12 @@ def test_maps_without_the_first_cycles_are_those_of_the_others(
     assert later.sampled == pytest.approx(depth[begin:].sum(axis=0))
     assert later.batches == pytest.approx(maps.batches[-(-first // maps.size) :])
     assert maps.since(0).sampled == pytest.approx(maps.sampled)
+
+
+def test_a_weighted_sum_of_independent_estimates_has_the_root_of_the_squares() -> None:
+    first = statistics.Estimate.symmetric(3.0, 1.5)
+    second = statistics.Estimate.symmetric(5.0, 4.0)
+    result = weighted_sum((first, second), (2.0, -1.0))
+    assert (result.mean, result.low, result.high) == (1.0, -4.0, 6.0)
+    unknown = statistics.Estimate(5.0)
+    assert weighted_sum((first, unknown), (2.0, -1.0)) == statistics.Estimate(1.0)

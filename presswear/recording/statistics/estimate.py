@@ -1,6 +1,7 @@
 """Numbers with their 95 % confidence interval."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -100,6 +101,17 @@ class Estimate:
             None if end is None else factor * end for end in (self.low, self.high)
         )
         return Estimate(factor * self.mean, low, high, self.samples)
+
+
+def weighted_sum(estimates: Sequence[Estimate], weights: Sequence[float]) -> Estimate:
+    """Return the weighted sum of independent estimates; no interval if one of them has none."""
+    terms = list(zip(estimates, weights, strict=True))
+    mean = sum(weight * one.mean for one, weight in terms)
+    halves = [
+        weight * one.half_width for one, weight in terms if one.half_width is not None
+    ]
+    is_known = len(halves) == len(terms)
+    return Estimate.symmetric(mean, math.hypot(*halves) if is_known else None)
 
 
 def ratio(first: Estimate, second: Estimate) -> Estimate:
