@@ -15,7 +15,7 @@ import numpy as np
 import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.linkage.laws import Materials
+from presswear.linkage.materials import Materials
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import STARTUP_CYCLES

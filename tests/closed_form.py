@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.points import Attachment
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array

@@ -3,8 +3,9 @@
 import math
 from dataclasses import replace
 
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.elements import Bar, Body, Guide, Pin, Revolute
+from presswear.linkage.joints import Guide, Pin, Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.motor import Motor
 

@@ -1,7 +1,8 @@
 """Linkages of which a part has no freedom once a joint is open."""
 
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import assemble
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 import presswear as pw
 from presswear.engines.base import Start
-from presswear.linkage.elements import WallMap
+from presswear.linkage.guide_corner import WallMap
 from presswear.linkage.linkage import Linkage
 
 L, W, C = 0.4, 0.3, 0.05e-3  # of the slide, m

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 import presswear as pw
-from presswear.linkage.elements import GROUND, MapFrame
+from presswear.linkage.clearance_joint import MapFrame
+from presswear.linkage.points import GROUND
 from presswear.physics.contact import penetration_acceleration
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.friction_and_normal import (

@@ -26,16 +26,16 @@ from presswear.campaign.wear_update import initial_depth
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.drives import Drive
-from presswear.linkage.laws import (
+from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.loads import Force
+from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.motion_pieces import RISES, Rise
+from presswear.linkage.normal_law import (
     DAMPINGS,
     KELVIN_VOIGT,
     NormalLaw,
     delivered_restitution,
 )
-from presswear.linkage.load_laws import OverPosition
-from presswear.linkage.loads import Force
-from presswear.linkage.mechanisms import SliderCrank
-from presswear.linkage.motion_pieces import RISES, Rise
 from presswear.linkage.process import Blanking
 from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.options import Limit

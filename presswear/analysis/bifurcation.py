@@ -27,7 +27,7 @@ from presswear.analysis.pins import (
 )
 from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import CORNERS
+from presswear.linkage.guide_corner import CORNERS
 from presswear.linkage.linkage import Linkage
 from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene

@@ -18,8 +18,8 @@ import numpy as np
 from presswear.analysis.bifurcation import ENGINE, continued
 from presswear.analysis.pins import kick_pins
 from presswear.engines.base import Plan, Start
-from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.recording.recorder import Recorder
 from presswear.recording.settling import CHANGE, REPEATED, signatures
 from presswear.recording.statistics import STARTUP_CYCLES

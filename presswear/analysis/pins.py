@@ -7,7 +7,7 @@ moved, too.
 import numpy as np
 
 from presswear.engines.base import Start, with_velocity
-from presswear.linkage.elements import CORNERS
+from presswear.linkage.guide_corner import CORNERS
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.tools.arrays import Array

@@ -2,7 +2,7 @@
 
 from presswear.campaign.cycles_of_life import fewest_cycles
 from presswear.campaign.service_life import FIRST_WEAR, LifeProblem
-from presswear.linkage.laws import WEAR_PARAMETERS
+from presswear.linkage.wear_law import WEAR_PARAMETERS
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.tools.user_function import UserFunction

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswear.campaign.replicates import linkage_on
-from presswear.linkage.elements import GuideCorner
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.physics.dead_centre import bottom_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of

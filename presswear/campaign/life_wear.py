@@ -6,7 +6,7 @@ import numpy as np
 
 from presswear.campaign import wear_update
 from presswear.campaign.refinement import Refinement, Refinements
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.results.stage import WearStep
 from presswear.tools.arrays import Array
 

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint, GuideCorner, tilting_clearance
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner, tilting_clearance
 from presswear.linkage.linkage import Linkage
 from presswear.physics.wall_wear import openings_between, wall_volume, walls_of
 from presswear.physics.wear import worn_volume

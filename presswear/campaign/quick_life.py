@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.campaign.limited_wear import LimitedWear, limited_wear
-from presswear.linkage.elements import Guide, GuideCorner
+from presswear.linkage.guide_corner import GuideCorner
+from presswear.linkage.joints import Guide
 from presswear.linkage.surface import SIDES
 from presswear.physics.wall_wear import tilt_between
 from presswear.recording.statistics import Estimate, quantile

@@ -16,7 +16,8 @@ import numpy as np
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of, with_velocity
 from presswear.engines.settings import Engine
-from presswear.linkage.elements import ClearanceJoint, GuideCorner
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES, Surface
 from presswear.physics.constraints import constraints_of
@@ -153,7 +154,7 @@ def worn_out(
 ) -> Finding | None:
     """Return a finding on the first surface that is worn deeper than the model holds.
 
-    See ``linkage.elements.deepest_wear``. The shape of
+    See ``linkage.clearance_joint.deepest_wear``. The shape of
     the depth is (..., joints, 2, bins), m; ``strokes`` wore it.
     """
     deepest = depth.max(axis=-1, initial=0.0)

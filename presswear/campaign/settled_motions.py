@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import (
     Motion,

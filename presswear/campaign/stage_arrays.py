@@ -10,7 +10,7 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.stage_wear import StageWear
 from presswear.campaign.wall_statistics import wall_arrays
 from presswear.engines.base import Plan
-from presswear.linkage.elements import GuideCorner
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.recording.columns import JOINT_ARRAYS
 from presswear.recording.recorder import Recorder

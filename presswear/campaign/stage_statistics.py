@@ -31,7 +31,8 @@ from presswear.campaign.wear_update import (
     cycles_of_update,
     wear_error,
 )
-from presswear.linkage.elements import ClearanceJoint, GuideCorner
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.physics.wear import worn_volume
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE
 from presswear.recording.soundness import Finding

@@ -7,7 +7,7 @@ import numpy as np
 
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.wear_update import STEP_SAFETY, WearUpdate
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.surface import bin_centres
 from presswear.physics.running_in import depth_laws_of, worn_off
 from presswear.recording.statistics import (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.linkage.elements import WALLS, GuideCorner, WallMap
+from presswear.linkage.guide_corner import WALLS, GuideCorner, WallMap
 from presswear.linkage.linkage import Linkage
 from presswear.physics.wall_wear import bin_centres_of, wall_volume, walls_of
 from presswear.recording.recorder import Recorder

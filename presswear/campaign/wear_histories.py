@@ -34,7 +34,8 @@ from presswear.campaign.service_life import (
 )
 from presswear.campaign.settled_motions import settling_of
 from presswear.campaign.wear_update import stage_spec
-from presswear.linkage.elements import ClearanceJoint, GuideCorner
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.physics.running_in import archard_depth, depth_laws_of
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import STARTUP_CYCLES

@@ -24,7 +24,7 @@ import numpy as np
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.limited_wear import limited_wear
 from presswear.campaign.replicates import RunSpec
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.running_in import (

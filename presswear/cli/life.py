@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
-from presswear.linkage.laws import MATERIALS, listed_pair
+from presswear.linkage.materials import MATERIALS, listed_pair
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import SET

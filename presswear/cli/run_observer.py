@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
-from presswear.linkage.elements import CORNERS
+from presswear.linkage.guide_corner import CORNERS
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.motions import state_of

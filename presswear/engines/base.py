@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.loads import Force
+from presswear.linkage.points import GROUND
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.drive_motion import motions_of

@@ -11,14 +11,6 @@ from typing import Annotated, Any, cast
 
 import numpy as np
 
-from presswear.linkage.elements import (
-    ANGLE,
-    LENGTH,
-    Attachment,
-    OutputPoint,
-    angle,
-    place,
-)
 from presswear.linkage.motion_pieces import (
     MAX_PIECES,
     MIN_PIECE,
@@ -30,6 +22,14 @@ from presswear.linkage.motion_pieces import (
     pieces_of,
 )
 from presswear.linkage.motor import Motor
+from presswear.linkage.points import (
+    ANGLE,
+    LENGTH,
+    Attachment,
+    OutputPoint,
+    angle,
+    place,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity

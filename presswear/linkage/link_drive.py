@@ -10,8 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import torque_limit
-from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     DEFAULT_OF_ROD,

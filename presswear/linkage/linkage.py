@@ -10,22 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
+from presswear.linkage.bodies import Bar, Body
+from presswear.linkage.clearance_joint import Bushing, ClearanceJoint
 from presswear.linkage.cycle import check_cycle, common_period
 from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive, leader_of
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Bar,
-    Body,
-    Bushing,
-    ClearanceJoint,
-    Guide,
-    GuideCorner,
-    Joint,
-    OutputPoint,
-    Pin,
-    Revolute,
-)
+from presswear.linkage.guide_corner import GuideCorner
+from presswear.linkage.joints import Guide, Joint, Pin, Revolute
 from presswear.linkage.load_laws import OverTime
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.part_checks import (
@@ -37,6 +27,7 @@ from presswear.linkage.part_checks import (
     check_names,
 )
 from presswear.linkage.parts import Parts, Placing, cycle, gravity, run_up
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked, checked_arguments, make, plain

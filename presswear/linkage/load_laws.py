@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
-from presswear.linkage.elements import MAX_ANGLE
+from presswear.linkage.points import MAX_ANGLE
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.fields import quantity
 from presswear.tools.quantities import Quantity

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, cast
 
-from presswear.linkage.elements import ANGLE, Attachment
 from presswear.linkage.load_laws import Law, LawOf
+from presswear.linkage.points import ANGLE, Attachment
 from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked

@@ -6,20 +6,18 @@ from collections.abc import Mapping
 from functools import lru_cache, partial
 from typing import Any, ClassVar, NamedTuple
 
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import (
-    DAMPING,
+from presswear.linkage.joints import (
+    ELASTIC_JOINT_DAMPING,
     MAX_STIFFNESS,
     MIN_STIFFNESS,
-    Bar,
-    Body,
-    End,
     Guide,
-    Place,
     slide_size,
 )
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motor import Motor
+from presswear.linkage.points import End, Place
 from presswear.tools.errors import InputError
 from presswear.tools.fields import optional, quantity
 from presswear.tools.quantities import written
@@ -82,7 +80,7 @@ frame_damping_field = partial(
     0.0,
     1.0,
     "assumed",
-    DAMPING,
+    ELASTIC_JOINT_DAMPING,
     "damping of the frame, part of the critical one",
 )
 guide_length_field = partial(
@@ -119,7 +117,7 @@ class Mechanism(Checked, ABC):
     # Elastic frame; None: rigid
     frame_mass: float | None = None  # kg
     frame_stiffness: float | None = None  # N/m
-    frame_damping: float = DAMPING
+    frame_damping: float = ELASTIC_JOINT_DAMPING
     motor: Motor | None = None  # of the driven crank; None: it turns at its speed
     # Slide in its guide; None: without clearance
     guide_length: float | None = None  # m

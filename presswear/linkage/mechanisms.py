@@ -8,8 +8,9 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, torque_limit
-from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     CHOSEN,

@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import ANGLE, MAX_ANGLE
+from presswear.linkage.points import ANGLE, MAX_ANGLE
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.fields import choice

@@ -4,16 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 
+from presswear.linkage.bodies import MIN_INERTIA, Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, leader_of
-from presswear.linkage.elements import (
-    GROUND,
-    MIN_INERTIA,
-    Attachment,
-    Body,
-    Guide,
-    Joint,
-    ends_of,
-)
+from presswear.linkage.joints import Guide, Joint, ends_of
+from presswear.linkage.points import GROUND, Attachment
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 

@@ -5,22 +5,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Annotated
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.elements import (
-    ANGLE,
-    GROUND,
-    Attachment,
-    Body,
-    End,
-    Guide,
-    Joint,
-    OutputPoint,
-    Pin,
-    Revolute,
-    angle,
-)
+from presswear.linkage.joints import Guide, Joint, Pin, Revolute
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
+from presswear.linkage.points import ANGLE, GROUND, Attachment, End, OutputPoint, angle
 from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.fields import count, quantity

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, torque_limit
-from presswear.linkage.elements import Attachment, Bar, Body, Guide, OutputPoint, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     LEFT,
@@ -34,6 +35,7 @@ from presswear.linkage.mechanism import (
 )
 from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity, run_up
+from presswear.linkage.points import Attachment, OutputPoint
 from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
 from presswear.tools.fields import named_set, one_of, quantity

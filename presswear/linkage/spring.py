@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, cast
 
-from presswear.linkage.elements import MAX_LENGTH, Attachment, End
+from presswear.linkage.points import MAX_LENGTH, Attachment, End
 from presswear.tools.fields import quantity
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked

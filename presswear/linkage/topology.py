@@ -3,17 +3,11 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import GearedDrive
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    Guide,
-    Joint,
-    Revolute,
-    ends_of,
-)
+from presswear.linkage.joints import Guide, Joint, Revolute, ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 
 
 class Branch(NamedTuple):

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.drives import LinearDrive
-from presswear.linkage.elements import GROUND, Attachment, ends_of
+from presswear.linkage.joints import ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.part_checks import start_angles
+from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.constraint_rows import ROUND_OFF, Rows
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError

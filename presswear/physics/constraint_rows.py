@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, series
-from presswear.linkage.elements import GROUND, Attachment, OutputPoint, ends_of
+from presswear.linkage.joints import ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.tools.arrays import Array
 
 Group = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows, and as many coordinates

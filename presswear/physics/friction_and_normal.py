@@ -1,4 +1,6 @@
-"""Normal and friction laws of a pin on its bearing, compiled; see ``presswear.linkage.laws``.
+"""Compiled normal and friction forces of a pin on its bearing.
+
+See ``linkage.normal_law`` and ``linkage.friction_law`` for their settings.
 
 The default laws are part of the kernels. Others and user laws are called by the address
 of their machine code, so that no kernel is compiled again for them.
@@ -9,13 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage.laws import (
-    FRICTION_PARAMETERS,
-    NORMAL_PARAMETERS,
-    FrictionLaw,
-    NormalLaw,
-    has_state,
-)
+from presswear.linkage.friction_law import FRICTION_PARAMETERS, FrictionLaw, has_state
+from presswear.linkage.normal_law import NORMAL_PARAMETERS, NormalLaw
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
 from presswear.tools.user_function import compile_function
@@ -83,7 +80,7 @@ def liu_force(
 ) -> float:
     """Return the elastic force of a conforming pin, N: K delta^1.5 / sqrt(1 + delta / c).
 
-    With K of ``linkage.laws.liu_stiffness`` it is (pi / 2) delta E* b sqrt(delta / (2
+    With K of ``linkage.normal_law.liu_stiffness`` it is (pi / 2) delta E* b sqrt(delta / (2
     (c + delta))) of Liu, Zhang and Yang (2007).
     """
     return (

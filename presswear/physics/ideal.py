@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment
 from presswear.physics.assembly import Levels, assembled, close, stuck
 from presswear.physics.constraint_rows import ROUND_OFF, Rows
 from presswear.tools.arrays import Array

@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Bushing
+from presswear.linkage.clearance_joint import Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition, OverTime
 from presswear.linkage.loads import Force, Moment
+from presswear.linkage.points import GROUND
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import IdealMotion, Motion
 from presswear.physics.interactions.friction import steady_friction

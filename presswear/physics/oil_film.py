@@ -14,7 +14,7 @@ digits of g.
 import math
 from typing import NamedTuple
 
-from presswear.linkage.laws import NARROWEST, WIDEST
+from presswear.linkage.oil import MAX_FILM_WIDTH, MIN_FILM_WIDTH
 from presswear.physics.rotation import cos_sin
 from presswear.tools.compile import compiled
 
@@ -50,7 +50,7 @@ def film_of(
     diameter = 2.0 * bearing_radius
     relative_clearance = clearance / bearing_radius
     size = width * diameter * viscosity / relative_clearance**2
-    return OilFilm(min(max(width / diameter, NARROWEST), WIDEST), size)
+    return OilFilm(min(max(width / diameter, MIN_FILM_WIDTH), MAX_FILM_WIDTH), size)
 
 
 @compiled

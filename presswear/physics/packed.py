@@ -6,18 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.drives import GearedDrive, LinearDrive
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    ClearanceJoint,
-    GuideCorner,
-    WearLaw,
-)
-from presswear.linkage.laws import WEAR_PARAMETERS
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
+from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.friction_and_normal import (
     FRICTION,

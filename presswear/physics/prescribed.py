@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, Guide
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.linkage.topology import Branch, chain_of
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.rotation import arm, cos_sin

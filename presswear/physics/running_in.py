@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.physics.user_wear import UserWear
 from presswear.tools.arrays import Array
 
 
 class RunningIn(NamedTuple):
-    """Parameters of a pair of surfaces; see ``linkage.laws.Materials``."""
+    """Parameters of a pair of surfaces; see ``linkage.materials.Materials``."""
 
     ratio: float  # rho = K_0 / K_inf, of new surfaces to those that have run in
     depth: float  # h_0, worn depth over which the excess falls to 1/e, m

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from presswear.linkage.clearance_joint import Bushing
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motor import Motor
 from presswear.physics.ideal import IdealMotion

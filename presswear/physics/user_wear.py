@@ -15,8 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from presswear.linkage.elements import WearLaw
-from presswear.linkage.laws import WEAR_PARAMETERS
+from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw
 from presswear.physics.contact import CONTACT
 from presswear.physics.dormand_prince import DOP853, Tableau
 from presswear.physics.packed import JOINT, wear_address

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from presswear.linkage.elements import WALL_BINS, GuideCorner, WallMap, largest_tilt
+from presswear.linkage.guide_corner import WALL_BINS, GuideCorner, WallMap, largest_tilt
 from presswear.linkage.linkage import Linkage
 from presswear.physics.worn_map import BEARING, depth_at
 from presswear.tools.arrays import Array

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.physics.arc_shares import count_arcs, deposit_round, share_arc
 from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.overlap import place_of

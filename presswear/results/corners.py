@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from presswear.linkage.elements import CORNERS, Guide
+from presswear.linkage.guide_corner import CORNERS
+from presswear.linkage.joints import Guide
 from presswear.results.stage import StageResult
 from presswear.tools.arrays import Array
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import get_args
 
-from presswear.linkage.laws import Elasticity, NormalLaw
+from presswear.linkage.normal_law import Elasticity, NormalLaw
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.results.stage import StageResult
 from presswear.scene.pin_joints import elastic_law, normal_stiffness

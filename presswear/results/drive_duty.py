@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.linkage.elements import Guide
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.elastic_guide import carried_mass
 from presswear.recording.statistics import Estimate

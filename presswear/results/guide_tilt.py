@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import CORNERS, Guide
+from presswear.linkage.guide_corner import CORNERS
+from presswear.linkage.joints import Guide
 from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import Estimate
 from presswear.results.corners import tilt_series

@@ -12,8 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, Revolute
-from presswear.linkage.laws import NARROWEST, WIDEST
+from presswear.linkage.joints import Revolute
+from presswear.linkage.oil import MAX_FILM_WIDTH, MIN_FILM_WIDTH
+from presswear.linkage.points import GROUND
 from presswear.physics.mixed_lubrication import shear_moment
 from presswear.physics.oil_film import film_of
 from presswear.results.film_orbit import (
@@ -243,7 +244,7 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
             "from cycle to cycle."
         )
     ratio = 0.5 * bearing.width / bearing.bearing_radius
-    if not NARROWEST <= ratio <= WIDEST:
+    if not MIN_FILM_WIDTH <= ratio <= MAX_FILM_WIDTH:
         text += (
             f" The width over the diameter is {readable(ratio)}; the film is that of "
             f"{film_of(bearing.width, bearing.bearing_radius, 1.0, 1.0).width_ratio:g}, the "

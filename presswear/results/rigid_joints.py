@@ -6,8 +6,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.clearance_joint import Bushing
 from presswear.linkage.drives import linear_bodies
-from presswear.linkage.elements import Bushing
 from presswear.physics.inverse_dynamics import (
     constraint_forces,
     forces_in_motion,

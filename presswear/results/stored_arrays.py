@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from presswear.engines.base import Plan
-from presswear.linkage.elements import WALL_BINS, GuideCorner
+from presswear.linkage.guide_corner import WALL_BINS, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS

@@ -4,7 +4,14 @@ from collections.abc import Callable
 from dataclasses import InitVar, dataclass, fields
 from typing import Any, get_args
 
-from presswear.linkage import elements, laws
+from presswear.linkage.clearance_joint import SurfaceContact
+from presswear.linkage.friction_law import (
+    RATE_PARAMETERS,
+    STATE_PARAMETERS,
+    FrictionLaw,
+    has_state,
+    rate_of,
+)
 from presswear.linkage.friction_settings import (
     FRICTIONS,
     WITH_SETTINGS,
@@ -12,6 +19,16 @@ from presswear.linkage.friction_settings import (
     FrictionSettings,
     friction_settings,
 )
+from presswear.linkage.joints import ELASTIC_JOINT_DAMPING, MAX_STIFFNESS, MIN_STIFFNESS
+from presswear.linkage.materials import MATERIALS, UNLISTED, Materials
+from presswear.linkage.normal_law import (
+    DAMPINGS,
+    KELVIN_VOIGT,
+    NORMAL_PARAMETERS,
+    Elasticity,
+)
+from presswear.linkage.oil import MAX_FILM_WIDTH, MIN_FILM_WIDTH, OILED_CLEARANCE
+from presswear.linkage.wear_law import ARCHARD, WEAR_PARAMETERS
 from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
@@ -80,8 +97,8 @@ class DryContact(Checked):
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b", open_low=True
     )
-    materials: laws.Materials | Any = named_set(
-        "paper", laws.MATERIALS, "materials, pin first", laws.UNLISTED
+    materials: Materials | Any = named_set(
+        "paper", MATERIALS, "materials, pin first", UNLISTED
     )
     contact_stiffness: float | None = quantity(
         None,
@@ -96,21 +113,21 @@ class DryContact(Checked):
     )
     elasticity: str = choice(
         AUTO,
-        (AUTO, *get_args(laws.Elasticity)),
+        (AUTO, *get_args(Elasticity)),
         "elastic force: K delta^n, Liu's, or a foundation; auto: as contact has it, else power",
     )
     normal_law: Law = choice(
         "lankarani-nikravesh",
-        tuple(laws.DAMPINGS),
+        tuple(DAMPINGS),
         "normal force law",
-        laws.NORMAL_PARAMETERS,
+        NORMAL_PARAMETERS,
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution c_e")
     viscous_damping: float = quantity(
-        0.0, "N s/m", 0.0, 1e8, "chosen", f"D of normal_law = {laws.KELVIN_VOIGT}"
+        0.0, "N s/m", 0.0, 1e8, "chosen", f"D of normal_law = {KELVIN_VOIGT}"
     )
     friction_law: Law = choice(
-        "ramp", tuple(FRICTIONS), "friction law", laws.STATE_PARAMETERS
+        "ramp", tuple(FRICTIONS), "friction law", STATE_PARAMETERS
     )
     friction: float = quantity(
         0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f"
@@ -122,10 +139,10 @@ class DryContact(Checked):
         1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above"
     )
     wear_law: Law = choice(
-        laws.ARCHARD,
-        (laws.ARCHARD,),
+        ARCHARD,
+        (ARCHARD,),
         "wear coefficient: constant, but for running_in and pressure_exponent, or a user law",
-        laws.WEAR_PARAMETERS,
+        WEAR_PARAMETERS,
     )
 
 
@@ -190,13 +207,13 @@ class Bearing(FrictionSettings, DryContact):
     stiffness: float | None = quantity(
         None,
         unit="N/m",
-        low=elements.MIN_STIFFNESS,
-        high=elements.MAX_STIFFNESS,
+        low=MIN_STIFFNESS,
+        high=MAX_STIFFNESS,
         origin="chosen",
         text="of the pin with one of its rods, with clearance = 0; default: rigid",
     )
     damping_ratio: float = quantity(
-        elements.DAMPING,
+        ELASTIC_JOINT_DAMPING,
         unit="",
         low=0.0,
         high=1.0,
@@ -230,13 +247,13 @@ class Bearing(FrictionSettings, DryContact):
         friction_law = self.friction_law
         if isinstance(law, str):
             allowed = f"with normal_law = {law!r} allowed is"
-            least = laws.DAMPINGS[law].least
+            least = DAMPINGS[law].least
             damping = self.viscous_damping
             if self.restitution < least:
                 raise InputError(
                     f"restitution = {self.restitution:g}: {allowed} {least:g} to 1"
                 )
-            if damping > 0.0 and law != laws.KELVIN_VOIGT:
+            if damping > 0.0 and law != KELVIN_VOIGT:
                 raise InputError(
                     f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m"
                 )
@@ -276,13 +293,13 @@ class Bearing(FrictionSettings, DryContact):
     def _check_friction_settings(self) -> None:
         """Raise InputError for settings that the friction law refuses or does not read."""
         user = self.friction_law
-        if isinstance(user, UserFunction) and laws.has_state(user):
+        if isinstance(user, UserFunction) and has_state(user):
             if self.clearance == 0.0 or self.has_film:
                 reason = "clearance = 0" if self.clearance == 0.0 else "film = run"
                 raise InputError(
                     f"friction_law = {user}: with {reason} allowed is a law without a state"
                 )
-            laws.rate_of(user).parameters("friction_law", laws.RATE_PARAMETERS)
+            rate_of(user).parameters("friction_law", RATE_PARAMETERS)
         for law, settings in WITH_SETTINGS.items():
             if self.friction_law == law:
                 if self.clearance == 0.0:
@@ -301,7 +318,7 @@ class Bearing(FrictionSettings, DryContact):
 
     def _check_wear_law(self) -> None:
         """Raise InputError for numbers that a user wear law does not read, and K_d = 0."""
-        if self.wear_law == laws.ARCHARD:
+        if self.wear_law == ARCHARD:
             return
         pair = self.materials
         for key, default in (("running_in", 1.0), ("pressure_exponent", 1.0)):
@@ -319,7 +336,7 @@ class Bearing(FrictionSettings, DryContact):
         """True if a user wear law depends on the pressure."""
         law = self.wear_law
         return isinstance(law, UserFunction) and "pressure" in law.parameters(
-            "wear_law", laws.WEAR_PARAMETERS
+            "wear_law", WEAR_PARAMETERS
         )
 
     @property
@@ -339,22 +356,23 @@ class Bearing(FrictionSettings, DryContact):
         if self.clearance == 0.0:
             raise InputError("film = run: with clearance = 0 allowed is report")
         relative = self.clearance / self.bearing_radius
-        if relative > 1.000001 * laws.OILED_CLEARANCE:
+        if relative > 1.000001 * OILED_CLEARANCE:
             raise InputError(
                 f"film = run: clearance = {written(self.clearance, 'm')} is "
                 f"{1e3 * relative:.3g} per mille of the radius of the bearing; allowed is up to "
-                f"{1e3 * laws.OILED_CLEARANCE:g} per mille, or film = report"
+                f"{1e3 * OILED_CLEARANCE:g} per mille, or film = report"
             )
         ratio = 0.5 * self.width / self.bearing_radius
-        if not 0.999999 * laws.NARROWEST <= ratio <= 1.000001 * laws.WIDEST:
+        if not 0.999999 * MIN_FILM_WIDTH <= ratio <= 1.000001 * MAX_FILM_WIDTH:
             raise InputError(
                 f"film = run: width = {written(self.width, 'm')} is {ratio:.3g} of the diameter of "
-                f"the bearing; allowed is {laws.NARROWEST:g} to {laws.WIDEST:g}, or film = report"
+                f"the bearing; allowed is {MIN_FILM_WIDTH:g} to {MAX_FILM_WIDTH:g}, "
+                "or film = report"
             )
         if not isinstance(self.normal_law, str):
             raise InputError(
                 f"normal_law = {self.normal_law}: with film = run allowed is "
-                f"{', '.join(laws.DAMPINGS)}"
+                f"{', '.join(DAMPINGS)}"
             )
         if self.friction_law in [*WITH_SETTINGS]:
             raise InputError(
@@ -410,7 +428,7 @@ class Bearing(FrictionSettings, DryContact):
         for law, settings in WITH_SETTINGS.items():
             if self.friction_law != law:
                 names += [item.name for item in fields(settings)]
-        if self.normal_law != laws.KELVIN_VOIGT and not self.has_film:
+        if self.normal_law != KELVIN_VOIGT and not self.has_film:
             names.append("viscous_damping")
         if not self._reads_roughness:
             names.append("roughness")
@@ -418,7 +436,7 @@ class Bearing(FrictionSettings, DryContact):
             names.append("running_in_depth")
         if self.materials.pressure_exponent == 1.0:
             names.append("pressure_reference")
-        if self.wear_law != laws.ARCHARD:
+        if self.wear_law != ARCHARD:
             names += "running_in", "pressure_exponent"
         return tuple(names)
 
@@ -429,9 +447,7 @@ class Bearing(FrictionSettings, DryContact):
         runs_in = pair.running_in != 1.0 and pair.running_in_depth is None
         return self.viscosity is not None or runs_in
 
-    def check_contact(
-        self, where: str, contact: elements.SurfaceContact, is_worn: bool
-    ) -> None:
+    def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
         """Raise InputError if sizes and laws of a pin do not fit the contact of the surfaces.
 
         ``where`` is the start of the message.
@@ -456,7 +472,7 @@ class Bearing(FrictionSettings, DryContact):
             )
             raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
         if is_worn and not isinstance(self.normal_law, str):
-            allowed = f"one of {', '.join(laws.DAMPINGS)}; or use contact = 'radial'"
+            allowed = f"one of {', '.join(DAMPINGS)}; or use contact = 'radial'"
             law = f"{where}normal_law = {self.normal_law}"
             raise InputError(f"{law}: with contact = 'foundation' allowed is {allowed}")
 
@@ -466,11 +482,11 @@ class Bearing(FrictionSettings, DryContact):
         return self.parallel_rods * self.width
 
     @property
-    def friction_parameters(self) -> laws.FrictionLaw:
+    def friction_parameters(self) -> FrictionLaw:
         """Friction law with its parameters."""
         function = (
             self.friction_law if isinstance(self.friction_law, UserFunction) else None
         )
         name = "ramp" if function else str(self.friction_law)
         ramp = self.friction, self.lower_speed, self.upper_speed
-        return laws.FrictionLaw(*ramp, name, function, friction_settings(name, self))
+        return FrictionLaw(*ramp, name, function, friction_settings(name, self))

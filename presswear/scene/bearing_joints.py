@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from presswear.linkage.elements import CORNERS, Guide
+from presswear.linkage.guide_corner import CORNERS
+from presswear.linkage.joints import Guide
 from presswear.scene.bearing import Bearing
 from presswear.scene.mechanism_kinds import OneMechanism
 from presswear.tools.choices import Choice

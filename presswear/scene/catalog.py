@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.materials import Materials
 from presswear.linkage.mechanism import LITERATURE
 from presswear.linkage.mechanisms import SliderCrank, TwoPoint
 from presswear.linkage.motor import Motor

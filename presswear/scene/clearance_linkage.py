@@ -3,14 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from presswear.linkage.elements import (
-    Body,
-    ClearanceJoint,
-    Guide,
-    GuideCorner,
-    Joint,
-    slide_inertia,
-)
+from presswear.linkage.bodies import Body
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner, slide_inertia
+from presswear.linkage.joints import Guide, Joint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.part_checks import check_inertias
 from presswear.linkage.surface import Surface

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
-from presswear.linkage import elements, laws
+from presswear.linkage.clearance_joint import MapFrame, SurfaceContact
+from presswear.linkage.normal_law import StiffnessReading
+from presswear.linkage.wear_law import Slip, WearDistribution, WearMaps
 from presswear.tools.fields import choice
 from presswear.tools.serialize import Checked
 
@@ -11,32 +13,32 @@ from presswear.tools.serialize import Checked
 class Conventions(Checked):
     """Choices of the contact and wear model; each can be set separately."""
 
-    stiffness: laws.StiffnessReading = choice(
-        "refined", laws.StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
+    stiffness: StiffnessReading = choice(
+        "refined", StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
     )
-    slip: elements.Slip = choice(
+    slip: Slip = choice(
         "sliding",
-        elements.Slip,
+        Slip,
         "angle: (R_j + delta) abs(d phi), eq. 24; sliding: abs(v_t) dt",
     )
-    map_frame: elements.MapFrame = choice(
+    map_frame: MapFrame = choice(
         "body",
-        elements.MapFrame,
+        MapFrame,
         "wear maps fixed in direction, or turning with their bodies",
     )
-    wear_distribution: elements.WearDistribution = choice(
+    wear_distribution: WearDistribution = choice(
         "arc",
-        elements.WearDistribution,
+        WearDistribution,
         "wear into the bin of the contact, or over its arc",
     )
-    contact: elements.SurfaceContact = choice(
+    contact: SurfaceContact = choice(
         "foundation",
-        elements.SurfaceContact,
+        SurfaceContact,
         "surfaces, new and worn, touch at a point by elasticity, or over an arc by a foundation",
     )
-    wear_maps: elements.WearMaps = choice(
+    wear_maps: WearMaps = choice(
         "smoothed",
-        elements.WearMaps,
+        WearMaps,
         "wear maps smoothed by their sampling error, or with noise",
     )
 

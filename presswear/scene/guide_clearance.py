@@ -3,7 +3,15 @@
 import math
 from dataclasses import fields, replace
 
-from presswear.linkage import elements, laws
+from presswear.linkage.clearance_joint import deepest_wear
+from presswear.linkage.guide_corner import (
+    CORNERS,
+    GuideCorner,
+    corner_ends,
+    turning_clearance,
+)
+from presswear.linkage.joints import Guide
+from presswear.linkage.normal_law import NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import AUTO, LEAST_CLEARANCE, Bearing
 from presswear.scene.conventions import Conventions
@@ -27,8 +35,8 @@ _ROUND = (
 
 
 def corners_of(
-    bearing: Bearing, guide: elements.Guide, walls: tuple[Surface, Surface]
-) -> tuple[elements.GuideCorner, ...]:
+    bearing: Bearing, guide: Guide, walls: tuple[Surface, Surface]
+) -> tuple[GuideCorner, ...]:
     """Return the corners of a slide in a guide with the clearance and laws of a bearing.
 
     ``walls`` are the surfaces of the left and the right wall. Without a contact
@@ -40,9 +48,9 @@ def corners_of(
     normal = _corner_normal(bearing)
     radius = 0.5 * guide.width + bearing.clearance
     return tuple(
-        elements.GuideCorner(
+        GuideCorner(
             f"{guide.name} {name}",
-            *elements.corner_ends(guide, along, side),
+            *corner_ends(guide, along, side),
             radius,
             bearing.clearance,
             bearing.total_width,
@@ -54,11 +62,11 @@ def corners_of(
             guide=guide,
             side=side,
         )
-        for name, (along, side) in elements.CORNERS.items()
+        for name, (along, side) in CORNERS.items()
     )
 
 
-def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
+def _corner_normal(bearing: Bearing) -> NormalLaw:
     """Return the normal law of a corner of a slide."""
     if bearing.contact_stiffness is None:
         stiffness = 0.25 * math.pi * bearing.width / bearing.materials.compliance
@@ -68,7 +76,7 @@ def _corner_normal(bearing: Bearing) -> laws.NormalLaw:
     )
 
 
-def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
+def check_guide(bearing: Bearing, guide: Guide) -> None:
     """Raise InputError if a guide has no sizes, or its sizes do not fit the bearing."""
     if bearing.has_film:
         raise InputError(
@@ -92,11 +100,11 @@ def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
             f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is up to "
             f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
         )
-    if bearing.clearance >= elements.turning_clearance(guide):
+    if bearing.clearance >= turning_clearance(guide):
         sizes = (written(size, "m") for size in (guide.length, guide.width))
         raise InputError(
             f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is below "
-            f"{written(elements.turning_clearance(guide), 'm')}, with which a slide of "
+            f"{written(turning_clearance(guide), 'm')}, with which a slide of "
             f"{' by '.join(sizes)} can turn over"
         )
     if bearing.elasticity not in (AUTO, "power"):
@@ -105,10 +113,10 @@ def check_guide(bearing: Bearing, guide: elements.Guide) -> None:
         )
 
 
-def deepest_wall(bearing: Bearing, guide: elements.Guide) -> float:
+def deepest_wall(bearing: Bearing, guide: Guide) -> float:
     """Return the depth up to which the model of a worn wall holds, m."""
     assert guide.width is not None
-    return elements.deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
+    return deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
 
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:

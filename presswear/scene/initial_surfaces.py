@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage import elements
-from presswear.linkage.elements import WALL_BINS, WALLS
+from presswear.linkage.clearance_joint import SurfaceContact
+from presswear.linkage.guide_corner import WALL_BINS, WALLS
+from presswear.linkage.joints import Guide
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.bearing import MIN_ANGLES, Bearing
 from presswear.scene.guide_clearance import deepest_wall
-from presswear.scene.pin_joints import deepest_wear
+from presswear.scene.pin_joints import deepest_joint_wear
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import written
@@ -24,9 +25,9 @@ _TURN = 2.0 * math.pi
 def initial_surfaces(
     surfaces: Any,
     joints: tuple[str, ...],
-    guides: Sequence[elements.Guide],
+    guides: Sequence[Guide],
     bearing: Callable[[str], Bearing],
-    contact: elements.SurfaceContact,
+    contact: SurfaceContact,
 ) -> dict[str, tuple[Surface, Surface]]:
     """Return the initial surfaces on the bins of the wear maps, without round joints.
 
@@ -64,7 +65,7 @@ def initial_surfaces(
 
 
 def _surface(
-    where: str, value: Any, bearing: Bearing, contact: elements.SurfaceContact
+    where: str, value: Any, bearing: Bearing, contact: SurfaceContact
 ) -> Surface:
     """Return one side on the bins of its joint; an empty surface if it is round."""
     if value is None:
@@ -72,7 +73,7 @@ def _surface(
     angle, depth = _points_of(where, value)
     if not depth.any():
         return Surface()
-    deepest = deepest_wear(bearing, contact)
+    deepest = deepest_joint_wear(bearing, contact)
     for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
         place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
         allowed = f"allowed is 0 to {written(deepest, 'm')}"
@@ -84,7 +85,7 @@ def _surface(
     return Surface(_means_of_bins(angle, depth, bins.size))
 
 
-def _wall(where: str, value: Any, bearing: Bearing, guide: elements.Guide) -> Surface:
+def _wall(where: str, value: Any, bearing: Bearing, guide: Guide) -> Surface:
     """Return a wall of a guide on the bins of its map; an empty surface if it is flat."""
     surface = value if isinstance(value, Surface) else _surface_of(value)
     depth = surface.depth

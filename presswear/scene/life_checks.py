@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from presswear.linkage import elements
-from presswear.linkage.laws import ARCHARD, OILED_WEAR
+from presswear.linkage.clearance_joint import DEEPEST_WORDS, SurfaceContact
+from presswear.linkage.oil import OILED_WEAR
+from presswear.linkage.wear_law import ARCHARD
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
 from presswear.scene.options import CLEARANCES, Life, Limit
-from presswear.scene.pin_joints import deepest_wear
+from presswear.scene.pin_joints import deepest_joint_wear
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
 
@@ -78,7 +79,7 @@ def _check_reach(
     limits: Sequence[Limit],
     pins: Mapping[str, Bearing],
     walls: Mapping[str, float],
-    contact: elements.SurfaceContact,
+    contact: SurfaceContact,
 ) -> None:
     """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
     greatest = [_greatest_value(limit, pins, walls, contact) for limit in limits]
@@ -88,7 +89,7 @@ def _check_reach(
         if limit.value < value:
             return
     first = limits[0]
-    words = elements.DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
+    words = DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
     if first.joint in pins:
         words = _deepest_words(pins[first.joint], contact)
     raise InputError(
@@ -101,7 +102,7 @@ def _greatest_value(
     limit: Limit,
     pins: Mapping[str, Bearing],
     walls: Mapping[str, float],
-    contact: elements.SurfaceContact,
+    contact: SurfaceContact,
 ) -> float:
     """Return the value of a limited quantity with the deepest wear allowed; inf if unknown."""
     if limit.name not in ("depth", *CLEARANCES):
@@ -109,16 +110,16 @@ def _greatest_value(
     if limit.joint in walls:
         return walls[limit.joint]
     bearing = pins[limit.joint]
-    deepest = deepest_wear(bearing, contact)
+    deepest = deepest_joint_wear(bearing, contact)
     if limit.name == "depth":
         return deepest
     return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
 
 
-def _deepest_words(bearing: Bearing, contact: elements.SurfaceContact) -> str:
+def _deepest_words(bearing: Bearing, contact: SurfaceContact) -> str:
     """Return a text on the deepest wear of a joint that is allowed."""
     if bearing.has_film:
         return f"with wear of {OILED_WEAR:g} clearances; film = report allows more"
     if contact == "foundation":
-        return elements.DEEPEST_WORDS
+        return DEEPEST_WORDS
     return "with wear as deep as the clearance; contact = 'foundation' allows more"

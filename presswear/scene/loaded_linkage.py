@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from presswear.linkage.elements import Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition
 from presswear.linkage.loads import Force
+from presswear.linkage.points import Attachment
 from presswear.linkage.process import Process, laws_of
 from presswear.linkage.surface import Surface
 from presswear.physics.curve_following import followed

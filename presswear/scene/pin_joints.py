@@ -4,24 +4,49 @@ import math
 from dataclasses import replace
 from typing import cast
 
-from presswear.linkage import elements, laws
+from presswear.linkage.clearance_joint import (
+    ClearanceJoint,
+    SurfaceContact,
+    deepest_wear,
+)
+from presswear.linkage.friction_law import (
+    RATE_PARAMETERS,
+    STATE_PARAMETERS,
+    check_friction,
+    has_state,
+    rate_of,
+)
+from presswear.linkage.joints import Revolute
+from presswear.linkage.normal_law import (
+    DAMPINGS,
+    NORMAL_PARAMETERS,
+    Elasticity,
+    NormalLaw,
+    StiffnessReading,
+    check_normal,
+    damping_ratio,
+    hertz_stiffness,
+    liu_stiffness,
+)
+from presswear.linkage.oil import OILED_WEAR, Oil
 from presswear.linkage.surface import Surface
+from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw, check_wear
 from presswear.scene.bearing import AUTO, Bearing
 from presswear.scene.conventions import Conventions
 from presswear.tools.user_function import UserFunction
 
 
-def elastic_law(bearing: Bearing, contact: elements.SurfaceContact) -> laws.Elasticity:
+def elastic_law(bearing: Bearing, contact: SurfaceContact) -> Elasticity:
     """Return the elastic law of a contact of surfaces, new and worn."""
     if contact == "foundation":
         return "foundation"
     if bearing.elasticity == AUTO:
         return "power"
-    return cast(laws.Elasticity, bearing.elasticity)
+    return cast(Elasticity, bearing.elasticity)
 
 
 def normal_stiffness(
-    bearing: Bearing, elasticity: laws.Elasticity, reading: laws.StiffnessReading
+    bearing: Bearing, elasticity: Elasticity, reading: StiffnessReading
 ) -> float:
     """Return the stiffness K, N/m^n, of all parallel rods together.
 
@@ -32,21 +57,21 @@ def normal_stiffness(
         return bearing.parallel_rods * bearing.contact_stiffness
     compliance = bearing.materials.compliance
     if elasticity == "liu":
-        return laws.liu_stiffness(bearing.total_width, bearing.clearance, compliance)
+        return liu_stiffness(bearing.total_width, bearing.clearance, compliance)
     radii = bearing.bearing_radius, bearing.bearing_radius - bearing.clearance
-    return bearing.parallel_rods * laws.hertz_stiffness(*radii, compliance, reading)
+    return bearing.parallel_rods * hertz_stiffness(*radii, compliance, reading)
 
 
-def normal_law_of(bearing: Bearing, conventions: Conventions) -> laws.NormalLaw:
+def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:
     """Return the normal force law with its parameters."""
     law = bearing.normal_law
     user_law = law if isinstance(law, UserFunction) else None
     name = "lankarani-nikravesh" if user_law else str(law)
     elasticity = elastic_law(bearing, conventions.contact)
-    return laws.NormalLaw(
+    return NormalLaw(
         stiffness=normal_stiffness(bearing, elasticity, conventions.stiffness),
         exponent=bearing.exponent,
-        damping=laws.DAMPINGS[name].factor(bearing.restitution),
+        damping=DAMPINGS[name].factor(bearing.restitution),
         viscosity=bearing.parallel_rods * bearing.viscous_damping,
         elasticity=elasticity,
         user_law=user_law,
@@ -61,12 +86,12 @@ def check_user_laws(bearing: Bearing, joint: str, conventions: Conventions) -> N
         state = {
             name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")
         }
-        laws.check_normal(key, law, {**state, "clearance": bearing.clearance})
-        law.check_compiles(key, laws.NORMAL_PARAMETERS)
+        check_normal(key, law, {**state, "clearance": bearing.clearance})
+        law.check_compiles(key, NORMAL_PARAMETERS)
     if isinstance(law := bearing.wear_law, UserFunction):
         key = f"{joint}.wear_law"
-        laws.check_wear(key, law, bearing.materials.wear_coefficient)
-        law.check_compiles(key, laws.WEAR_PARAMETERS)
+        check_wear(key, law, bearing.materials.wear_coefficient)
+        law.check_compiles(key, WEAR_PARAMETERS)
     check_user_friction(bearing, joint)
 
 
@@ -75,13 +100,13 @@ def check_user_friction(bearing: Bearing, joint: str) -> None:
     if isinstance(law := bearing.friction_law, UserFunction):
         key = f"{joint}.friction_law"
         ramp = {"lower_speed": bearing.lower_speed, "upper_speed": bearing.upper_speed}
-        laws.check_friction(key, law, {"coefficient": bearing.friction, **ramp})
-        if laws.has_state(law):
-            laws.rate_of(law).check_compiles(key, laws.RATE_PARAMETERS)
-        law.check_compiles(key, laws.STATE_PARAMETERS)
+        check_friction(key, law, {"coefficient": bearing.friction, **ramp})
+        if has_state(law):
+            rate_of(law).check_compiles(key, RATE_PARAMETERS)
+        law.check_compiles(key, STATE_PARAMETERS)
 
 
-def rigid_joint(bearing: Bearing, revolute: elements.Revolute) -> elements.Revolute:
+def rigid_joint(bearing: Bearing, revolute: Revolute) -> Revolute:
     """Return an ideal pin joint with the friction of this bearing, or an elastic one."""
     stiffness = bearing.stiffness
     if stiffness is not None:
@@ -95,34 +120,34 @@ def rigid_joint(bearing: Bearing, revolute: elements.Revolute) -> elements.Revol
     )
 
 
-def deepest_wear(bearing: Bearing, contact: elements.SurfaceContact) -> float:
+def deepest_joint_wear(bearing: Bearing, contact: SurfaceContact) -> float:
     """Return the depth of a worn surface, m, up to which the model holds."""
     if bearing.has_film:
-        return laws.OILED_WEAR * bearing.clearance
-    return elements.deepest_wear(contact, bearing.clearance, bearing.bearing_radius)
+        return OILED_WEAR * bearing.clearance
+    return deepest_wear(contact, bearing.clearance, bearing.bearing_radius)
 
 
-def oil_of(bearing: Bearing) -> elements.Oil | None:
+def oil_of(bearing: Bearing) -> Oil | None:
     """Return the oil whose film acts in the run, or None for dry contact."""
     if not bearing.has_film or bearing.viscosity is None:
         return None
-    return elements.Oil(
+    return Oil(
         viscosity=bearing.viscosity,
         roughness=math.sqrt(2.0) * bearing.roughness,
         asperity_pressure=bearing.asperity_pressure,
         films=bearing.parallel_rods,
-        damping_ratio=laws.damping_ratio(bearing.restitution),
+        damping_ratio=damping_ratio(bearing.restitution),
     )
 
 
 def clearance_joint(
     bearing: Bearing,
-    revolute: elements.Revolute,
+    revolute: Revolute,
     conventions: Conventions,
     worn: tuple[Surface, Surface],
-) -> elements.ClearanceJoint:
+) -> ClearanceJoint:
     """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
-    wear = elements.WearLaw(
+    wear = WearLaw(
         coefficient=bearing.materials.wear_coefficient,
         slip=conventions.slip,
         wear_distribution=conventions.wear_distribution,
@@ -134,7 +159,7 @@ def clearance_joint(
         pressure_reference=bearing.materials.pressure_reference,
         user_law=law if isinstance(law := bearing.wear_law, UserFunction) else None,
     )
-    return elements.ClearanceJoint(
+    return ClearanceJoint(
         revolute.name,
         revolute.first,
         revolute.second,

@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 
-from presswear.linkage.elements import Body
-from presswear.linkage.laws import NARROWEST, OILED_CLEARANCE, WIDEST
+from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.oil import MAX_FILM_WIDTH, MIN_FILM_WIDTH, OILED_CLEARANCE
 from presswear.linkage.process import Process
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
@@ -25,7 +25,7 @@ USUAL = {
     "viscosity": (1e-3, 0.9, "Pa s"),  # water at 20 °C; ISO VG 1000 at 40 °C
     # The formulas of the oil film hold between these values.
     "oiled clearance": (1e-5, OILED_CLEARANCE, ""),
-    "oiled width": (NARROWEST, WIDEST, ""),
+    "oiled width": (MIN_FILM_WIDTH, MAX_FILM_WIDTH, ""),
     "pin pressure": (0.0, 300e6, "Pa"),  # bronze bears 60 MPa, hardened steel 250 MPa
 }
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswear.engines.settings import ExudynTree
-from presswear.linkage.elements import Body, Bushing
+from presswear.linkage.bodies import Body
+from presswear.linkage.clearance_joint import Bushing
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import IdealMotion

@@ -11,7 +11,8 @@ from presswear.engines.settings import (
     InHouse,
     Purpose,
 )
-from presswear.linkage.elements import Guide, largest_tilt
+from presswear.linkage.guide_corner import largest_tilt
+from presswear.linkage.joints import Guide
 from presswear.linkage.load_laws import LOAD_PARAMETERS, check_load
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, check_reach

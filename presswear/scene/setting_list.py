@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
 
-from presswear.linkage.elements import OutputPoint
+from presswear.linkage.points import OutputPoint
 from presswear.scene.bearing import SINGLE
 from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene

@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint, Guide, GuideCorner, WallMap
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner, WallMap
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import Bearing

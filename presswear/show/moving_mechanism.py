@@ -12,8 +12,9 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.recording.film import Film
 from presswear.results.result import Result
 from presswear.show.figures.mechanism import BODY_COLOURS

@@ -10,12 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from presswear.linkage.laws import (
-    DAMPINGS,
-    KELVIN_VOIGT,
-    OILED_DAMPING,
-    delivered_restitution,
-)
+from presswear.linkage.normal_law import DAMPINGS, KELVIN_VOIGT, delivered_restitution
+from presswear.linkage.oil import OILED_DAMPING
 from presswear.physics.dead_centre import bottom_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import span_of, words_of

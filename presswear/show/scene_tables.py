@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from presswear.linkage.bodies import INERTIA, MASS
 from presswear.linkage.drives import LinearDrive
-from presswear.linkage.elements import INERTIA, MASS, Attachment, ends_of
+from presswear.linkage.joints import ends_of
+from presswear.linkage.points import Attachment
 from presswear.results.result import Result
 from presswear.scene.catalog import base_of, named_scene
 from presswear.scene.scene import Scene

@@ -13,7 +13,7 @@ from typing import Any
 
 from presswear.analysis.contact_modes import MODES
 from presswear.linkage.drives import linear_bodies
-from presswear.linkage.elements import WALLS
+from presswear.linkage.guide_corner import WALLS
 from presswear.linkage.surface import SIDES
 from presswear.physics import statics
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean

@@ -1,6 +1,7 @@
 """Numbers of the wear law of each joint, and the origin of each of them."""
 
-from presswear.linkage.laws import ARCHARD, UNLISTED, Materials, listed_pair
+from presswear.linkage.materials import UNLISTED, Materials, listed_pair
+from presswear.linkage.wear_law import ARCHARD
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import DEFAULT, unread_of
 from presswear.tools.quantities import Quantity, written

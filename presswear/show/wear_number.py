@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from presswear.linkage.laws import ARCHARD
+from presswear.linkage.wear_law import ARCHARD
 from presswear.recording.statistics import Estimate
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.stage import StageResult

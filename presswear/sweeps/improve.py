@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.patches import Patch
 
 from presswear.campaign.runs import run_scenes
-from presswear.linkage.laws import MATERIALS, Materials
+from presswear.linkage.materials import MATERIALS, Materials
 from presswear.recording.statistics import Estimate, ratio
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts

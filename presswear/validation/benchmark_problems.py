@@ -23,9 +23,9 @@ from presswear.engines.settings import (
     InHouse,
     Integrator,
 )
-from presswear.linkage.elements import Guide
-from presswear.linkage.laws import delivered_restitution
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.normal_law import delivered_restitution
 from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.curve_following import followed

@@ -11,9 +11,15 @@ import numpy as np
 
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage import laws
-from presswear.linkage.elements import GROUND, Attachment, Body, ClearanceJoint
+from presswear.linkage.bodies import Body
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.normal_law import (
+    NormalLaw,
+    delivered_restitution,
+    lankarani_nikravesh_damping,
+)
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
 from presswear.physics.packed import mass_of
@@ -73,9 +79,7 @@ def strikes(
     run = run_sound(impact.linkage, start, engine, guarded(duration))
     # Below its floor the closing speed in the law is the floor.
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
-    expected = laws.delivered_restitution(
-        share * laws.lankarani_nikravesh_damping(nominal)
-    )
+    expected = delivered_restitution(share * lankarani_nikravesh_damping(nominal))
     bound = RESTITUTION[engine.word]
     yield Check(
         "restitution less closed form",
@@ -91,7 +95,7 @@ def rests(engine: Engine, duration: float, speed: float) -> Checks:
     Its closing speed stays in the law as long as it lies; the initial downward speed is
     in m/s.
     """
-    damping = laws.lankarani_nikravesh_damping(0.9)
+    damping = lankarani_nikravesh_damping(0.9)
     linkage, start = references.on_incline(0.0, 0.0, damping)
     sunk = -float(start.position[1])
     falling = Start(np.array([0.0, FALL, 0.0]), np.array([0.0, -speed, 0.0]))
@@ -142,7 +146,7 @@ def sticks(engine: Engine) -> Checks:
 
 def twins() -> tuple[Linkage, Start]:
     """Return a free bar between two pins that move away from each other symmetrically."""
-    law = laws.NormalLaw(1.25e10, 1.5, laws.lankarani_nikravesh_damping(0.9))
+    law = NormalLaw(1.25e10, 1.5, lankarani_nikravesh_damping(0.9))
     bodies = [Body("bar", 0.3, 4e-4)]
     joints = []
     for side, name in ((-1.0, "left"), (1.0, "right")):
@@ -167,7 +171,7 @@ def touch_together(engine: Engine, ahead: float) -> Checks:
     yield Check("time between the touches less closed form (s)", difference, 1e-10)
     # Neither pin moves the bar while the second one holds it: an infinite mass for
     # both.
-    expected = laws.delivered_restitution(laws.lankarani_nikravesh_damping(0.9))
+    expected = delivered_restitution(lankarani_nikravesh_damping(0.9))
     bound = RESTITUTION[engine.word]
     worst = max(abs(-pin["release_speed"] / 0.25 - expected) for pin in (left, right))
     yield Check("restitution less closed form", worst, bound + 1e5 * ahead)
@@ -188,7 +192,7 @@ def worn_pair() -> tuple[Linkage, Start]:
         1.0 + np.cos(5.0 * angle)
     )
     ends = Attachment("ring", 0.01, -0.005), Attachment("shaft", -0.004, 0.006)
-    unworn = ClearanceJoint("J", *ends, 0.015, 0.8e-3, 0.02, laws.NormalLaw(1.25e10))
+    unworn = ClearanceJoint("J", *ends, 0.015, 0.8e-3, 0.02, NormalLaw(1.25e10))
     worn = replace(unworn, bearing_surface=Surface(bearing), pin_surface=Surface(pin))
     joint = replace(worn, map_frame="body", contact="foundation")
     bodies = Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)
@@ -259,7 +263,7 @@ def touch_and_part(engine: Engine, x: float, y: float) -> Checks:
 
 def pin_in_bore(clearance: float, damping: float) -> Linkage:
     """Return a free pin of 0.1 kg in a bore of the frame, with a stiffness of 1e10 N/m^1.5."""
-    law = laws.NormalLaw(1e10, 1.5, damping)
+    law = NormalLaw(1e10, 1.5, damping)
     ends = Attachment(GROUND, 0.0, 0.0), Attachment("pin", 0.0, 0.0)
     joint = ClearanceJoint("bore", *ends, 0.015, clearance, 0.02, law)
     return references.free_bodies("bore", (Body("pin", 0.1, 1e-4),), (joint,), "pin")
@@ -290,7 +294,7 @@ def bounces(engine: Engine, clearance: float) -> Checks:
     Each contact gives back the restitution of the law, and the next one closes with
     what the last one gave back. The pin of 0.1 kg at 0.25 m/s penetrates by 14 um.
     """
-    damping = laws.lankarani_nikravesh_damping(0.9)
+    damping = lankarani_nikravesh_damping(0.9)
     linkage = pin_in_bore(clearance, damping)
     along = np.array([math.cos(0.3), math.sin(0.3), 0.0])
     start = Start(0.5 * clearance * along, 0.25 * along)
@@ -298,7 +302,7 @@ def bounces(engine: Engine, clearance: float) -> Checks:
     closing = contacts["closing_speed"]
     release = -contacts["release_speed"]
     yield Check("contacts fewer than wanted", max(8 - closing.size, 0), 0.0)
-    worst = float(np.abs(release / closing - laws.delivered_restitution(damping)).max())
+    worst = float(np.abs(release / closing - delivered_restitution(damping)).max())
     yield Check("restitution less closed form", worst, RESTITUTION[engine.word])
     worst = float(np.abs(closing[1:] / release[:-1] - 1.0).max())
     yield Check(

@@ -15,9 +15,9 @@ import numpy as np
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage import laws
 from presswear.linkage.friction_settings import FRICTIONS
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.normal_law import DAMPINGS, KELVIN_VOIGT
 from presswear.linkage.press import Press
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.curve_following import motion_of
@@ -119,12 +119,12 @@ def approach(scene: Scene) -> Checks:
 def law_cases() -> Iterator[Case]:
     """Yield laws, sizes and speeds at the ends of their ranges."""
     rows: list[tuple[str, str, dict[str, Any]]] = [*DATA["press"]]
-    for name, law in laws.DAMPINGS.items():
+    for name, law in DAMPINGS.items():
         # Damping without bounds makes a pin at rest stiff: at 0.01 the tree takes a
         # minute.
         nominal = 0.05 if law.least > 0.0 else 0.0
         settings: dict[str, Any] = {"normal_law": name, "restitution": nominal}
-        if name != laws.KELVIN_VOIGT:
+        if name != KELVIN_VOIGT:
             rows.append((f"{name}, ce = {nominal:g}", "strong damping", settings))
     for name in FRICTIONS:
         settings = {"friction_law": name, "friction": 0.8}

@@ -13,17 +13,20 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage import laws
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    ClearanceJoint,
-    OutputPoint,
-    Revolute,
-)
+from presswear.linkage.bodies import Body
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.friction_law import FrictionLaw
+from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load
+from presswear.linkage.normal_law import (
+    DAMPINGS,
+    NormalLaw,
+    delivered_restitution,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+)
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import Spring
 from presswear.recording.columns import SERIES, names_of
 from presswear.tools.arrays import Array
@@ -154,7 +157,7 @@ def andrews_checks() -> Iterator[Check]:
     )
 
 
-# Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
+# Free impact: F = K delta^n (1 + chi delta_dot / v); see ``linkage.normal_law``.
 # Duration of an elastic Hertz impact over delta_max / v: 0.8 B(2/5, 1/2).
 HERTZ_DURATION = 2.9432751843
 DELIVERED: dict[str, dict[float, float]] = {
@@ -182,12 +185,12 @@ class Impact:
     @property
     def damping(self) -> float:
         """Damping factor chi."""
-        return laws.DAMPINGS[self.law].factor(self.nominal)
+        return DAMPINGS[self.law].factor(self.nominal)
 
     @property
     def linkage(self) -> Linkage:
         """Ring of 0.3 kg and shaft of 0.1 kg without constraint."""
-        law = laws.NormalLaw(self.stiffness, 1.5, self.damping)
+        law = NormalLaw(self.stiffness, 1.5, self.damping)
         ends = Attachment("ring", 0.0, 0.0), Attachment("shaft", 0.0, 0.0)
         joint = ClearanceJoint("J", *ends, 0.015, self.clearance, 0.02, law)
         bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
@@ -201,7 +204,7 @@ class Impact:
     @property
     def deepest(self) -> float:
         """Greatest penetration, m."""
-        return laws.greatest_penetration(
+        return greatest_penetration(
             REDUCED_MASS, self.speed, self.stiffness, 1.5, self.damping
         )
 
@@ -220,7 +223,7 @@ class Impact:
         """
         chi = self.damping
         n = 1.5
-        restitution = laws.delivered_restitution(chi)
+        restitution = delivered_restitution(chi)
         unit = (n + 1.0) * REDUCED_MASS * self.speed**2 / self.stiffness
 
         def rate(s: float, end: float, sign: float) -> float:
@@ -287,7 +290,7 @@ SDND100_GRAVITY = 10.0
 SDND100_FRICTION = 0.1
 SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
-FRICTION = laws.FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
+FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
 GRAVITY = 9.81  # m/s^2
 SLOPE = 0.05
 _FLOOR_CLEARANCE = 1e4  # m: the slope of the floor changes by 1e-4 in a metre
@@ -305,7 +308,7 @@ def _block_at(x: float, weight: float) -> Array:
 def block(
     pull: float,
     press: float,
-    friction: laws.FrictionLaw,
+    friction: FrictionLaw,
     speed: float,
     damping: float = 0.0,
 ) -> tuple[Linkage, Start]:
@@ -316,7 +319,7 @@ def block(
     """
     ends = Attachment(GROUND, 0.0, _FLOOR_CLEARANCE), Attachment("block", 0.0, 0.0)
     size = _FLOOR_CLEARANCE + 0.01, _FLOOR_CLEARANCE, 0.02  # radius, clearance, width
-    normal = laws.NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
+    normal = NormalLaw(_FLOOR_STIFFNESS, 1.5, damping)
     floor = ClearanceJoint("floor", *ends, *size, normal, friction)
     heavy = Body("block", 1.0, 1e12)
     load = Load("block", x=pull, y=-press)
@@ -336,7 +339,7 @@ def on_incline(
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
     """Return a mass on a spring of 1 km, released; friction is full above ``upper``, m/s."""
-    friction = laws.FrictionLaw(SDND100_FRICTION, 0.0, upper)
+    friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
     linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
     frame = Attachment(GROUND, -1e3, float(rest.position[1]))
     spring = Spring(
@@ -346,7 +349,7 @@ def sdnd100(upper: float) -> tuple[Linkage, Start]:
     return replace(linkage, name="SDND100", springs=(spring,)), release
 
 
-def creep_speed(friction: laws.FrictionLaw, slope: float) -> float:
+def creep_speed(friction: FrictionLaw, slope: float) -> float:
     """Return the speed, m/s, at which a block creeps down an incline of tangent ``slope``.
 
     The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
@@ -410,7 +413,7 @@ BOUNCES = 20
 
 def _bounces(stiffness: float) -> tuple[Array, Array]:
     """Run a ball for 6 s in ``dae``; return its flights, s, and the speeds of its rebounds, m/s."""
-    law = laws.NormalLaw(stiffness, 1.5, laws.lankarani_nikravesh_damping(0.9))
+    law = NormalLaw(stiffness, 1.5, lankarani_nikravesh_damping(0.9))
     ends = Attachment(GROUND, 0.0, 0.0), Attachment("ball", 0.0, 0.0)
     joint = ClearanceJoint("floor", *ends, 1.05, 1.0, 0.02, law)
     bodies = (Body("ball", 0.1, 1e-4),)

@@ -12,8 +12,9 @@ import stiff_joints
 
 from presswear.campaign.bottom_statistics import bottom_statistics, equal_bottoms
 from presswear.campaign.runs import run
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servos import Dwell

@@ -22,8 +22,8 @@ from presswear.cli.run_observer import RunObserver
 from presswear.cli.terminal import progress_bar
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.laws import Materials
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.materials import Materials
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.running_in import RunningIn
 from presswear.physics.wear import worn_volume

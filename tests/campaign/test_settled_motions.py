@@ -10,7 +10,7 @@ import pytest
 
 import presswear as pw
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of, state_of
 from presswear.results.stage_statistics import StageStatistics

@@ -9,7 +9,7 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.linkage.elements import (
+from presswear.linkage.guide_corner import (
     WALL_BINS,
     WallMap,
     largest_tilt,

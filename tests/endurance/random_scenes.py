@@ -16,19 +16,16 @@ from typing import Any
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.elements import MAX_SLIDE, MIN_SLIDE
 from presswear.linkage.friction_settings import (
     LEAST_RELAXATION,
     LEAST_SLIP,
     LuGreSettings,
     greatest_bristle_damping,
 )
-from presswear.linkage.laws import (
-    DAMPINGS,
-    KELVIN_VOIGT,
-    Materials,
-)
+from presswear.linkage.joints import MAX_SLIDE, MIN_SLIDE
+from presswear.linkage.materials import Materials
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.normal_law import DAMPINGS, KELVIN_VOIGT
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.packed import mass_of
 from presswear.scene.bearing import (

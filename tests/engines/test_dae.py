@@ -12,8 +12,10 @@ from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.dynamics import evaluate_constrained
 from presswear.engines.dae.engine import _Solver
 from presswear.engines.settings import InHouse, Integrator
-from presswear.linkage.elements import Attachment, Body, OutputPoint, Revolute
+from presswear.linkage.bodies import Body
+from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import assemble
+from presswear.linkage.points import Attachment, OutputPoint
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of, project, project_acceleration
 from presswear.physics.equations.function import END

@@ -8,8 +8,9 @@ from scipy.integrate import RK45
 
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
+from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import Spring
 from presswear.physics.dormand_prince import DOP853, DOPRI5
 from presswear.validation.cases import order_of

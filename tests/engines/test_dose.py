@@ -6,7 +6,7 @@ import pytest
 
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import WearLaw
+from presswear.linkage.wear_law import WearLaw
 from presswear.validation import reference_problems as references
 
 SPIN = 30.0

@@ -12,8 +12,9 @@ from slotted import SPEED, cylinder, scotch_yoke
 
 import presswear as pw
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
-from presswear.linkage.elements import Body, Guide
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
 from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import ideal_motion

@@ -11,9 +11,9 @@ from runs import residual, run_scene
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.elements import Attachment
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment
 from presswear.physics.packed import mass_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS

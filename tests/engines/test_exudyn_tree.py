@@ -13,11 +13,12 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import FINEST, ExudynTree, InHouse
-from presswear.linkage.elements import Attachment, Slip
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load
+from presswear.linkage.points import Attachment
 from presswear.linkage.spring import Spring
 from presswear.linkage.surface import Surface
+from presswear.linkage.wear_law import Slip
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene

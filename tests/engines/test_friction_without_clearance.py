@@ -11,7 +11,7 @@ from runs import in_all_coordinates, residual, run_scene
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.linkage import Linkage
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.physics.packed import pack

@@ -13,8 +13,9 @@ from slotted import RADIUS, SPEED, cylinder, geared_five_bar
 import presswear as pw
 from presswear.engines.base import Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, GearedDrive
-from presswear.linkage.elements import Body, Pin
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
 from presswear.linkage.motor import Motor
 from presswear.linkage.topology import branches_of

@@ -18,7 +18,7 @@ from slotted import (
 )
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Body
+from presswear.linkage.bodies import Body
 from presswear.linkage.topology import branches_of
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene

@@ -13,7 +13,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.friction_settings import FRICTIONS
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw
+from presswear.linkage.normal_law import DAMPINGS, KELVIN_VOIGT, NormalLaw
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError

@@ -13,12 +13,14 @@ from sub_chains import ARM, PUMP, STEPHENSON
 
 from presswear.engines.base import Run
 from presswear.engines.settings import ExudynTree, InHouse
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Attachment, Bar, Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.load_laws import Harmonics, OverPosition, OverTime
 from presswear.linkage.loads import Force, Load, Moment
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.points import Attachment
 from presswear.linkage.spring import Spring
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times

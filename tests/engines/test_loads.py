@@ -11,7 +11,8 @@ from scipy.integrate import quad, solve_ivp
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, Guide, OutputPoint
+from presswear.linkage.bodies import Body
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.load_laws import (
     Harmonics,
@@ -21,6 +22,7 @@ from presswear.linkage.load_laws import (
     check_load,
 )
 from presswear.linkage.loads import Force, Moment
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import Spring
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import wear_times

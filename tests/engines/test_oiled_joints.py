@@ -19,9 +19,13 @@ from presswear.engines.settings import (
     ExudynTree,
     InHouse,
 )
-from presswear.linkage.elements import GROUND, Attachment, Body, ClearanceJoint, Oil
-from presswear.linkage.laws import FrictionLaw, NormalLaw, damping_ratio
+from presswear.linkage.bodies import Body
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.loads import Load
+from presswear.linkage.normal_law import NormalLaw, damping_ratio
+from presswear.linkage.oil import Oil
+from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.oil_film import film_of, squeeze_number
 from presswear.validation.reference_problems import free_bodies
 

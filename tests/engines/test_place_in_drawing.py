@@ -11,8 +11,8 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.validation.cases import contacts_of, guarded, run_sound
 from presswear.validation.hard_impacts import twins
 

@@ -29,7 +29,7 @@ from two_bodies import contacts_in
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import WallMap
+from presswear.linkage.guide_corner import WallMap
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of

@@ -8,9 +8,10 @@ import pytest
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, OutputPoint
+from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import Spring
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError

@@ -8,7 +8,7 @@ from four_bar_linkage import FOUR_BAR
 from runs import run_scene
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.physics.equations.layout import State
 from presswear.physics.interactions import clearance
 from presswear.physics.interactions.friction import FrictionText, friction_of

@@ -7,7 +7,7 @@ from four_bar_linkage import FOUR_BAR
 from runs import run_scene
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.laws import FrictionLaw, has_state
+from presswear.linkage.friction_law import FrictionLaw, has_state
 from presswear.physics.interactions.friction import steady_friction
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

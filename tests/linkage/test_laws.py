@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from two_bodies import force_of, normal_law
 
 import presswear as pw
-from presswear.linkage.laws import (
+from presswear.linkage.normal_law import (
     StiffnessReading,
     delivered_restitution,
     hertz_stiffness,

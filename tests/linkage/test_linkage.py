@@ -13,22 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.cycle import MAX_TURNS
 from presswear.linkage.drives import Drive, Follow
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Bar,
-    Body,
-    Guide,
-    OutputPoint,
-    Pin,
-)
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
 from presswear.linkage.load_laws import Harmonics, OverPosition, OverTime
 from presswear.linkage.loads import Force, Load, Moment
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import MAX_PIECES, Rise
+from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.process import Blanking, Coining, Drawing, laws_of
 from presswear.linkage.spring import Spring

@@ -7,7 +7,8 @@ import pytest
 from slotted import quick_return, scotch_yoke, swinging_block
 
 import presswear as pw
-from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.bodies import Body
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import assemble, linkage_from
 from presswear.linkage.part_checks import start_angles
 from presswear.linkage.topology import branches_of

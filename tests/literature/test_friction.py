@@ -16,8 +16,8 @@ import presswear as pw
 from presswear.engines.base import Plan, Run
 from presswear.engines.exudyn_joints.interaction_states import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings, greatest_bristle_damping
-from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.load_laws import OverTime
 from presswear.linkage.loads import Force
 from presswear.physics.interactions.lugre import (

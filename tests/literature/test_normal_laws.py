@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.laws import (
+from presswear.linkage.materials import Materials
+from presswear.linkage.normal_law import (
     DAMPINGS,
     KELVIN_VOIGT,
-    Materials,
     NormalLaw,
     delivered_restitution,
     greatest_penetration,

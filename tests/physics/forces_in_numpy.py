@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
+from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.equations.layout import DOSE_COUNT
 from presswear.physics.friction_and_normal import (

@@ -8,10 +8,12 @@ from closed_form import press_motion, slider_crank_motion
 from hypothesis import given
 from hypothesis import strategies as st
 
+from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, OutputPoint, Pin
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.points import OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.assembly import assembled
 from presswear.physics.constraint_rows import Rows

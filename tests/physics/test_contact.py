@@ -19,8 +19,9 @@ from two_bodies import (
     worn_joint,
 )
 
-from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.friction_law import FrictionLaw
+from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import direction_of
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,

@@ -8,10 +8,12 @@ import pytest
 from closed_form import press_motion
 from scipy.optimize import brentq
 
+from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, OutputPoint, Pin
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.points import OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.curve_following import motion_of
 from presswear.physics.dead_centre import bottom_of

@@ -18,16 +18,13 @@ from four_bar_linkage import FOUR_BAR
 from sub_chains import ARM, PUMP, STEPHENSON
 
 import presswear as pw
-from presswear.linkage.elements import ClearanceJoint, WearLaw
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.friction_law import FRICTION_PARAMETERS, FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings
-from presswear.linkage.laws import (
-    FRICTION_PARAMETERS,
-    NORMAL_PARAMETERS,
-    FrictionLaw,
-    NormalLaw,
-)
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.normal_law import NORMAL_PARAMETERS, NormalLaw
 from presswear.linkage.surface import Surface
+from presswear.linkage.wear_law import WearLaw
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.curve_following import motion_of

@@ -14,8 +14,8 @@ from scipy.optimize import brentq, minimize_scalar
 from two_bodies import JOINT, Pair, contacts_in, placed
 from worn_depths import TURN, depths, periodic
 
-from presswear.linkage.elements import WearLaw
 from presswear.linkage.surface import Surface, bin_centres
+from presswear.linkage.wear_law import WearLaw
 from presswear.physics.contact import CONTACT
 from presswear.physics.foundation import foundation_stiffness, integrate_overlap
 from presswear.physics.friction_and_normal import round_foundation

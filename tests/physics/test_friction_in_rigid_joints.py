@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings
-from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.normal_law import NormalLaw
 from presswear.physics.curve_following import motion_of
 from presswear.physics.inverse_dynamics import (
     check_drives,

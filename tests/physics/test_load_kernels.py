@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Body
+from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.load_laws import Harmonics, Law, OverPosition, OverTime, Sense
 from presswear.linkage.loads import Force, Moment

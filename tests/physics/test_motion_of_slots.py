@@ -16,8 +16,9 @@ from slotted import (
     swinging_block,
 )
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Body, Guide, Pin
+from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.assembly import close

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from presswear.linkage.laws import damping_ratio
+from presswear.linkage.normal_law import damping_ratio
 from presswear.physics.interactions.oil import (
     OiledBearing,
     contact_damping,

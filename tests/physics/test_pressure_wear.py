@@ -11,8 +11,9 @@ from two_bodies import JOINT, Pair, placed, worn_joint
 from worn_depths import depths
 
 import presswear as pw
-from presswear.linkage.elements import ClearanceJoint, WearLaw
-from presswear.linkage.laws import Materials
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.materials import Materials
+from presswear.linkage.wear_law import WearLaw
 from presswear.physics.contact import direction_of
 from presswear.physics.pressure_wear import LEAST_OVERLAP, deposit_by_pressure
 from presswear.physics.wear import deposit_over_arc, worn_volume

@@ -12,7 +12,7 @@ from upright_press import upright_crank
 
 import presswear as pw
 from presswear.engines.base import Plan, Start
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import GEOMETRIES
 from presswear.physics.dead_centre import bottom_of

@@ -10,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_bodies import JOINT, Pair, contacts_in
 
+from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import GROUND, Attachment, Body, Revolute
+from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT
 from presswear.physics.force_peak import peak_within

@@ -10,8 +10,8 @@ from bush import COEFFICIENT, bush, worn
 from scipy.integrate import solve_ivp
 
 import presswear as pw
-from presswear.linkage.elements import WearLaw
-from presswear.linkage.laws import Materials
+from presswear.linkage.materials import Materials
+from presswear.linkage.wear_law import WearLaw
 from presswear.physics.running_in import RunningIn
 from presswear.physics.user_wear import UserWear
 from presswear.tools.arrays import Array

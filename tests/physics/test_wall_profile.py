@@ -17,7 +17,7 @@ from swinging_slide import (
 import presswear as pw
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import WALL_BINS, WallMap
+from presswear.linkage.guide_corner import WALL_BINS, WallMap
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.packed import pack

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from two_bodies import JOINT, Pair, placed, worn_joint
 from worn_depths import depths
 
-from presswear.linkage.elements import ClearanceJoint, MapFrame, SurfaceContact, WearLaw
+from presswear.linkage.clearance_joint import ClearanceJoint, MapFrame, SurfaceContact
 from presswear.linkage.surface import Surface
+from presswear.linkage.wear_law import WearLaw
 from presswear.physics.contact import direction_of
 from presswear.physics.foundation import integrate_overlap
 from presswear.physics.overlap import place_of

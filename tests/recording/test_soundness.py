@@ -13,7 +13,7 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, recorder_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.laws import KELVIN_VOIGT
+from presswear.linkage.normal_law import KELVIN_VOIGT
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
 from presswear.physics.ledger import Ledger, created_energy, remedy_for_created_energy

@@ -13,7 +13,7 @@ from upright_press import upright_crank
 import presswear as pw
 from presswear.cli.run_observer import RunObserver
 from presswear.cli.terminal import progress_bar
-from presswear.linkage.elements import CORNERS, largest_tilt
+from presswear.linkage.guide_corner import CORNERS, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import (
     STATES,

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import pytest
 
+from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Bar, Pin
-from presswear.linkage.laws import hertz_stiffness
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import SliderCrank
+from presswear.linkage.normal_law import hertz_stiffness
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene

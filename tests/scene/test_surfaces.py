@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import WALL_BINS
+from presswear.linkage.guide_corner import WALL_BINS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.catalog import press_off_centre, wear_times
 from presswear.scene.files import read_profiles, scene_from

@@ -37,9 +37,9 @@ from presswear.engines.exudyn_joints.kernels import (
 )
 from presswear.engines.exudyn_joints.model import add_bodies, add_joints, left_out
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import GROUND
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition
+from presswear.linkage.points import GROUND
 from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT

@@ -7,8 +7,9 @@ from typing import Any
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.elements import GROUND, Attachment, ends_of
+from presswear.linkage.joints import ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.topology import bodies_of, prescribed_of
 from presswear.physics.drive_motion import drive_motion, is_steady
 from presswear.tools.compile import Records

@@ -8,7 +8,7 @@ import numpy as np
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
-from presswear.linkage.elements import Body
+from presswear.linkage.bodies import Body
 from presswear.physics.equations.chain import Chain, Link
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module

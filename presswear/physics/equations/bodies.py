@@ -3,7 +3,7 @@
 import math
 
 from presswear.linkage.drives import Drive
-from presswear.linkage.elements import Guide
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.drive_motion import is_steady
 from presswear.physics.equations.chain import Chain, Link

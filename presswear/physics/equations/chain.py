@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswear.linkage.elements import GROUND, Attachment, Body, Guide
+from presswear.linkage.bodies import Body
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.topology import Branch, chain_of, free_branches, prescribed_of
 from presswear.physics.equations.text import (
     ONE,

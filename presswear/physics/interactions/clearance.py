@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import ClearanceJoint, GuideCorner
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
 from presswear.physics.equations.chain import Link

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import GuideCorner
+from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.physics.equations.text import (
     ONE,

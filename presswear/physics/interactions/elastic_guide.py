@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import GROUND, Guide, ends_of
+from presswear.linkage.joints import Guide, ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.linkage.topology import bodies_of
 from presswear.physics.equations.text import Vector, difference, negative, product
 from presswear.physics.interactions.page import Kernels, Page

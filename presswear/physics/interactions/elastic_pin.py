@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import Revolute
+from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import Linkage, place_of
 from presswear.physics.equations.text import (
     ONE,

@@ -6,8 +6,8 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from presswear.linkage.friction_law import FrictionLaw, has_state
 from presswear.linkage.friction_settings import FRICTIONS
-from presswear.linkage.laws import FrictionLaw, has_state
 from presswear.physics.friction_and_normal import (
     FRICTION_FORCES,
     fill_friction,

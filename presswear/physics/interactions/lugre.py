@@ -10,8 +10,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings
-from presswear.linkage.laws import FrictionLaw
 from presswear.physics.equations.layout import State
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.tools.arrays import Array

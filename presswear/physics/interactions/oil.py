@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar, NamedTuple, Self
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage, place_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.layout import State

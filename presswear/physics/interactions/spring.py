@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from presswear.linkage.elements import ends_of
+from presswear.linkage.joints import ends_of
 from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.spring import Spring
 from presswear.physics.equations.text import ONE, Vector

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from presswear.linkage.laws import (
+from presswear.linkage.friction_law import (
     RATE_PARAMETERS,
     STATE_PARAMETERS,
     FrictionLaw,

@@ -1,6 +1,6 @@
 """Figure of elastic frames: stretch and force over the crank angle."""
 
-from presswear.linkage.elements import Guide
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.results.frame_load import carried_weight
 from presswear.results.result import Result

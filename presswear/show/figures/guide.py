@@ -2,7 +2,8 @@
 
 from itertools import chain, product
 
-from presswear.linkage.elements import CORNERS, WALLS, Guide, largest_tilt
+from presswear.linkage.guide_corner import CORNERS, WALLS, largest_tilt
+from presswear.linkage.joints import Guide
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import ALLOWED_TILT
 from presswear.results.result import Result

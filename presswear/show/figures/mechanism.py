@@ -10,9 +10,9 @@ from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
 from presswear.linkage.drives import LinearDrive
-from presswear.linkage.elements import GROUND, Attachment
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, Load
+from presswear.linkage.points import GROUND, Attachment
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing

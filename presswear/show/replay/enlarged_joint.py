@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.surface import bin_centres
 from presswear.show.replay.clip import NORMAL, TANGENTIAL, X, Y
 from presswear.show.replay.shapes import (

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND
+from presswear.linkage.points import GROUND
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot

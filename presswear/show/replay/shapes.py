@@ -14,16 +14,11 @@ import numpy as np
 from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import (
-    CORNERS,
-    GROUND,
-    Attachment,
-    ClearanceJoint,
-    Guide,
-    GuideCorner,
-    corner_ends,
-)
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import CORNERS, GuideCorner, corner_ends
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.tools.arrays import Array
 
 Point = Sequence[float] | Array

@@ -5,7 +5,8 @@ import pytest
 from slotted import quick_return, sized
 
 import presswear as pw
-from presswear.linkage.elements import GROUND, WALL_BINS
+from presswear.linkage.guide_corner import WALL_BINS
+from presswear.linkage.points import GROUND
 from presswear.linkage.surface import Surface
 from presswear.show.replay.shapes import (
     attachments,

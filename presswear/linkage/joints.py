@@ -1,0 +1,159 @@
+"""Pin joints and guides without clearance."""
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from presswear.linkage.friction_law import FrictionLaw
+from presswear.linkage.points import GROUND, Attachment, End, angle, place
+from presswear.tools.errors import InputError
+from presswear.tools.fields import quantity
+from presswear.tools.serialize import Checked
+
+MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
+MIN_SLIDE, MAX_SLIDE = 1e-3, 10.0  # length and width of a slide, m
+ELASTIC_JOINT_DAMPING = (
+    0.02  # of an elastic joint, part of the critical damping; assumed
+)
+
+
+def slide_size(text: str) -> Any:
+    """Return a data class field for a size of a slide, m."""
+    return quantity(None, "m", MIN_SLIDE, MAX_SLIDE, "chosen", text)
+
+
+@dataclass(frozen=True)
+class Pin(Checked):
+    """Pin joint between two points, as names or coordinates; see ``Revolute``."""
+
+    name: str
+    first: End
+    second: End
+    stiffness: float | None = quantity(
+        None,
+        unit="N/m",
+        low=MIN_STIFFNESS,
+        high=MAX_STIFFNESS,
+        origin="chosen",
+        text="stiffness of pin and rods in any direction; default: rigid",
+    )
+    damping_ratio: float = quantity(
+        ELASTIC_JOINT_DAMPING,
+        "",
+        0.0,
+        1.0,
+        "assumed",
+        "damping of an elastic pin, part of the critical one",
+    )
+
+
+@dataclass(frozen=True)
+class Revolute(Checked):
+    """Pin joint between two points, ideal or elastic, or with the friction of a bearing.
+
+    An elastic one is ideal in the ideal motion of its linkage; see
+    ``Linkage.released``. Friction is a moment r F_t(r omega, F) against the relative
+    spin omega, with the radius r of the bearing, the joint force F and the force F_t of
+    the friction law.
+    """
+
+    name: str
+    first: Attachment
+    second: Attachment
+    bearing_radius: float = 0.0  # m
+    friction: FrictionLaw = field(default_factory=FrictionLaw)
+    stiffness: float | None = None  # N/m; None: rigid
+    damping_ratio: float = ELASTIC_JOINT_DAMPING
+
+    rows: ClassVar[int] = 2  # number of constraint equations
+
+    @property
+    def ends(self) -> tuple[Attachment, Attachment]:
+        """Centres of bearing and pin."""
+        return self.first, self.second
+
+    @property
+    def bearing(self) -> Attachment:
+        """Centre of the bearing."""
+        return self.first
+
+    @property
+    def pin(self) -> Attachment:
+        """Centre of the pin."""
+        return self.second
+
+
+@dataclass(frozen=True)
+class Guide(Checked):
+    """Straight guide: the mass centre of a body stays on a line, and the body keeps its angle.
+
+    Line and angle are those in the frame of the machine, or in that of the body ``on``,
+    as a slot in a rocker. By default the line goes through the mass centre as drawn, or
+    else through the origin. With a length and a width a guide may have clearance: the
+    body, a slide of this size with its mass centre in the middle, then tilts between two
+    walls; see ``GuideCorner``. A guide on the frame with a stiffness is a spring along
+    its line, without force where the mass centre is at its point: the body stands there
+    in the ideal motion of the linkage; see ``Linkage.released``.
+    """
+
+    name: str
+    body: str
+    x: float = place(
+        "point of the line, to the right of the origin; default: as drawn", None
+    )
+    y: float = place("point of the line, above the origin; default: as drawn", None)
+    direction: float = angle("angle of the line, from the x axis of frame or body")
+    angle: float = angle("fixed angle of the body, from that of frame or body")
+    stiffness: float | None = quantity(
+        None,
+        unit="N/m",
+        low=MIN_STIFFNESS,
+        high=MAX_STIFFNESS,
+        origin="chosen",
+        text="stiffness of a spring along the line, as of a frame; default: none",
+    )
+    damping: float = quantity(
+        ELASTIC_JOINT_DAMPING,
+        "",
+        0.0,
+        1.0,
+        "assumed",
+        "damping of the spring, part of the critical one",
+    )
+    length: float | None = slide_size(
+        "length of the slide along a guide with clearance"
+    )
+    width: float | None = slide_size("width of the slide between its walls")
+    on: str = GROUND  # body that carries the line
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.on == self.body:
+            raise InputError(
+                f"guide {self.name}: on = {self.on}: must be another body, or {GROUND}"
+            )
+        if self.is_moving and self.stiffness is not None:
+            raise InputError(
+                f"guide {self.name}: stiffness = {self.stiffness:g} N/m with on = {self.on}: "
+                f"allowed is a stiffness with on = {GROUND}; use a spring between points of both "
+                "bodies"
+            )
+
+    @property
+    def is_moving(self) -> bool:
+        """True if a body carries the line, and not the frame."""
+        return self.on != GROUND
+
+    @property
+    def rows(self) -> int:
+        """Number of constraint equations; that of a spring holds its length."""
+        return 2 if self.stiffness is None else 3
+
+
+Joint = Revolute | Guide
+
+
+def ends_of(joint: Joint) -> tuple[Attachment, Attachment]:
+    """Return the two points that a joint holds together; of a guide a point and the mass centre."""
+    if isinstance(joint, Guide):
+        return Attachment(joint.on, joint.x, joint.y), Attachment(joint.body, 0.0, 0.0)
+    return joint.first, joint.second
