@@ -7,26 +7,31 @@ mass centre and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the order of
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.clearance_joint import Bushing, ClearanceJoint
 from presswear.linkage.cycle import check_cycle, common_period
-from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive, leader_of
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, leader_of
 from presswear.linkage.guide_corner import GuideCorner
-from presswear.linkage.joints import Guide, Joint, Pin, Revolute
+from presswear.linkage.joints import Guide, Joint, Revolute
 from presswear.linkage.load_laws import OverTime
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.part_checks import (
-    check_drawing,
-    check_guides,
-    check_inertias,
     check_joint_names,
-    check_motors,
     check_names,
+    check_parts,
 )
-from presswear.linkage.parts import Parts, Placing, cycle, gravity, run_up
+from presswear.linkage.parts import (
+    Parts,
+    Placing,
+    cycle,
+    gravity,
+    part_with_names,
+    run_up,
+)
 from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError
@@ -312,7 +317,18 @@ class Linkage(Checked):
 
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""
-        return {"kind": self.kind, **plain(_parts_of(self))}
+        named = partial(part_with_names, self.bodies)
+        parts = Parts(
+            named(self.output),
+            self.name,
+            self.output.direction,
+            dict(self.guess),
+            self.cycle,
+            self.run_up,
+            self.gravity,
+            *(tuple(map(named, getattr(self, table))) for table in _TABLES),
+        )
+        return {"kind": self.kind, **plain(parts)}
 
 
 @checked_arguments
@@ -410,46 +426,7 @@ def _check(linkage: Linkage) -> None:
     for load in linkage.live_loads:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
-    check_motors(linkage.drives)
-    check_guides(linkage.guides)
-    check_inertias(linkage.bodies, linkage.guides, linkage.drives)
-    check_drawing(linkage.bodies, linkage.joints, linkage.drives, dict(linkage.guess))
-
-
-def _parts_of(linkage: Linkage) -> Parts:
-    """Return the arguments of ``assemble`` that make a linkage."""
-
-    def named(part: Any) -> Any:
-        """Return a part with its points by name."""
-        if isinstance(part, OutputPoint):
-            part = part.attachment
-        if isinstance(part, Attachment):
-            if part.body == GROUND:
-                return part.x, part.y
-            body = linkage.bodies[linkage.index(part.body)]
-            points = {"centre": (0.0, 0.0)} | dict(body.points)
-            for name, place in points.items():
-                if place == (part.x, part.y):
-                    return f"{part.body}.{name}"
-            return part
-        if isinstance(part, Revolute):
-            ends = named(part.first), named(part.second)
-            return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
-        if not isinstance(part, AnySpring | Force | Drive | Follow):
-            return part
-        values = {item.name: named(getattr(part, item.name)) for item in fields(part)}
-        return type(part)(**values)
-
-    return Parts(
-        named(linkage.output),
-        linkage.name,
-        linkage.output.direction,
-        dict(linkage.guess),
-        linkage.cycle,
-        linkage.run_up,
-        linkage.gravity,
-        *(tuple(map(named, getattr(linkage, table))) for table in _TABLES),
-    )
+    check_parts(linkage.bodies, linkage.joints, linkage.drives, dict(linkage.guess))
 
 
 def place_of(

@@ -50,6 +50,20 @@ def check_joint_names(joints: Sequence[str]) -> None:
             )
 
 
+def check_parts(
+    bodies: Sequence[Body],
+    joints: Sequence[Joint],
+    drives: Sequence[Drive],
+    guess: Mapping[str, float],
+) -> None:
+    """Raise InputError where motors, guides, inertias or points do not fit each other."""
+    guides = [joint for joint in joints if isinstance(joint, Guide)]
+    _check_motors(drives)
+    _check_guides(guides)
+    check_inertias(bodies, guides, drives)
+    _check_drawing(bodies, joints, start_angles(guides, drives, guess))
+
+
 def check_inertias(
     bodies: Sequence[Body], guides: Sequence[Guide], drives: Sequence[Drive]
 ) -> None:
@@ -70,7 +84,7 @@ def check_inertias(
         )
 
 
-def check_motors(drives: Sequence[Drive]) -> None:
+def _check_motors(drives: Sequence[Drive]) -> None:
     """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
     leader = leader_of(drives)
     timed = [one for one in drives if not isinstance(one, GearedDrive)]
@@ -97,7 +111,7 @@ def check_motors(drives: Sequence[Drive]) -> None:
         )
 
 
-def check_guides(guides: Sequence[Guide]) -> None:
+def _check_guides(guides: Sequence[Guide]) -> None:
     """Raise InputError where guides alone, some of them on bodies, close a loop."""
     connected = {guide.body: {guide.body} for guide in guides}
     connected |= {guide.on: {guide.on} for guide in guides}
@@ -138,18 +152,14 @@ def start_angles(
     return angles
 
 
-def check_drawing(
-    bodies: Sequence[Body],
-    joints: Sequence[Joint],
-    drives: Sequence[Drive],
-    guess: Mapping[str, float],
+def _check_drawing(
+    bodies: Sequence[Body], joints: Sequence[Joint], angles: Mapping[str, float]
 ) -> None:
     """Raise InputError where points of a joint do not coincide in the drawing.
 
-    Bodies that are drawn in a frame of their own have another angle at the start.
+    ``angles`` are those of the bodies at the start, rad. A body that has one is drawn
+    in a frame of its own.
     """
-    guides = [joint for joint in joints if isinstance(joint, Guide)]
-    angles = start_angles(guides, drives, guess)
     places = {GROUND: (0.0, 0.0)}
     for body in bodies:
         if body.drawn_at is not None and not angles.get(body.name):

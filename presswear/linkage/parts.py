@@ -1,13 +1,13 @@
 """Parts of a linkage as a user or a file names them, and the places of their points."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 from presswear.linkage.bodies import Body
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
-from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
+from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive
 from presswear.linkage.joints import Guide, Joint, Pin, Revolute
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.points import ANGLE, GROUND, Attachment, End, OutputPoint, angle
@@ -183,3 +183,33 @@ class Placing:
             return replace(load, point=self.point(load.point, "loads"))
         self.check_body(load.body, "loads")
         return load
+
+
+def part_with_names(bodies: Sequence[Body], part: Any) -> Any:
+    """Return a part of a linkage with its points by name, as in a file."""
+    if isinstance(part, OutputPoint):
+        return _name_of(bodies, part.attachment)
+    if isinstance(part, Attachment):
+        return _name_of(bodies, part)
+    if isinstance(part, Revolute):
+        ends = _name_of(bodies, part.first), _name_of(bodies, part.second)
+        return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
+    if not isinstance(part, AnySpring | Force | Drive | Follow):
+        return part
+    values = {
+        item.name: part_with_names(bodies, getattr(part, item.name))
+        for item in fields(part)
+    }
+    return type(part)(**values)
+
+
+def _name_of(bodies: Sequence[Body], point: Attachment) -> End:
+    """Return ``body.point``, or the point if it has no name; coordinates on the frame."""
+    if point.body == GROUND:
+        return point.x, point.y
+    body = next(body for body in bodies if body.name == point.body)
+    points = {"centre": (0.0, 0.0)} | dict(body.points)
+    for name, place in points.items():
+        if place == (point.x, point.y):
+            return f"{body.name}.{name}"
+    return point

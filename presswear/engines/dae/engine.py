@@ -6,6 +6,7 @@ import time as clock
 import numpy as np
 
 from presswear.engines.base import Plan, Start, described, listed
+from presswear.engines.dae.accepted_step import place_state
 from presswear.engines.dae.dynamics import system_of
 from presswear.engines.dae.march import (
     BROKEN,
@@ -13,7 +14,6 @@ from presswear.engines.dae.march import (
     STUCK,
     march_controlled,
     march_fixed,
-    place_state,
 )
 from presswear.engines.dae.runge_kutta import CONTROL, Integration, Motion
 from presswear.engines.driver import Simulation
