@@ -15,6 +15,7 @@ IMPORTED_BY_NAME = {
     "__init__.py": ["'importlib.metadata'", "'presswear.scene.catalog'"],
     "__main__.py": ["f'presswear.cli.{module}'"],
     "engines/settings.py": ["'presswear.engines.driver'", "self.module"],
+    "physics/interactions/friction.py": ["f'presswear.physics.interactions.{name}'"],
     "results/frames.py": ["name"],
     "results/result.py": [
         "'presswear.show.figures'",

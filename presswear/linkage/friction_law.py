@@ -24,7 +24,7 @@ STATE_SCALE = 1e-6  # m, of the state of a law without the number ``scale``
 class FrictionLaw(Checked):
     """Friction law of one joint: a named law, or a user function of FRICTION_PARAMETERS.
 
-    The names are those of ``physics.interactions.friction.FRICTIONS``.
+    The names are those of ``linkage.friction_settings.FRICTIONS``.
     """
 
     coefficient: float = 0.0  # c_f; 0: none, whatever the law

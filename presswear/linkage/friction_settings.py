@@ -40,7 +40,21 @@ def greatest_bristle_damping(
 
 
 @dataclass(frozen=True)
-class LuGreSettings(Checked):
+class LawSettings(Checked):
+    """Settings of a friction law, with its name and meaning.
+
+    The law is in the file of ``physics.interactions`` with this name.
+    """
+
+    law: ClassVar[str]
+    meaning: ClassVar[str]
+
+    def check(self, friction: float) -> None:
+        """Raise InputError for settings that do not fit the friction coefficient."""
+
+
+@dataclass(frozen=True)
+class LuGreSettings(LawSettings):
     """Settings of a bearing that LuGre's law reads beside the friction coefficient c_f."""
 
     static_friction: float | None = quantity(
@@ -109,7 +123,7 @@ class LuGreSettings(Checked):
             )
 
 
-WITH_SETTINGS: Mapping[str, type[LuGreSettings]] = {
+WITH_SETTINGS: Mapping[str, type[LawSettings]] = {
     kind.law: kind for kind in (LuGreSettings,)
 }
 """Settings by the name of their law."""

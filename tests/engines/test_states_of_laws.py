@@ -12,7 +12,7 @@ from presswear.linkage.friction_law import FrictionLaw
 from presswear.physics.equations.layout import State
 from presswear.physics.interactions import clearance
 from presswear.physics.interactions.friction import FrictionText, friction_of
-from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.interactions.page import Page
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.compile import Records
@@ -30,7 +30,6 @@ class Dahl:
     joint: int
     law: FrictionLaw
 
-    kernels: ClassVar[Kernels] = ()
     has_state: ClassVar[bool] = True
 
     @property

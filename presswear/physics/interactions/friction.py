@@ -1,19 +1,22 @@
 """Friction laws of a contact: their text in the equations, and their steady force."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from presswear.linkage.friction_law import FrictionLaw, has_state
-from presswear.linkage.friction_settings import FRICTIONS
+from presswear.linkage.friction_settings import FRICTIONS, WITH_SETTINGS
 from presswear.physics.friction_and_normal import (
     FRICTION_FORCES,
     fill_friction,
     friction_record,
 )
-from presswear.physics.interactions.lugre import LuGre
+from presswear.physics.interactions.friction_with_settings import (
+    FrictionWithSettings,
+    LawWithSettings,
+)
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.interactions.user_friction import UserFrictionWithState
 from presswear.tools.arrays import Array
@@ -24,7 +27,6 @@ from presswear.tools.errors import unknown
 class FrictionText(Protocol):
     """Friction law that writes its expressions into the equations of a contact."""
 
-    kernels: ClassVar[Kernels]  # compiled functions that the text calls
     has_state: ClassVar[bool]  # the law has a state, which changes in open joints, too
 
     def write_state(self, sliding: str, is_closed: str) -> None:
@@ -76,21 +78,14 @@ class FrictionWithoutState:
         return force
 
 
-class FrictionWithSettings(FrictionText, Protocol):
-    """Friction law of joints with clearance that has settings, and perhaps a state."""
-
-    def __init__(self, page: Page, prefix: str, joint: int, law: FrictionLaw) -> None:
-        """Take the page, the beginning of names, the number of the joint, and the law."""
-        ...
-
-    @staticmethod
-    def steady_force(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
-        """Return the friction of steady sliding, N; speeds, m/s, and forces, N, are (n,)."""
-        ...
+def _law(name: str) -> LawWithSettings:
+    law: LawWithSettings = import_module(f"presswear.physics.interactions.{name}").LAW
+    return law
 
 
-LAWS_WITH_SETTINGS: Mapping[str, type[FrictionWithSettings]] = {"lugre": LuGre}
-"""Friction laws of ``WITH_SETTINGS`` by name."""
+LAWS_WITH_SETTINGS = {name: _law(name) for name in WITH_SETTINGS}
+"""Friction laws of ``linkage.friction_settings`` by name: ``LAW`` of the file with this name."""
+
 FRICTION_KERNELS = (
     *FrictionWithoutState.kernels,
     *(kernel for law in LAWS_WITH_SETTINGS.values() for kernel in law.kernels),
@@ -105,8 +100,9 @@ def friction_of(
         raise unknown("friction law", law.name, FRICTIONS)
     if law.user_law is not None and has_state(law.user_law):
         return UserFrictionWithState(page, prefix, joint, law)
-    if law.name in LAWS_WITH_SETTINGS and law.coefficient > 0.0:
-        return LAWS_WITH_SETTINGS[law.name](page, prefix, joint, law)
+    functions = LAWS_WITH_SETTINGS.get(law.name)
+    if functions and law.coefficient > 0.0:
+        return FrictionWithSettings(page, prefix, joint, law, functions)
     return FrictionWithoutState(page, prefix, law, record)
 
 

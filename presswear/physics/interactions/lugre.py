@@ -5,15 +5,13 @@ Lischinsky, 1995).
 """
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings
-from presswear.physics.equations.layout import State
-from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.interactions.friction_with_settings import LawWithSettings
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
@@ -77,51 +75,21 @@ def bristles_of(law: FrictionLaw) -> Bristles:
     )
 
 
-@dataclass
-class LuGre:
-    """LuGre's friction in the text of a contact."""
+def steady_bristles(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
+    """Return the friction of steady sliding, N, shape (n,): that of z' = 0."""
+    bristles = bristles_of(law)
+    ratio = sliding / bristles.stribeck
+    rise = (bristles.static - bristles.coefficient) * np.exp(-ratio * ratio)
+    return np.asarray(-np.sign(sliding) * normal * (bristles.coefficient + rise))
 
-    page: Page
-    prefix: str  # of the joint
-    joint: int  # its number
-    law: FrictionLaw
-    sliding: str = ""
 
-    kernels: ClassVar[Kernels] = (Bristles, bristle_rate, bristle_force)
-    has_state: ClassVar[bool] = True
-
-    @property
-    def _law(self) -> str:
-        """Parameters of the law."""
-        numbers = (
-            self.page.text.parameter(f"{self.prefix}_friction_{word}", number)
-            for word, number in bristles_of(self.law)._asdict().items()
-        )
-        return f"Bristles({', '.join(numbers)})"
-
-    def write_state(self, sliding: str, is_closed: str) -> None:
-        """Write the rate of the deflection of the bristles."""
-        text, bristles = self.page.text, bristles_of(self.law)
-        name = f"{self.prefix}_bristle"
-        # Bristles slip at the deflection c_s / sigma_0.
-        scale = bristles.static / bristles.bristle_stiffness
-        place = self.page.add_state(State(name, scale, self.joint))
-        self.sliding = sliding
-        bristle = text.let(name, f"y[{place}]")
-        rate = f"bristle_rate({sliding}, {bristle}, {is_closed}, {self._law})"
-        text.write(f"out[{place}] = {text.let(f'{name}_rate', rate)}")
-
-    def force(self, normal: str) -> str:
-        """Return the call of the law."""
-        name = f"{self.prefix}_bristle"
-        return (
-            f"bristle_force({normal}, {self.sliding}, {name}, {name}_rate, {self._law})"
-        )
-
-    @staticmethod
-    def steady_force(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
-        """Return the friction of steady sliding, N, shape (n,): that of z' = 0."""
-        bristles = bristles_of(law)
-        ratio = sliding / bristles.stribeck
-        rise = (bristles.static - bristles.coefficient) * np.exp(-ratio * ratio)
-        return np.asarray(-np.sign(sliding) * normal * (bristles.coefficient + rise))
+LAW = LawWithSettings(
+    Bristles,
+    bristles_of,
+    state="bristle",
+    # Bristles slip at the deflection c_s / sigma_0.
+    scale=lambda bristles: bristles.static / bristles.bristle_stiffness,
+    rate=bristle_rate,
+    force=bristle_force,
+    steady_force=steady_bristles,
+)

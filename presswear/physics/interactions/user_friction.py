@@ -18,7 +18,7 @@ from presswear.linkage.friction_law import (
     steady_state,
 )
 from presswear.physics.equations.layout import State
-from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.interactions.page import Page
 from presswear.tools.arrays import Array
 from presswear.tools.compile import address_of
 from presswear.tools.user_function import UserFunction, compile_function
@@ -34,7 +34,6 @@ class UserFrictionWithState:
     law: FrictionLaw
     sliding: str = ""
 
-    kernels: ClassVar[Kernels] = ()
     has_state: ClassVar[bool] = True
 
     @property
