@@ -20,12 +20,14 @@ TABLES = {
 
 def column_table() -> str:
     """Return the columns of ``cycles`` with their units and meanings, in their order."""
-    lines = ["| of | column | unit | meaning |", "|---|---|---|---|"]
+    lines = [
+        "| of | column | unit | meaning | mean in the report |",
+        "|---|---|---|---|---|",
+    ]
     for owner, table in TABLES.items():
         for column in table:
-            lines.append(
-                f"| {owner} | `{column.name}` | {column.unit} | {column.text} |"
-            )
+            cells = owner, f"`{column.name}`", column.unit, column.text
+            lines.append(f"| {' | '.join(cells)} | {column.mean_label} |")
     return "\n".join(lines)
 
 

@@ -25,6 +25,7 @@ from presswear.physics.wear import map_shape
 from presswear.recording.columns import (
     FILM_CYCLE_COUNT,
     JOINT_SERIES_COUNT,
+    LAST,
     LEADER_SERIES_COUNT,
     SERIES_COUNT,
     cycle_columns,
@@ -187,8 +188,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         ),
         depth=np.zeros(shape),
         film_columns=_film_columns(linkage),
-        slidings=np.zeros(count),
-        film_losses=np.zeros(count),
+        last=np.zeros(count, LAST),
         wear_integrals=np.zeros(count, WEAR_INTEGRALS),
         shares=np.zeros((4, shape[2])),
         torque=np.zeros(drives),

@@ -6,6 +6,8 @@ columns.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from presswear.tools.errors import unknown
 
 
@@ -139,6 +141,13 @@ JOINT_CYCLE = (
     CLOSED_TIME,
     SLIDING_DISTANCE,
 ) = range(len(JOINT_CYCLE))
+# A joint in the last accepted state, with which integrals over a step are computed
+LAST = np.dtype(
+    [
+        ("sliding", np.float64),  # m/s
+        ("film_loss", np.float64),  # power, W
+    ]
+)
 # Integrals are over time; peaks have their signs
 DRIVE_CYCLE = (
     Column("torque_integral", "N m s", "integral of the torque"),

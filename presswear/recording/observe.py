@@ -101,21 +101,22 @@ def note_joint(records: RecorderState, k: int, t: float, h: float) -> None:
     """Add the force, load and sliding distance and contacts of a joint in a step to the cycle."""
     contact = records.contacts[k]
     counts = records.counters[k]
-    last = records.memory[k]
+    memory = records.memory[k]
+    last = records.last[k]
     row = records.cycle[CYCLE_COUNT + JOINT_CYCLE_COUNT * k :]
-    peak = max(contact.normal, last.step_peak)
+    peak = max(contact.normal, memory.step_peak)
     if peak > 0.0:
         counts.peak_force = max(counts.peak_force, peak)
-        last.peak_force = max(last.peak_force, peak)
+        memory.peak_force = max(memory.peak_force, peak)
         row[FORCE_MAX] = max(row[FORCE_MAX], peak)
     if contact.normal > 0.0:
         counts.deepest = max(counts.deepest, contact.penetration)
-    closed_until = t if records.onset[k] > 0.0 else last.separation_time
-    closed_from = max(last.touchdown_time, t - h)
+    closed_until = t if records.onset[k] > 0.0 else memory.separation_time
+    closed_from = max(memory.touchdown_time, t - h)
     closed = max(closed_until - closed_from, 0.0)
     row[CLOSED_TIME] += closed
-    row[SLIDING_DISTANCE] += closed * mean_size(records.slidings[k], contact.sliding)
-    records.slidings[k] = contact.sliding
+    row[SLIDING_DISTANCE] += closed * mean_size(last.sliding, contact.sliding)
+    last.sliding = contact.sliding
     row[LOAD_DISTANCE] += records.wear_integrals[k].work
     row[CONTACTS] = counts.contacts - counts.contacts_before
 
@@ -130,11 +131,12 @@ def note_film(records: RecorderState, k: int, h: float) -> None:
     if column < 0:
         return
     contact = records.contacts[k]
+    last = records.last[k]
     row = records.cycle[column:]
     place = math.hypot(contact.eccentricity_x, contact.eccentricity_y)
     row[LEAST_FILM] = min(row[LEAST_FILM], records.packed.joints[k].clearance - place)
-    row[FILM_LOSS] += 0.5 * h * (records.film_losses[k] + contact.film_loss)
-    records.film_losses[k] = contact.film_loss
+    row[FILM_LOSS] += 0.5 * h * (last.film_loss + contact.film_loss)
+    last.film_loss = contact.film_loss
 
 
 @inlined

@@ -104,8 +104,7 @@ class RecorderState(NamedTuple):
     depth: Array
     # first columns of FILM_CYCLE in this row, of each joint; -1 without a film
     film_columns: NDArray[np.int64]
-    slidings: Array  # sliding speed in the last accepted state, m/s, of each joint
-    film_losses: Array  # power in the last accepted state, W, of each joint
+    last: Records  # of LAST, of each joint
     wear_integrals: Records  # of WEAR_INTEGRALS, over the last step
     # working space of ``deposit_over_arc`` and ``deposit_by_law``, (4, m)
     shares: Array

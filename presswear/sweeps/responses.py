@@ -1,8 +1,8 @@
 """Responses: numbers of a result that a sweep stores, by name.
 
 ``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the
-unworn stage. To add a response, add its unit and text to `_TEXTS` and its function to
-`_FUNCTIONS`.
+unworn stage. A recorded number with a mean is a response by its name; another one has its
+unit and text in `_TEXTS` and its function in `_FUNCTIONS`.
 """
 
 import inspect
@@ -18,6 +18,8 @@ import numpy as np
 from presswear.linkage.surface import SIDES
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
+from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
+from presswear.recording.columns import Column as CycleColumn
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.bottom_dead_centre import rise
 from presswear.results.frame_load import frame_loads
@@ -60,6 +62,7 @@ class Definition(NamedTuple):
     scope: Literal["joint", "stage", "result"]
     function: Callable[[Result, Any, Any], Response | None]
     optional: bool = False  # computed only if requested, because it takes long
+    in_table: bool = True  # reported without a request, too
 
 
 def _response(estimate: Estimate | None) -> Response | None:
@@ -166,6 +169,34 @@ def _at(path: str) -> Callable[..., Response | None]:
     return read
 
 
+def _mean(name: str) -> Callable[..., Response | None]:
+    """Return the function that reads the mean of a recorded number over cycles."""
+
+    def read(
+        result: Result, stage: StageResult, joint: JointResult | None
+    ) -> Response | None:
+        statistics = joint.stored if joint else stage.statistics
+        return _response(statistics.means.get(name) if statistics else None)
+
+    return read
+
+
+def _means(
+    scope: Literal["joint", "stage"], columns: tuple[CycleColumn, ...]
+) -> dict[str, Definition]:
+    """Return the means of recorded numbers as responses by name."""
+    return {
+        column.name: Definition(
+            column.unit.removeprefix("1"),
+            f"{column.mean_label}, mean over cycles",
+            scope,
+            _mean(column.name),
+            in_table=False,
+        )
+        for column in with_mean(columns)
+    }
+
+
 _TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
     # With its sign, in contrast to the limits of a life.
     "bdc_error": (
@@ -226,7 +257,9 @@ OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
 OF_FRAMES = ("frame_stretch", "reverse_force")
 OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
 RESPONSES = {
-    name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()
+    **{name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()},
+    **_means("joint", (*JOINT_CYCLE, *FILM_CYCLE)),
+    **_means("stage", CYCLE),
 }
 
 
@@ -249,34 +282,41 @@ def available(scene: Scene) -> dict[str, Definition]:
     absent |= set() if linkage.leader else set(OF_MOTORS)
     absent |= set() if linkage.elastic_guides else set(OF_FRAMES)
     absent |= set() if scene.loose_guides else set(OF_GUIDES)
+    oiled = {joint.name for joint in linkage.oiled_joints}
+    of_films = {column.name for column in FILM_CYCLE}
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
-            responses |= {f"{joint}.{name}": definition for joint in scene.loose_pins}
+            pins = scene.loose_pins
+            joints = [pin for pin in pins if name not in of_films or pin in oiled]
+            responses |= {f"{joint}.{name}": definition for joint in joints}
         elif name not in absent:
             responses[name] = definition
     return responses
 
 
 def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
-    """Return the requested responses; without a request, all usual ones of the last stage.
+    """Return the requested responses; without a request, those of the table of the last stage.
 
     A response is a name, or a function of a result that returns a number. `InputError`
     if a name, a joint or a stage is unknown, or a response is repeated.
     """
-    usual = available(scene)
+    offered = available(scene)
+    in_table = [
+        name for name, one in offered.items() if one.in_table and not one.optional
+    ]
     columns = []
     optional = []
     functions = []
-    for item in responses or [name for name in usual if not usual[name].optional]:
+    for item in responses or in_table:
         if not isinstance(item, str):
             summary = (inspect.getdoc(item) or "").partition("\n")[0]
             columns.append(Column(item.__name__, "", summary))
             functions.append(item)
             continue
         name, at, stage = item.strip().partition("@")
-        if name not in usual:
-            raise unknown("response", name, usual)
-        definition = usual[name]
+        if name not in offered:
+            raise unknown("response", name, offered)
+        definition = offered[name]
         if at and (
             definition.scope == "result" or not (stage.isascii() and stage.isdigit())
         ):
@@ -338,15 +378,16 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
     for stage in result.stages:
         all_joints = stage.joints
         joints_of[stage.index] = [all_joints[pin] for pin in pins]
-    for name, (_, _, scope, function, is_optional) in RESPONSES.items():
-        if scope == "result":
-            values[name] = function(result, None, None)
-        elif not is_optional or name in requested.optional:
+    for name, response in RESPONSES.items():
+        if response.scope == "result":
+            values[name] = response.function(result, None, None)
+        elif not response.optional or name in requested.optional:
             for stage in result.stages:
-                joints = joints_of[stage.index]
-                for joint in joints if scope == "joint" else (None,):
+                joints = joints_of[stage.index] if response.scope == "joint" else [None]
+                for joint in joints:
                     key = f"{joint.name}.{name}" if joint else name
-                    values[f"{key}@{stage.index}"] = function(result, stage, joint)
+                    value = response.function(result, stage, joint)
+                    values[f"{key}@{stage.index}"] = value
     last = f"@{result.stages[-1].index}"
     values |= {
         key.removesuffix(last): values[key] for key in values if key.endswith(last)

@@ -71,6 +71,21 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
     )
 
 
+def test_declared_means_are_stored_and_reported_on_request(result: pw.Result) -> None:
+    columns = [column.key for column in USUAL.columns]
+    assert not any(key.endswith((".closed_time", "steps")) for key in columns)
+    requested = responses.request(SCENE, ["A.closed_time@0", "steps"])
+    assert requested.extra == USUAL.extra
+    assert [column.unit for column in requested.columns] == ["s", ""]
+    values = responses.responses_of(result, USUAL)
+    first, last = (stage.statistics for stage in result.stages)
+    estimate = first.joints["A"].means["closed_time"]
+    expected = responses.Response(estimate.mean, estimate.half_width)
+    assert values["A.closed_time@0"] == expected
+    assert values["steps"].value == last.means["steps"].mean
+    assert "A.least_film" not in responses.available(SCENE)
+
+
 def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
     usual = responses.responses_of(result, USUAL)
     assert not any(key.startswith("total_clearance") for key in usual)
@@ -129,7 +144,8 @@ def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> Non
     assert {column.key.rpartition(".")[2] for column in USUAL.columns} == {
         name
         for name, item in responses.RESPONSES.items()
-        if not item.optional
+        if item.in_table
+        and not item.optional
         and name
         not in (
             "life",
