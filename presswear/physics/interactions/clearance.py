@@ -6,8 +6,7 @@ from typing import ClassVar, Self
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.linkage import Linkage
-from presswear.physics.contact import CONTACT, note_foundation, note_radial
-from presswear.physics.equations.chain import Link
+from presswear.physics.contact import note_foundation, note_radial
 from presswear.physics.equations.text import (
     ONE,
     ZERO,
@@ -17,22 +16,17 @@ from presswear.physics.equations.text import (
     product,
     total,
 )
-from presswear.physics.friction_and_normal import (
-    ELASTICITIES,
-    elastic_of,
-    round_foundation,
-)
 from presswear.physics.interactions.friction import FRICTION_KERNELS, friction_of
+from presswear.physics.interactions.joint_motion import FIELDS, MotionText
+from presswear.physics.interactions.normal_force import NORMAL_KERNELS, NormalForceText
 from presswear.physics.interactions.page import Kernels, Page
+from presswear.physics.interactions.wear_rates import WEAR_KERNELS, WearText
 from presswear.physics.packed import Packed
-from presswear.physics.pressure_wear import arc_width
-from presswear.physics.wear import contact_area
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
-FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 # Fields that ``contact.note_radial`` and ``note_foundation`` compute on worn surfaces
-_FILLED = (
+_FIELDS_OF_KERNELS = (
     "penetration",
     "rate",
     "normal_x",
@@ -46,6 +40,7 @@ _FILLED = (
     "place",
     "couple",
 )
+# Variables of the forces and moments, which are zero in an open joint
 _FORCES = (
     "normal_force",
     "friction_force",
@@ -65,13 +60,10 @@ class ClearanceContact:
     number: int  # index among the clearance joints
 
     kernels: ClassVar[Kernels] = (
-        arc_width,
-        contact_area,
-        elastic_of,
         note_foundation,
         note_radial,
-        round_foundation,
-        *(law for law in ELASTICITIES.values() if not isinstance(law, int)),
+        *NORMAL_KERNELS,
+        *WEAR_KERNELS,
         *FRICTION_KERNELS,
     )
 
@@ -100,36 +92,18 @@ class ClearanceContact:
         ContactText(page, self.joint, self.record, self.number).write()
 
 
-class ContactText:
-    """Writer of the equations of a contact of round or worn surfaces.
-
-    ``fields`` has the expression, or the name of the variable, of each field of CONTACT
-    that has been written.
-    """
+class ContactText(MotionText):
+    """Writer of the equations of a contact of round or worn surfaces."""
 
     def __init__(
         self, page: Page, joint: ClearanceJoint, record: Records, number: int
     ) -> None:
-        text = page.text
-        self.page = page
-        self.text = text
-        self.joint = joint
-        self.number = number
-        self.record = record
-        self.prefix = text.prefix(joint.name)
-        self.bearing = page.chain.of(joint.bearing.body)
-        self.pin = page.chain.of(joint.pin.body)
-        self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
-        self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
-        self.fields: dict[str, str] = {}
+        super().__init__(page, joint, record, number)
+        self.normal_law = NormalForceText(self)
+        self.wear = WearText(self, self.wears_by_pressure)
         self.friction = friction_of(
-            page, self.prefix, self.number, joint.friction, self.record["friction"]
+            page, self.prefix, number, joint.friction, record["friction"]
         )
-
-    @property
-    def is_worn(self) -> bool:
-        """True if a kernel for worn surfaces fills in the contact."""
-        return bool(self.record["surface_bins"] > 0)
 
     @property
     def makes_energy(self) -> bool:
@@ -139,11 +113,6 @@ class ContactText:
         The radial force on a worn profile is not the gradient of an energy.
         """
         return self.is_worn or self.joint.round_normal.user_law is not None
-
-    @property
-    def onset_floor(self) -> str:
-        """Name of the lower limit of the closing speed in the damping law."""
-        return "ONSET_SPEED_FLOOR"
 
     @property
     def title(self) -> str:
@@ -165,26 +134,6 @@ class ContactText:
             and self.record["pressure_exponent"] == 1.0
             and self.record["wear_address"] == 0
         )
-
-    def name(self, word: str) -> str:
-        """Return the name of a variable of the joint."""
-        return f"{self.prefix}_{word}"
-
-    def let(self, word: str, expression: str) -> str:
-        """Assign an expression to a variable of the joint."""
-        return self.text.let(self.name(word), expression)
-
-    def parameter(self, word: str, value: float) -> str:
-        """Return the name of a number of the joint."""
-        return self.text.parameter(self.name(word), value)
-
-    def value(self, word: str) -> str:
-        """Return the expression of a field of CONTACT."""
-        return self.fields.get(word, ZERO)
-
-    def vector(self, word: str) -> Vector:
-        """Return the expressions of two fields of CONTACT, x and y."""
-        return Vector(self.value(f"{word}_x"), self.value(f"{word}_y"))
 
     def write(self) -> None:
         """Write the contact, and add its forces to those on both bodies."""
@@ -214,75 +163,28 @@ class ContactText:
             powers.append("created")
         for energy in powers:
             self.page.add_power(energy, self.name(energy))
-        rates = []
-        if self.wears:
-            rates.append("wear_work")
-            self.page.set_dose(self.number, "work", self.name("wear_work"))
-        if self.wears_by_pressure:
-            rates.append("wear_pressure")
-            self.page.set_dose(self.number, "pressure", self.name("wear_pressure"))
+        rates = self.wear.declare_doses() if self.wears else []
         return [self.name(word) for word in (*_FORCES, *powers, *rates)]
 
     def _write_contact(self, onset: str) -> None:
         """Write the motion of the pin, the forces, and the record at the end of a step."""
         text = self.text
-        self._write_motion()
+        self.write_motion()
         if self.is_worn:
             self._write_worn()
         else:
             self._write_round()
-        normal = self.vector("normal")
-        velocity = self.vector("velocity")
-        sum_of_speeds = total(
-            normal.cross(velocity),
-            product(self.pin.omega, self.value("pin_arm")),
-            negative(product(self.bearing.omega, self.value("bearing_arm"))),
-        )
-        sliding = self.let("sliding", sum_of_speeds)
-        self.fields["sliding"] = sliding
+        sliding = self.write_sliding()
         is_closed = f"{self.value('penetration')} > {ZERO}"
         self.friction.write_state(sliding, is_closed)
         with text.block(f"if {is_closed}:"):
             if not self.is_worn:
-                self._write_elastic()
+                elastic = self.normal_law.elastic()
+                text.write(f"{self.value('elastic')} = {elastic}")
             with text.block(f"if {onset} >= {ZERO}:"):
-                self._write_forces(onset, normal)
+                self._write_forces(onset)
         with text.block("if level == END:"):
             self._write_record()
-
-    def _write_motion(self) -> None:
-        """Write position and velocity of the pin relative to the bearing."""
-        text = self.text
-        pin = self.pin
-        bearing = self.bearing
-        centre = bearing.position.plus(self.bearing_arm)
-        eccentricity = pin.position.plus(self.pin_arm).minus(centre)
-        eccentricity = text.let_vector(self.name("eccentricity"), eccentricity)
-        bearing_velocity = bearing.velocity_at(self.bearing_arm)
-        velocity = pin.velocity_at(self.pin_arm).minus(bearing_velocity)
-        velocity = text.let_vector(self.name("velocity"), velocity)
-        length = f"math.sqrt({eccentricity.dot(eccentricity)})"
-        self.fields["eccentricity"] = self.let("eccentricity", length)
-        self._set_fields("eccentricity", eccentricity)
-        self._set_fields("velocity", velocity)
-        self._set_link("bearing", bearing, self.bearing_arm)
-        self._set_link("pin", pin, self.pin_arm)
-
-    def _set_link(self, end: str, link: Link, arm: Vector) -> None:
-        self.fields[f"{end}_angle"] = link.angle
-        self.fields[f"{end}_spin"] = link.omega
-        # The frame has no mass centre.
-        self._set_fields(f"{end}_lever", arm if link.index >= 0 else Vector())
-
-    def _set_fields(self, name: str, vector: Vector) -> None:
-        self.fields |= {f"{name}_x": vector.x, f"{name}_y": vector.y}
-
-    def _turning(self) -> str:
-        """Write the angular velocity of the eccentricity."""
-        cross = self.vector("eccentricity").cross(self.vector("velocity"))
-        size = self.value("eccentricity")
-        rate = f"({cross}) / ({size} * {size}) if {size} > {ZERO} else {ZERO}"
-        return self.let("turning", rate)
 
     def _write_round(self) -> None:
         """Write the contact of round surfaces, in the direction of the eccentricity."""
@@ -320,7 +222,7 @@ class ContactText:
 
     def _write_worn(self) -> None:
         """Write the call of the kernel for worn surfaces."""
-        self.fields["turning"] = self._turning()
+        self.fields["turning"] = self.turning()
         contact = self.let("contact", f"data.contacts[{self.number}]")
         for field, value in self.fields.items():
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")
@@ -329,47 +231,17 @@ class ContactText:
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
         self.text.write(f"{kernel}({arguments})")
-        for field in _FILLED:
+        for field in _FIELDS_OF_KERNELS:
             self.fields[field] = self.let(field, f"{contact}[{FIELDS[field]}]")
 
-    def _write_elastic(self) -> None:
-        """Write the elastic force of the normal law."""
-        depth = self.value("penetration")
-        law = self.joint.round_normal
-        stiffness = self.parameter("stiffness", self.record["normal"]["stiffness"])
-        is_function = not isinstance(ELASTICITIES[law.elasticity], int)
-        if law.user_law is not None or is_function:
-            force = self._call_normal(depth, ZERO, ONE)
-        elif law.elasticity == "foundation":
-            clearance = self.parameter("clearance", self.joint.clearance)
-            force = f"round_foundation({depth}, {stiffness}, {clearance})[0]"
-        elif law.exponent == 1.5:
-            force = f"{stiffness} * {depth} * math.sqrt({depth})"
-        elif law.exponent == 1.0:
-            force = f"{stiffness} * {depth}"
-        else:
-            exponent = self.parameter("exponent", law.exponent)
-            force = f"{stiffness} * {depth} ** {exponent}"
-        self.text.write(f"{self.value('elastic')} = {force}")
-
-    def _call_normal(self, depth: str, rate: str, onset: str) -> str:
-        """Return the call of a normal law with all of NORMAL_PARAMETERS."""
-        record = self.record["normal"]
-        numbers = ("stiffness", "exponent", "damping", "clearance")
-        parameters = [self.parameter(name, record[name]) for name in numbers]
-        arguments = ", ".join([depth, rate, onset, *parameters])
-        law = self.joint.round_normal
-        if law.user_law is None:
-            return f"{ELASTICITIES[law.elasticity].__name__}({arguments})"
-        address = self.parameter("normal_law", record["address"])
-        return f"call(int({address}), ({arguments}))"
-
-    def _write_forces(self, onset: str, normal: Vector) -> None:
+    def _write_forces(self, onset: str) -> None:
         """Write the forces and moments of a closed joint."""
         text = self.text
+        normal = self.vector("normal")
         normal_force = self.name("normal_force")
         friction_force = ZERO
-        text.write(f"{normal_force} = {self._normal_force(onset)}")
+        size = self.normal_law.force(onset)
+        text.write(f"{normal_force} = {size}")
         on_pin = normal.times(f"-{normal_force}")
         if self.joint.friction.coefficient > 0.0:
             friction_force = self.name("friction_force")
@@ -382,26 +254,7 @@ class ContactText:
         with text.block("if level >= RATES:"):
             self._write_losses(normal_force, friction_force)
             if self.wears:
-                self._write_wear(normal_force)
-
-    def _normal_force(self, onset: str) -> str:
-        """Return the normal force; write the closing speed at touchdown for laws with damping."""
-        law = self.joint.round_normal
-        elastic = self.value("elastic")
-        closing = self.value("closing")
-        damping = self.parameter("damping", self.record["normal"]["damping"])
-        if law.user_law is None and damping == ZERO:
-            return elastic
-        if law.user_law is None and law.viscosity > 0.0:
-            return f"max({elastic} + {product(damping, closing)}, {ZERO})"
-        speed = f"{onset} if {onset} > {ZERO} else {self.value('rate')}"
-        limited = f"max({speed}, {self.onset_floor})"
-        touchdown_speed = self.let("touchdown_speed", limited)
-        if law.user_law is None:
-            factor = f"({ONE} + {damping} * {closing} / {touchdown_speed})"
-            return f"max({elastic} * {factor}, {ZERO})"
-        depth = self.value("penetration")
-        return f"max({self._call_normal(depth, closing, touchdown_speed)}, {ZERO})"
+                self.wear.write(normal_force)
 
     def _write_moments(self, normal_force: str, normal: Vector, force: Vector) -> None:
         """Write the moments about both mass centres of a force at one common point."""
@@ -450,65 +303,10 @@ class ContactText:
             write(f"{created} -= {power}")
             write(f"{contact_loss} += {power}")
 
-    def _write_wear(self, normal_force: str) -> None:
-        """Write the rates of the load distance and, if needed, of pressure times slip."""
-        depth = self.value("penetration")
-        slip = f"abs({self.value('sliding')})"
-        if self.record["slip_by_angle"]:
-            turning = self.value("turning") if self.is_worn else self._turning()
-            radius = self.parameter("pin_radius", self.joint.pin_radius)
-            slip = f"({radius} + {depth}) * abs({turning})"
-        work = self.name("wear_work")
-        self.text.write(f"{work} = {normal_force} * {slip}")
-        if self.record["wear_address"]:
-            self.text.write(f"{self.name('wear_pressure')} = {slip}")
-        elif self.record["over_arc"] and self.wears_by_pressure:
-            radius = self.parameter("bearing_radius", self.joint.bearing_radius)
-            width = self.parameter("width", self.joint.width)
-            clearance = self.parameter("clearance", self.joint.clearance)
-            area = f"{width} * {radius} * arc_width({depth}, {clearance})"
-            pressure = f"{normal_force} / ({area})"
-            self._write_pressure_dose(work, pressure, normal_force)
-        elif self.wears_by_pressure:
-            self._write_bin_wear(work, normal_force)
-
-    def _write_bin_wear(self, work: str, normal_force: str) -> None:
-        """Write the rate of pressure times slip, with the mean pressure over the chord."""
-        depth = self.value("penetration")
-        half = f"0.5 * {depth}"
-        arguments = (
-            depth,
-            self.value("eccentricity"),
-            f"{self.value('bearing_arm')} - {half}",
-            f"{self.value('pin_arm')} + {half}",
-            self.parameter("width", self.joint.width),
-        )
-        area = f"contact_area({', '.join(arguments)})"
-        if self.record["pressure_exponent"] == 1.0:
-            self.text.write(f"{self.name('wear_pressure')} = {work} / {area}")
-        else:
-            area = self.let("contact_area", area)
-            dose_rate = f"{work} / {area}"
-            pressure = f"{normal_force} / {area}"
-            self._write_pressure_dose(dose_rate, pressure, normal_force)
-
-    def _write_pressure_dose(
-        self, dose_rate: str, pressure: str, normal_force: str
-    ) -> None:
-        """Write the rate of a dose times (p / p_ref)^(m - 1)."""
-        wear = self.joint.wear
-        assert wear is not None
-        reference = self.parameter("pressure_reference", wear.pressure_reference)
-        power = self.parameter("pressure_power", wear.pressure_exponent - 1.0)
-        pressure = self.let("pressure", pressure)
-        rate = f"{dose_rate} * ({pressure} / {reference}) ** {power}"
-        rate = f"{rate} if {normal_force} > {ZERO} else {ZERO}"
-        self.text.write(f"{self.name('wear_pressure')} = {rate}")
-
     def _write_record(self) -> None:
         """Write the contact for the recorder."""
         if not self.is_worn:
-            self.fields["turning"] = self._turning()
+            self.fields["turning"] = self.turning()
             law = f"data.joints[{self.number}].normal"
             energy = f"elastic_of({law}, {self.value('penetration')})[1]"
             self.fields["energy"] = self.let("elastic_energy", energy)
@@ -518,6 +316,6 @@ class ContactText:
         self.fields["normal"] = self.name("normal_force")
         self.fields["tangential"] = self.name("friction_force")
         for field, value in self.fields.items():
-            if self.is_worn and field in _FILLED:
+            if self.is_worn and field in _FIELDS_OF_KERNELS:
                 continue
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")

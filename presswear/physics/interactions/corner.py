@@ -139,27 +139,27 @@ class _CornerText(ContactText):
         normal = rotated(normal, *self.bearing.axis)
         return self.text.let_vector(self.name("normal"), normal)
 
-    def _write_motion(self) -> None:
+    def write_motion(self) -> None:
         """Write distance and velocity of the corner along the normal of the wall."""
         slide = self.pin
         arm = self.pin_arm
         normal = self._wall_normal
-        self._set_fields("normal", normal)
+        self.set_fields("normal", normal)
         across = self.let("across", normal.dot(self._from_wall()))
         velocity = slide.velocity_at(arm)
         if self.is_moving:
             wall = self.bearing
             velocity = velocity.minus(wall.velocity_at(self._wall_arm))
             self.fields |= {"bearing_angle": wall.angle, "bearing_spin": wall.omega}
-            self._set_fields("bearing_lever", self._wall_arm)
+            self.set_fields("bearing_lever", self._wall_arm)
         velocity = self.text.let_vector(self.name("velocity"), velocity)
         word = "rate_across" if self.has_profile else "rate"
         rate = self.let(word, normal.dot(velocity))
         self.fields |= {"across": across, "rate_across": rate, "rate": rate}
         self.fields["is_flat"] = ONE
         self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
-        self._set_fields("pin_lever", arm)
-        self._set_fields("velocity", velocity)
+        self.set_fields("pin_lever", arm)
+        self.set_fields("velocity", velocity)
 
     def _write_round(self) -> None:
         """Write the contact with the wall, at half of the penetration."""
@@ -186,12 +186,12 @@ class _CornerText(ContactText):
         self.text.write(f"{depth}, {slope}, _ = {call}")
         gradient = self._wall_normal.minus(self._forwards().times(slope))
         gradient = self.text.let_vector(self.name("gradient"), gradient)
-        self._set_fields("normal", gradient)
+        self.set_fields("normal", gradient)
         rate = gradient.dot(self.vector("velocity"))
         self.fields["rate"] = self.let("rate", rate)
         return depth
 
-    def _turning(self) -> str:
+    def turning(self) -> str:
         """Return zero: the normal does not turn in the frame of the wall."""
         return ZERO
 
@@ -221,6 +221,6 @@ class _CornerText(ContactText):
         rate = self.fields.pop("rate_across")
         normal = self._fixed_normal()
         self.fields["eccentricity"] = self.let("eccentricity", f"abs({across})")
-        self._set_fields("eccentricity", normal.times(across))
-        self._set_fields("velocity", normal.times(rate))
+        self.set_fields("eccentricity", normal.times(across))
+        self.set_fields("velocity", normal.times(rate))
         super()._write_record()
