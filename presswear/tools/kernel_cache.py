@@ -159,11 +159,13 @@ class KernelCache:
                     with signals_held():  # as the compiler does
                         code = compiler.CompileResult._rebuild(context, *content)
                     if code.signature.args == signature:
+                        with suppress(OSError):
+                            os.utime(file)  # see ``_remove_unused``
                         return code
         return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Store code, and remove the oldest files; do nothing where no file can be written."""
+        """Store code, and remove files not used for long; do nothing where none can be written."""
         try:
             file, *_ = self.files(signature, result.target_context)
             if _is_usable(file.parent):
@@ -173,7 +175,7 @@ class KernelCache:
                 part.chmod(0o644)
                 part.replace(file)
                 self._release()
-                _remove_oldest(file.parent)
+                _remove_unused(file.parent)
         except OSError:
             pass
         # What another numba stores can fail in any way; the run goes on without it.
@@ -212,7 +214,8 @@ class KernelCache:
             self._lock = None
 
 
-def _remove_oldest(folder: Path) -> None:
+def _remove_unused(folder: Path) -> None:
+    """Remove the files that were not written or read for the longest time."""
     files = sorted(folder.iterdir(), key=lambda file: file.stat().st_mtime)
     for file in files[:-_MAX_FILES]:
         file.unlink()
