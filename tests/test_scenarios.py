@@ -9,11 +9,13 @@ import pytest
 import presswear as pw
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
-QUICK = ("compare", "engines", "ideal", "one_joint", "own_linkage")
-SLOW = pytest.param("wear_times", marks=pytest.mark.slow)
+QUICK = ("engines", "ideal", "own_linkage")
+SLOW = ("compare", "one_joint", "wear_times")
 
 
-@pytest.mark.parametrize("name", [*QUICK, SLOW])
+@pytest.mark.parametrize(
+    "name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
+)
 def test_a_script_runs(
     name: str,
     tmp_path: Path,

@@ -557,25 +557,6 @@ def test_life_of_surfaces_that_run_in_again(campaign: Campaign) -> None:
     assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
 
 
-def test_life_is_inversely_proportional_to_the_wear_coefficient(
-    campaign: Campaign,
-) -> None:
-    lives = []
-    for factor in (1.0, 10.0):
-
-        def law(run: int, depth: Array, factor: float = factor) -> Array:
-            return factor * exponential(run, depth)
-
-        coefficient = factor * LIFE.bearings.materials.wear_coefficient
-        scene = changed(LIFE, {"wear_coefficient": f"{coefficient!r}/Pa"})
-        seen = campaign(scene, FakeEngine(law))
-        assert seen.life is not None
-        lives.append(seen.life)
-    first, second = lives
-    assert 10.0 * second.strokes == pytest.approx(first.strokes, rel=1e-12, abs=0.0)
-    assert second.step == pytest.approx(first.step, rel=1e-9, abs=0.0)
-
-
 def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
     campaign: Campaign,
 ) -> None:

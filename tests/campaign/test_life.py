@@ -634,7 +634,7 @@ def test_a_life_is_known_roughly_before_its_first_refinement_ends() -> None:
     assert 0.5 < early[0].strokes / seen.lives[-1].strokes < 2.0
 
 
-@pytest.mark.parametrize(("number", "reports"), [(1, 3), (1, 12), (2, 2), (2, 30)])
+@pytest.mark.parametrize(("number", "reports"), [(1, 3), (2, 30)])
 def test_interrupted_life_resumes_bit_for_bit(
     number: int, reports: int, whole: tuple[Path, Any], tmp_path: Path
 ) -> None:
@@ -813,12 +813,9 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
 
 
-@pytest.mark.parametrize("depth", [0.973, 0.977])
-def test_life_ends_with_the_cycle_that_wears_through_the_clearance(
-    depth: float,
-) -> None:
+def test_life_ends_with_the_cycle_that_wears_through_the_clearance() -> None:
     """Strokes are counted up to that cycle, within a block: Archard's rate stays."""
-    surfaces = {"B": (np.full(120, depth * GAP), None)}
+    surfaces = {"B": (np.full(120, 0.973 * GAP), None)}
     scene = scene_of(until="wear_volume > 1 m^3")
     radial = replace(scene.conventions, contact="radial")
     life = life_of_scene(replace(scene, conventions=radial, surfaces=surfaces))

@@ -40,6 +40,7 @@ STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
 UNTIL_KNOWN = replace(
     JUMP, wear_updates=0, replicates=4, max_cycles=200, tolerance=0.06
 )
+EIGHT = replace(UNTIL_KNOWN, cycles=8)
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
 
 
@@ -55,11 +56,17 @@ def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ensemble, "WATCHED_CYCLES", 1)
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of eight cycles that nothing has stopped."""
+    return finished(EIGHT, 1, tmp_path_factory.mktemp("whole") / "run")
+
+
 @pytest.mark.usefixtures("each_is_checked")
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
-    one, three = (finished(SCENES[name], jobs, tmp_path / f"{jobs}") for jobs in (1, 3))
-    assert folder_differences(one, three) == []
+    one, two = (finished(SCENES[name], jobs, tmp_path / f"{jobs}") for jobs in (1, 2))
+    assert folder_differences(one, two) == []
     stages = pw.load(one).stages
     assert all(stage.statistics.load_distance_step_error for stage in stages)
     if name == "until known":
@@ -129,37 +136,31 @@ def kill_worker(pool: Workers) -> None:
     pool._workers[0].process.kill()
 
 
-def test_run_of_a_killed_worker_resumes(tmp_path: Path) -> None:
-    scene = replace(UNTIL_KNOWN, cycles=8)
-    whole = finished(scene, 1, tmp_path / "whole")
+def test_run_of_a_killed_worker_resumes(whole: Path, tmp_path: Path) -> None:
     path = tmp_path / "killed"
-    with workers_of(scene, 2, interval=0.0) as workers:
+    with workers_of(EIGHT, 2, interval=0.0) as workers:
         assert isinstance(workers, Workers)
         observers = [At(partial(kill_worker, workers), 0.3)]
         with pytest.raises(pw.RunFailed, match="memory ran out"):
-            run_into(ResultFolder(path, scene, 0.0), scene, observers, workers)
-    run_into(ResultFolder(path, scene, resume=True), scene)
+            run_into(ResultFolder(path, EIGHT, 0.0), EIGHT, observers, workers)
+    run_into(ResultFolder(path, EIGHT, resume=True), EIGHT)
     assert folder_differences(whole, path) == []
 
 
-@pytest.mark.parametrize(("part", "jobs"), [(0.2, 2), (0.6, 3)])
-def test_interrupted_processes_resume_in_one(
-    part: float, jobs: int, tmp_path: Path
-) -> None:
-    """No cycle is lost that any of the processes had finished."""
-    scene = replace(UNTIL_KNOWN, cycles=8)
+def test_interrupted_processes_resume_in_one(whole: Path, tmp_path: Path) -> None:
+    """No cycle is lost that any of the three processes had finished."""
     path = tmp_path / "stopped"
     with (
-        workers_of(scene, jobs, interval=0.0) as workers,
+        workers_of(EIGHT, 3, interval=0.0) as workers,
         pytest.raises(KeyboardInterrupt),
     ):
-        run_into(ResultFolder(path, scene), scene, [At(interrupt, part)], workers)
-    with ResultFolder(path, scene, resume=True) as folder:
+        run_into(ResultFolder(path, EIGHT), EIGHT, [At(interrupt, 0.6)], workers)
+    with ResultFolder(path, EIGHT, resume=True) as folder:
         assert folder.resumed is not None
         running = Checkpoint.load(folder.resumed).running
-    assert running.cycles / 32 > part - jobs / 32
-    run_into(ResultFolder(path, scene, resume=True), scene)
-    assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
+    assert running.cycles / 32 > 0.6 - 3 / 32
+    run_into(ResultFolder(path, EIGHT, resume=True), EIGHT)
+    assert folder_differences(whole, path) == []
 
 
 class Stored(pw.engines.Observer):

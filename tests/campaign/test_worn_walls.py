@@ -9,6 +9,7 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
+from presswear.campaign import ensemble
 from presswear.linkage.guide_corner import (
     WALL_BINS,
     WallMap,
@@ -16,6 +17,7 @@ from presswear.linkage.guide_corner import (
     tilting_clearance,
 )
 from presswear.physics.wall_wear import tilt_between, wall_volume
+from presswear.show.report import render_report
 
 STROKES = 3e4  # that wear a wall by a tenth of its clearance
 WALLS = {"wear_updates": 1, "cycles_per_update": STROKES, "replicates": 2, "cycles": 3}
@@ -30,6 +32,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("walls") / "whole"
     pw.run(scene_of(), path, jobs=1)
     return path
+
+
+@pytest.fixture
+def unwatched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Begin a life without 50 cycles that show whether the motion settles."""
+    monkeypatch.setattr(ensemble, "WATCHED_CYCLES", 1)
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +94,7 @@ def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result) -> None:
     assert first.name == "initial surfaces"
 
 
+@pytest.mark.usefixtures("unwatched")
 def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
     result: pw.Result, tmp_path: Path
 ) -> None:
@@ -127,11 +136,12 @@ def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
     assert force.last == pytest.approx(peaks.mean, rel=0.05)
     end = worn.stages[1].wall_depth("guide")[1].max()
     assert end == pytest.approx(np.interp(worn.life.strokes, strokes, curve), rel=0.05)
-    report = worn.report().read_text()
+    report = render_report(worn)
     assert "tilt of guide over" in report
     assert "worn depth of the left wall in the stage" in report
 
 
+@pytest.mark.usefixtures("unwatched")
 def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> None:
     """The life is the strokes up to the replacement, and those of a life without it."""
     life = pw.Life(until="guide.depth > 6 um", replaced="guide@2e4")
@@ -147,7 +157,7 @@ def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> 
     before, after = depth[strokes == 2e4]
     assert before == pytest.approx(2e4 * rate, rel=0.1)
     assert after == 0.0
-    assert "walls of guide replaced" in worn.report().read_text()
+    assert "walls of guide replaced" in render_report(worn)
     for text, message in (
         ("guide@2e4", "the walls of a guide can be replaced only"),
         ("guid@2e4", "did you mean guide"),
@@ -241,7 +251,7 @@ def test_a_quick_life_of_walls_is_the_limits_over_two_wear_rates(
     assert tilt_between(corner, walls(opening)) == pytest.approx(tilt, rel=1e-9)
     lost_volume = wall_volume(corner, walls(lost))
     assert lost_volume == pytest.approx(5e-9, rel=1e-12)
-    assert "guide: worn once" in quick.report().read_text()
+    assert "guide: worn once" in render_report(quick)
 
 
 def test_limits_of_guides_and_pins_are_named() -> None:

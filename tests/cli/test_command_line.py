@@ -304,8 +304,8 @@ def test_a_new_file_is_listed_drawn_and_run(
     equations = command("show mine.toml --equations")
     assert equations.startswith("def equations(")
     compile(equations, "mine.toml", "exec")
-    options = "--engine dae --cycles 1 --wear-updates 0 --set replicates=1"
-    assert "report in out" in command(f"run mine.toml --out out {options}")
+    options = "--engine dae --cycles 1 --wear-updates 0 --set replicates=1 --no-report"
+    assert "results in out" in command(f"run mine.toml --out out {options}")
 
 
 def test_a_run_is_resumed_without_the_files_that_it_started_with(

@@ -22,6 +22,7 @@ from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of, unit_of
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
+from presswear.show.report import render_report
 from presswear.tools.errors import InputError
 
 BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
@@ -120,7 +121,7 @@ def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
     place = 0.1 + 0.01 * (np.cos(phase) - 1.0) + 0.04 * np.sin(phase)
     place += 0.004 * np.sin(2.0 * phase)
     np.testing.assert_allclose(table["piston_distance"], place, atol=1e-12)
-    report = result.report().read_text(encoding="utf-8")
+    report = render_report(result)
     assert "Peak drive force" in report
     assert "force, largest (kN)" in report
     assert "Peak drive torque" not in report

@@ -80,7 +80,16 @@ def scene_of(name: str, **bearing: Any) -> pw.Scene:
     )
 
 
-@pytest.mark.parametrize("name", SCENES)
+SLOW = ("quick return", "slotted crank")  # a slot on a crank, as the Scotch yoke has
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+        for name in SCENES
+    ],
+)
 def test_engines_agree_and_keep_the_energy(name: str) -> None:
     """With friction and damping, over more than 8 touches of the corners."""
     scene = scene_of(name, friction=0.05, restitution=0.8)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
@@ -275,6 +275,7 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
     return pair
 
 
+@settings(max_examples=12)
 @given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
 def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
     """At rest, without friction and damping, nothing but the elastic force is left."""

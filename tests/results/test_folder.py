@@ -237,7 +237,7 @@ def test_no_finished_stage_no_report(
 def test_the_command_goes_on_and_ends_as_if_never_stopped(
     halted: Path, whole: Path, command: Callable[..., str]
 ) -> None:
-    resume = f"--resume --out {halted}"
+    resume = f"--resume --out {halted} --no-report"
     refused = command(f"run friction {resume}", 2)
     assert "it holds a run of wear-times, not of friction" in refused
     assert "resuming after stage 0, the wear after it" in command(

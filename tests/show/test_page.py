@@ -184,7 +184,7 @@ import presswear as pw
 from presswear.show.figures import drawings  # loads matplotlib
 from presswear.show.report import write_report
 
-result = pw.run(pw.scenes.ideal(), sys.argv[1], engine="dae", jobs=1)
+result = pw.run(pw.scenes.ideal(cycles=1), sys.argv[1], engine="dae", jobs=1)
 size = int(re.search(r"VmSize:\\s*(\\d+)", open("/proc/self/status").read())[1])
 limit = 1024 * size + 2**22
 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))

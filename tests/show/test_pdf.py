@@ -35,7 +35,9 @@ def test_pdf_has_a_page_for_each_figure_and_fonts_to_edit(tmp_path: Path) -> Non
     assert b"/FontFile2" in data
     assert b"/Type3" not in data
     assert b"/Subtype /Image" not in data
-    assert write_pdf(result).read_bytes() == data
+    ideal = replace(made_up(made.IDEAL, 1), path=tmp_path)
+    first, second = (write_pdf(ideal).read_bytes() for _ in range(2))
+    assert first == second
     with pytest.raises(pw.InputError, match="ran in memory"):
         write_pdf(replace(result, path=None))
 

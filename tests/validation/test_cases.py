@@ -20,12 +20,22 @@ SLOW = (  # some ten seconds each
     "clearance at A alone",
     "100 cycles at 40 pi",
 )
+# 3 to 11 s; other engines run them always
+SLOW_IN = {
+    ("both joints touch at once", "exudyn-joints"),
+    ("start in contact, 1e-06 m deep", "exudyn-joints"),
+    ("start in contact, 1e-12 m deep", "exudyn-joints"),
+    ("toggle, as near as allowed", "exudyn-tree"),
+    ("speed 0.1 pi", "exudyn-tree"),
+    ("clearance at C alone", "exudyn-tree"),
+}
 TIGHT = reference_problems.TIGHT
 GRAVITY = reference_problems.GRAVITY
 
 
 def _marked(case: cases.Case) -> object:
-    marks = [pytest.mark.slow] if case.is_long or case.name in SLOW else []
+    is_slow = case.is_long or case.name in SLOW or (case.name, case.engine) in SLOW_IN
+    marks = [pytest.mark.slow] if is_slow else []
     return pytest.param(case, id=f"{case.name}, {case.engine}", marks=marks)
 
 
