@@ -203,6 +203,138 @@ def cylinder(angle: float = 0.4) -> Linkage:
     )
 
 
+BOOM, BASE = 0.4, 0.6  # from the pivot of a boom to its pins with the cylinder, m
+ROD, BARREL = 0.25, 0.05  # of the eye of a piston and of the point of its bore, m
+OFFSET = 0.03  # of the mass centre of a barrel beside its bore, m
+STROKE = 0.08  # amplitude of the piston, m
+
+
+def boom(output: str = "boom.tip", is_reversed: bool = False) -> Linkage:
+    """Return a boom that a cylinder between it and the frame swings.
+
+    The distance of both pins of the cylinder is BARREL + ROD + the distance of the piston
+    along its bore. With ``is_reversed`` the bore is on the piston, whose rod carries it.
+    """
+    barrel = Body("barrel", 6.0, 0.1, {"eye": (-0.02, -OFFSET)})
+    piston = Body("piston", 3.0, 0.03, {"eye": (ROD, 0.0)})
+    bore = Guide("bore", "piston", x=BARREL - 0.02, y=-OFFSET, on="barrel")
+    position = 0.15
+    if is_reversed:
+        # The mass centre of the barrel at BARREL - 0.02 before that of the piston
+        bore = Guide(
+            "bore", "barrel", x=0.02 - BARREL, y=OFFSET, on="piston", direction=math.pi
+        )
+    name = "barrel" if is_reversed else "piston"
+    return assemble(
+        bodies=[
+            barrel,
+            piston,
+            Body(
+                "boom",
+                20.0,
+                1.5,
+                {"O": (-0.3, 0.0), "A": (BOOM - 0.3, 0.0), "tip": (0.5, 0.1)},
+            ),
+        ],
+        joints=[
+            Pin("P", (BASE, 0.0), "barrel.eye"),
+            Pin("O", (0.0, 0.0), "boom.O"),
+            Pin("A", "piston.eye", "boom.A"),
+            bore,
+        ],
+        drives=[
+            LinearDrive(
+                name,
+                along="bore",
+                position=position,
+                frequency=SPEED,
+                harmonics=[(0.0, STROKE)],
+            )
+        ],
+        output=output,
+        guess={"boom": 1.0, "barrel": 2.2, "piston": 2.2},
+        name="boom",
+    )
+
+
+def boom_press(is_reversed: bool = False) -> Linkage:
+    """Return a boom that moves a slide by a link."""
+    linkage = boom(is_reversed=is_reversed)
+    joints = [
+        Pin("B", "boom.tip", "link.tail"),
+        Pin("C", "link.head", "ram"),
+        Guide("ways", "ram", x=0.5, direction=0.5 * math.pi),
+    ]
+    return linkage.changed(
+        bodies=[*linkage.bodies, Bar("link", 0.4, 2.0), Body("ram", 10.0)],
+        joints=[*linkage.joints, *joints],
+        guess=dict(linkage.guess) | {"link": 0.5 * math.pi},
+        output="ram",
+        name="boom press",
+    )
+
+
+def table(first: float = 0.2, second: float = 1.9) -> Linkage:
+    """Return a table on two guides, one on the other, each with a cylinder, and a pendulum."""
+    return assemble(
+        bodies=[Body("saddle", 40.0), Body("table", 25.0), Bar("arm", 0.2, 1.0)],
+        joints=[
+            Guide("x", "saddle", x=0.1, y=-0.2, direction=first, angle=0.3),
+            Guide(
+                "y", "table", x=0.02, y=0.05, direction=second, angle=0.1, on="saddle"
+            ),
+            Pin("E", "table", "arm.tail"),
+        ],
+        drives=[
+            LinearDrive("saddle", along="x", frequency=SPEED, harmonics=[(0.0, 0.06)]),
+            LinearDrive(
+                "table",
+                along="y",
+                position=0.1,
+                frequency=SPEED,
+                harmonics=[(0.01, 0.02), (0.0, 0.01)],
+            ),
+            Drive("arm", 2.0 * SPEED),
+        ],
+        output="table",
+        name="table",
+    )
+
+
+def slider_crank_with_sleeve() -> Linkage:
+    """Return a slider-crank, a sleeve driven along its rod, and a pendulum on the sleeve."""
+    return assemble(
+        bodies=[
+            Bar("crank", RADIUS, 1.0),
+            Bar("rod", 0.5, 2.0),
+            Body("slider", 3.0),
+            Body("sleeve", 1.0, 0.01),
+            Bar("arm", 0.2, 1.0),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "rod.tail"),
+            Pin("B", "rod.head", "slider"),
+            Guide("ways", "slider"),
+            Guide("bore", "rod", on="sleeve"),
+            Pin("E", "sleeve", "arm.tail"),
+        ],
+        drives=[
+            Drive("crank", SPEED),
+            LinearDrive(
+                "rod",
+                along="bore",
+                position=0.05,
+                frequency=SPEED,
+                harmonics=[(0.0, 0.03)],
+            ),
+            Drive("arm", 2.0 * SPEED),
+        ],
+        output="slider",
+        name="slider-crank with a sleeve",
+    )
+
+
 def geared_five_bar(
     ratio: float = -1.0, motor: Motor | None = None, output: str = "left.head"
 ) -> Linkage:

@@ -264,12 +264,14 @@ class Drive(_Motion):
 
 @dataclass(frozen=True)
 class LinearDrive(Drive):
-    """Drive along a guide on the frame, as a cylinder or a ball screw: a periodic motion.
+    """Drive along a guide, as a cylinder or a ball screw: a periodic motion.
 
-    The distance of the body from the point of its guide is s = position + sum over k from
+    The guide is on the frame, or on a body, as the bore of a cylinder between two bodies.
+    The distance of the driven body from the point of its guide is s = position + sum over k from
     1 of a_k (cos k w t - 1) + b_k sin k w t + f(w t), m, with a_k, b_k of ``harmonics``
     and f from a table or from rises, less its start. The drive gives a force along the
-    guide, N, wherever other drives give a torque.
+    guide, N, wherever other drives give a torque; the body that carries the guide bears
+    the reaction.
 
     Attributes
     ----------

@@ -69,8 +69,9 @@ def check_inertias(
 ) -> None:
     """Raise InputError for a body without inertia that can turn."""
     fixed = {GROUND}
+    turning = [drive for drive in drives if not isinstance(drive, LinearDrive)]
     fixed |= {
-        drive.body for drive in drives if drive.is_at_rest and drive.motor is None
+        drive.body for drive in turning if drive.is_at_rest and drive.motor is None
     }
     for _ in guides:  # a guide on a body that cannot turn is one, too
         fixed |= {guide.body for guide in guides if guide.on in fixed}

@@ -159,10 +159,6 @@ class Placing:
         guide = self.guides[drive.along]
         if guide.body != drive.body:
             raise InputError(f"{where}: this guide is of {guide.body}")
-        if guide.is_moving:
-            raise InputError(
-                f"{where}: this guide is on {guide.on}; allowed are guides on the frame"
-            )
         if guide.stiffness is not None:
             raise InputError(f"{where}: this guide has a stiffness; allowed is none")
 

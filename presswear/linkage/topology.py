@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from presswear.linkage.bodies import Body
-from presswear.linkage.drives import GearedDrive
+from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.joints import Guide, Joint, Revolute, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
@@ -41,6 +41,13 @@ def bodies_of(joint: Joint) -> set[str]:
     return {joint.first.body, joint.second.body} - {GROUND}
 
 
+def bodies_of_drive(linkage: Linkage, drive: Drive) -> set[str]:
+    """Return the bodies whose coordinates are in the constraint equation of a drive."""
+    if isinstance(drive, LinearDrive):
+        return bodies_of(linkage.guide_of(drive))
+    return drive.coupled_bodies
+
+
 def prescribed_of(linkage: Linkage) -> frozenset[str]:
     """Return the bodies whose motion ideal joints, guides and drives prescribe fully.
 
@@ -54,7 +61,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     rows = list[set[str]]()
     for joint in linkage.joints:
         rows += [bodies_of(joint)] * joint.rows
-    rows += [drive.coupled_bodies for drive in linkage.prescribed_drives]
+    rows += [bodies_of_drive(linkage, drive) for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
     for row in rows:
         _assign(row, assigned, set())
@@ -141,8 +148,8 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
     if geared := linkage.free_gears:
         return _coupled(geared[0])
     for drive in linkage.prescribed_drives:
-        if drive.body not in prescribed:
-            return f"{drive.name} turns a body that is free to move"
+        if not bodies_of_drive(linkage, drive) <= prescribed:
+            return _on_free_body(drive)
     branches = free_branches(linkage)
     for branch in branches if isinstance(branches, tuple) else ():
         if isinstance(branch.joint, Guide) and branch.before.body in prescribed:
@@ -151,6 +158,12 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
                 "prescribe"
             )
     return branches
+
+
+def _on_free_body(drive: Drive) -> str:
+    """Return why a drive is not in an open tree without drives."""
+    verb = "moves" if isinstance(drive, LinearDrive) else "turns"
+    return f"{drive.name} {verb} a body that is free to move"
 
 
 def _coupled(gears: GearedDrive) -> str:
@@ -165,6 +178,10 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
     prescribed = prescribed_of(linkage)
     if len(prescribed) == len(linkage.bodies):
         return "the drives hold every body"
+    for drive in linkage.prescribed_drives:
+        is_linear = isinstance(drive, LinearDrive)
+        if is_linear and not bodies_of_drive(linkage, drive) <= prescribed:
+            return _on_free_body(drive)
     joints: list[Joint] = [*linkage.revolutes, *linkage.guides]
     joints = [joint for joint in joints if not bodies_of(joint) <= prescribed]
     branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)
@@ -195,7 +212,11 @@ def chain_of(
     inner = [joint for joint in joints if bodies_of(joint) <= bodies]
     branches, closing, remaining = _tree_of(inner, (GROUND,))
     pins = [joint for joint in closing if isinstance(joint, Revolute)]
-    drives = [drive for drive in linkage.prescribed_drives if drive.body in bodies]
+    drives = [
+        drive
+        for drive in linkage.prescribed_drives
+        if bodies_of_drive(linkage, drive) <= bodies
+    ]
     rows = 2 * len(branches) + 2 * len(pins) + len(drives)
     if remaining or len(pins) < len(closing) or rows != 3 * len(bodies):
         raise ValueError(f"{', '.join(sorted(bodies))} are no chain without freedom")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.linkage.drives import LinearDrive
+from presswear.linkage.drives import LinearDrive, linear_bodies
 from presswear.linkage.joints import ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.part_checks import start_angles
@@ -143,9 +143,9 @@ def assembled(linkage: Linkage) -> Array:
     q = _guessed(linkage)[np.newaxis]
     guess = dict(linkage.guess)
     angles = start_angles(linkage.guides, linkage.drives, guess)
-    prescribed = {drive.body for drive in linkage.drives} | {
-        guide.body for guide in linkage.guides if not guide.is_moving
-    }
+    prescribed = {drive.body for drive in linkage.drives}
+    prescribed -= set(linear_bodies(linkage.drives))
+    prescribed |= {guide.body for guide in linkage.guides if not guide.is_moving}
     try:
         q = _closed(rows, start, q).q[0]
     except AssemblyError as error:
@@ -229,24 +229,28 @@ def stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
 
 
 def _misfit(rows: Rows, time: float, name: str, distance: float) -> AssemblyError:
+    where = _place_of_drive(rows, time)
     return AssemblyError(
         f"the linkage is overconstrained: {_count(rows.linkage)}, {rows.repeated} too many, and "
-        f"they do not fit each other: {_crank_angle(rows, time)}{name} is off by {distance:.3g} m "
+        f"they do not fit each other: {where}{name} is off by {distance:.3g} m "
         "or rad; allowed are 1e-9 of the size of the linkage, or clearance in one of the joints"
     )
 
 
-def _crank_angle(rows: Rows, time: float) -> str:
-    """Return the angle of the first drive that turns a body, as the beginning of a message."""
+def _place_of_drive(rows: Rows, time: float) -> str:
+    """Return where the first drive has its body, as the beginning of a message."""
     for drive in rows.linkage.drives:
-        if drive.follow is None and not isinstance(drive, LinearDrive):
-            angle = float(drive.motion(np.array([time]))[0][0]) - drive.angle
-            return f"at crank angle {math.degrees(abs(angle)):.1f} deg "
+        if drive.follow is None:
+            place = float(drive.motion(np.array([time]))[0][0])
+            if isinstance(drive, LinearDrive):
+                return f"with {drive.body} at {1e3 * place:.4g} mm along {drive.along} "
+            angle = math.degrees(abs(place - drive.angle))
+            return f"at crank angle {angle:.1f} deg "
     return ""
 
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
-    where = _crank_angle(rows, time)
+    where = _place_of_drive(rows, time)
     refused = next(
         (one.name for one in rows.linkage.drives if one.follow is not None), None
     )

@@ -54,8 +54,11 @@ def place_prescribed(
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
             motion = motions[parts[i].drive]
-            angle, work[RATE, i], work[ACCELERATION, i] = drive_motion(motion, t)
-            work[COORDINATE, i] = motion.angle + angle - parts[i].driven_angle
+            sense = parts[i].sense
+            angle, rate, acceleration = drive_motion(motion, t)
+            work[COORDINATE, i] = sense * (motion.angle + angle) - parts[i].driven_angle
+            work[RATE, i] = sense * rate
+            work[ACCELERATION, i] = sense * acceleration
         else:
             work[COORDINATE, i] += h * (work[RATE, i] + 0.5 * h * work[ACCELERATION, i])
     place_parts(prescribed, q, v, a, axes)
@@ -257,7 +260,8 @@ def drive_torques(
         work[FORCE, i] = force[b + 2] + moment
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
-            torque[parts[i].drive] = -work[FORCE, i] - _force_of_others(prescribed, i)
+            force_on_part = work[FORCE, i] + _force_of_others(prescribed, i)
+            torque[parts[i].drive] = -parts[i].sense * force_on_part
 
 
 @compiled

@@ -85,6 +85,8 @@ class Rows:
                 guide = linkage.guide_of(drive)
                 start_point, _ = ends_of(guide)
                 along = math.cos(guide.direction), math.sin(guide.direction)
+                if guide.is_moving:
+                    turning.append(len(rows))
                 rows.append(_Row(drive.name, centre, start_point, along))
             elif isinstance(drive, GearedDrive):
                 rows.append(_row_of_gears(linkage, drive))

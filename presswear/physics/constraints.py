@@ -109,10 +109,11 @@ def evaluate_constraints(
                 jacobian[row, c.second + 2] = -c.ratio
         if c.drive >= 0 and not c.geared:
             motion = constraints.motions[c.drive]
-            angle, speed, gamma[row] = drive_motion(motion, t)
+            angle, speed, acceleration = drive_motion(motion, t)
             phi[row] -= motion.angle
             phi[row] -= angle
             phi_t[row] -= speed
+            gamma[row] += acceleration
 
 
 @compiled

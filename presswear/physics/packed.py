@@ -14,6 +14,7 @@ from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import prescribed_of
 from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw
+from presswear.physics.drive_motion import drive_motion
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.friction_and_normal import (
     FRICTION,
@@ -104,11 +105,10 @@ RUBBING = np.dtype(
 DRIVEN = np.dtype(
     [
         ("index", np.int64),  # of the angle in q, or of x of a body along a guide
-        ("is_linear", np.bool_),  # the distance along a guide
+        ("is_linear", np.bool_),  # the distance along a guide, which is prescribed
         ("is_geared", np.bool_),  # its power is that of its leader
         ("leader", np.int64),  # number of the drive of this leader
         ("ratio", np.float64),  # of gears
-        *floats("cosine", "sine"),  # of the direction of this guide
     ]
 )
 
@@ -192,26 +192,23 @@ def _pack_driven(linkage: Linkage, offset: Mapping[str, int]) -> Records:
     for record, drive in zip(driven, linkage.drives, strict=True):
         record["index"] = offset[drive.body]
         if isinstance(drive, LinearDrive):
-            direction = linkage.guide_of(drive).direction
             record["is_linear"] = True
-            record["cosine"], record["sine"] = math.cos(direction), math.sin(direction)
         elif isinstance(drive, GearedDrive):
-            # Its leader gives its power: a rate of 0 in a direction of no length.
-            record["is_linear"] = record["is_geared"] = True
+            record["is_geared"] = True
             record["ratio"] = drive.ratio
             record["leader"] = linkage.number_of_drive(drive.leader)
-        else:
-            record["index"] += 2
+        record["index"] += 2
     return driven
 
 
 @inlined
-def drive_rate(driven: Records, k: int, v: Array) -> float:
+def drive_rate(driven: Records, motions: Records, k: int, t: float, v: Array) -> float:
     """Return the rate, rad/s or along a guide m/s, with which drive ``k`` gives power."""
-    i = driven[k].index
+    if driven[k].is_geared:  # its leader gives its power
+        return 0.0
     if driven[k].is_linear:
-        return v[i] * driven[k].cosine + v[i + 1] * driven[k].sine
-    return v[i]
+        return drive_motion(motions[k], t)[1]
+    return v[driven[k].index]
 
 
 def _surface_bins(joint: ClearanceJoint, wearing: bool) -> int:

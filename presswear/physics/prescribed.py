@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from presswear.linkage.drives import LinearDrive
 from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
-from presswear.linkage.topology import Branch, chain_of
+from presswear.linkage.topology import Branch, bodies_of_drive, chain_of
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.rotation import arm, cos_sin
 from presswear.tools.arrays import Array
@@ -29,6 +30,8 @@ PART = np.dtype(
         ("before", np.int64),  # index in q of the x of the parent; -1 for the frame
         ("drive", np.int64),  # number of its drive in the linkage; -1 for none
         ("driven_angle", np.float64),  # of the driven body less the coordinate, rad
+        # -1 if the drive moves the guide of the part along the parent, else 1
+        ("sense", np.float64),
         # Number of the part with the hinge that turns a guide; -1 if none does
         ("turning", np.int64),
         *floats("before_x", "before_y"),  # joint in the axes of the parent, m
@@ -78,7 +81,14 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     parts = _pack_parts(linkage, branches)
     numbers = {branch.end.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
     for number, drive in enumerate(linkage.drives):
-        if drive.body in bodies:
+        if not bodies_of_drive(linkage, drive) <= bodies:
+            continue
+        if isinstance(drive, LinearDrive):
+            guides = [branch.joint for branch in branches]
+            i = guides.index(linkage.guide_of(drive))
+            parts[i]["drive"] = number
+            parts[i]["sense"] = 1.0 if branches[i].end.body == drive.body else -1.0
+        else:
             _add_drive(parts, numbers[drive.body], number)
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):
@@ -108,6 +118,7 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["body"] = 3 * linkage.index(end.body)
         part["parent"] = parent
         part["drive"] = part["turning"] = -1
+        part["sense"] = 1.0
         part["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         part["before_x"], part["before_y"] = before.x, before.y
         part["end_x"], part["end_y"] = end.x, end.y

@@ -44,13 +44,13 @@ from presswear.tools.compile import compiled, inlined
 
 
 @compiled
-def sum_drives(records: RecorderState, h: float, v: Array) -> None:
+def sum_drives(records: RecorderState, t: float, h: float, v: Array) -> None:
     """Integrate torque and power of the drives over a step by the trapezoidal rule."""
     half = 0.5 * h
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
         torque = records.torque[k]
-        power = torque * drive_rate(records.packed.driven, k, v)
+        power = torque * drive_rate(records.packed.driven, records.motions, k, t, v)
         drive.torque_integral = half * (drive.torque + torque)
         drive.torque_square_integral = half * (drive.torque**2 + torque**2)
         drive.work = half * (drive.power + power)
@@ -58,7 +58,7 @@ def sum_drives(records: RecorderState, h: float, v: Array) -> None:
 
 
 @compiled
-def note_drives(records: RecorderState, h: float, v: Array) -> None:
+def note_drives(records: RecorderState, t: float, h: float, v: Array) -> None:
     """Add the integrals of a step of length ``h``, s, to the cycle, and update the peaks.
 
     If the power changes sign in the step, the smaller of given and returned work is that
@@ -70,7 +70,7 @@ def note_drives(records: RecorderState, h: float, v: Array) -> None:
         drive = records.drives[k]
         cycle = records.cycle[first + DRIVE_CYCLE_COUNT * k :]
         torque = records.torque[k]
-        power = torque * drive_rate(records.packed.driven, k, v)
+        power = torque * drive_rate(records.packed.driven, records.motions, k, t, v)
         smaller = 0.0
         if power * drive.power < 0.0:
             least = min(abs(power), abs(drive.power))
@@ -182,7 +182,7 @@ def observe(
 ) -> None:
     """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
     note_output(records, t, h, q, v, a)
-    note_drives(records, h, v)
+    note_drives(records, t, h, v)
     for k in range(records.contacts.shape[0]):
         note_joint(records, k, t, h)
         note_film(records, k, h)

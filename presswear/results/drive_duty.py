@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
+from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.points import Attachment
+from presswear.linkage.points import GROUND
 from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
@@ -95,12 +96,29 @@ def drive_curves(
 def _coordinate(linkage: Linkage, drive: Drive, motion: Motion) -> tuple[Array, Array]:
     """Return angle and angular velocity of a driven body, or distance and speed along a guide."""
     if isinstance(drive, LinearDrive):
-        guide = linkage.guide_of(drive)
-        centre = Attachment(drive.body, 0.0, 0.0)
-        place, speed, _ = motion.of_point(linkage, centre, guide.direction).T
-        start = guide.x * math.cos(guide.direction) + guide.y * math.sin(
-            guide.direction
-        )
-        return place - start, speed
+        return _along(linkage, linkage.guide_of(drive), motion)
     angle = 3 * linkage.index(drive.body) + 2
     return motion.position[:, angle], motion.velocity[:, angle]
+
+
+def _along(linkage: Linkage, guide: Guide, motion: Motion) -> tuple[Array, Array]:
+    """Return distance, m, and speed, m/s, of a body along its guide."""
+    x, y, angle = _body(linkage, guide.on, motion.position)
+    vx, vy, omega = _body(linkage, guide.on, motion.velocity)
+    slide_x, slide_y, _ = _body(linkage, guide.body, motion.position)
+    slide_vx, slide_vy, _ = _body(linkage, guide.body, motion.velocity)
+    cosine, sine = np.cos(angle + guide.direction), np.sin(angle + guide.direction)
+    along = (slide_x - x) * cosine + (slide_y - y) * sine
+    across = (slide_y - y) * cosine - (slide_x - x) * sine
+    speed = (slide_vx - vx) * cosine + (slide_vy - vy) * sine + omega * across
+    # Of the point of the line, in the axes of the body that carries it
+    start = guide.x * math.cos(guide.direction) + guide.y * math.sin(guide.direction)
+    return along - start, speed
+
+
+def _body(linkage: Linkage, body: str, level: Array) -> Array:
+    """Return the coordinates of a body, or their rates; zeros for the frame; shape (3, n)."""
+    if body == GROUND:
+        return np.zeros((3, len(level)))
+    first = 3 * linkage.index(body)
+    return level[:, first : first + 3].T

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from runs import residual, run_scene
-from slotted import SPEED, cylinder, scotch_yoke
+from slotted import SPEED, cylinder
 
 import presswear as pw
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -163,12 +163,7 @@ def test_wrong_drives_are_refused_by_name(
         linkage.changed(drives=[LinearDrive(**values)])
 
 
-def test_guides_on_bodies_and_with_clearance_are_refused() -> None:
-    yoke = scotch_yoke()
-    drive = LinearDrive("block", along="slot", frequency=SPEED, harmonics=[(0.0, 0.1)])
-    message = "drive of block: along = slot: this guide is on yoke; allowed are guides"
-    with pytest.raises(InputError, match=message):
-        yoke.changed(drives=[drive])
+def test_guide_with_clearance_is_refused() -> None:
     ways = Guide("ways", "slide", length=0.3, width=0.2)
     held = LinearDrive("slide", along="ways", frequency=6.0, harmonics=[(0.0, 0.1)])
     linkage = assemble([Body("slide", 3.0)], [ways], [held])

@@ -145,7 +145,7 @@ def evaluate_constrained(
         if drive >= 0:
             torque = -constraints.multipliers[row]
             base = layout.first_torque + TORQUE_INTEGRALS * drive
-            power = torque * drive_rate(packed.driven, drive, v)
+            power = torque * drive_rate(packed.driven, constraints.motions, drive, t, v)
             out[base + TORQUE] = torque
             out[base + TORQUE_SQUARE] = torque * torque
             out[base + POWER] = power

@@ -226,7 +226,7 @@ def drive_power(
             first = body_state.layout.first_torque + TORQUE_INTEGRALS * i
             records.torque[i] = body_state.rates[first + TORQUE]
             power += records.torque[i] * drive_rate(
-                records.packed.driven, i, body_state.v
+                records.packed.driven, records.motions, i, t, body_state.v
             )
             continue
         if drives.multiplier[i] >= 0:
@@ -307,7 +307,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     power = drive_power(body_state, drives, records, t)
     power = pass_on_torques(drives, records, power, t)
     sum_step(body_state, records, power, t, h)
-    sum_drives(records, h, body_state.v)
+    sum_drives(records, t, h, body_state.v)
     packed = records.packed
     records.energies[LOAD_WORK] += work_beyond_trapezoid(
         packed.loads, t, body_state.q, body_state.v

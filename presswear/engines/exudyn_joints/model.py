@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
@@ -124,6 +126,10 @@ def add_joints(
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body in omitted or not linkage.prescribes(drive):
             continue
+        if isinstance(drive, LinearDrive) and linkage.guide_of(drive).is_moving:
+            cylinder = _add_moving_cylinder(system, linkage, drive, motion, nodes)
+            objects[drive.name] = cylinder
+            continue
         coordinate, factor = _driven_coordinate(linkage, drive)
         driven = add(
             system,
@@ -175,6 +181,53 @@ def add_joints(
                 loadVector=[0.0, 0.0, load.moment],
             )
     return objects
+
+
+def _add_moving_cylinder(
+    system: Any,
+    linkage: Linkage,
+    drive: LinearDrive,
+    motion: Records,
+    nodes: dict[str, Any],
+) -> Any:
+    """Add a drive along a guide on a moving body; return its object.
+
+    The constraint is that of ``Rows``: the rate of the distance along the guide.
+    """
+    guide = linkage.guide_of(drive)
+    speed = _speed_function(motion)
+
+    def row(q: Any) -> tuple[float, ...]:
+        """Return the derivatives of the distance by the coordinates of carrier and slide."""
+        angle = q[2] + guide.direction
+        ux, uy = math.cos(angle), math.sin(angle)
+        return -ux, -uy, (q[4] - q[1]) * ux - (q[3] - q[0]) * uy, ux, uy, 0.0
+
+    def constraint(
+        system: Any, t: float, item: int, q: Any, v: Any, level: bool
+    ) -> list[float]:
+        rate = sum(a * b for a, b in zip(row(q), v, strict=True))
+        return [rate - speed(system, t, item, 0.0)]
+
+    def jacobian(
+        system: Any, t: float, item: int, q: Any, v: Any, level: bool
+    ) -> list[list[float]]:
+        return [[*row(q)]]
+
+    markers = [
+        add(system, "Marker", "NodeCoordinates", nodeNumber=nodes[body])
+        for body in (guide.on, guide.body)
+    ]
+    return add(
+        system,
+        "Object",
+        "ConnectorCoordinateVector",
+        markerNumbers=markers,
+        velocityLevel=True,
+        scalingMarker0=np.zeros((1, 1)),  # its rows are the number of equations
+        constraintUserFunction=constraint,
+        jacobianUserFunction=jacobian,
+    )
 
 
 def _driven_coordinate(linkage: Linkage, drive: Drive) -> tuple[int, float]:

@@ -2,7 +2,7 @@
 
 import math
 
-from presswear.linkage.drives import Drive
+from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.physics.drive_motion import is_steady
@@ -57,12 +57,18 @@ def _read_loops(text: Text, chain: Chain) -> None:
         link.angle = text.let(f"{prefix}_angle", f"q[{turn}]")
         link.omega = text.let(f"{prefix}_omega", f"v[{turn}]")
         link.alpha = text.let(f"{prefix}_alpha", f"a[{turn}]")
-        if link.drive is not None and isinstance(link.branch.joint, Guide):
-            _set_guide(text, link, link.branch.joint)
-            link.speed = text.let(f"{prefix}_speed", link.guide.dot(link.velocity))
+        if isinstance(_drive_of(chain, link), LinearDrive):
+            link.speed = f"{prefix}_speed"
+            motion = f"uneven_motion(data.motions[{link.drive}], t)"
+            text.write(f"_, {link.speed}, _ = {motion}")
         link.axis = text.let_vector(
             f"{prefix}_axis", Vector(f"axes[{x}]", f"axes[{y}]")
         )
+
+
+def _drive_of(chain: Chain, link: Link) -> Drive | None:
+    """Return the drive that prescribes a coordinate of a body, or None."""
+    return None if link.drive is None else chain.linkage.drives[link.drive]
 
 
 def _turn(text: Text, chain: Chain, link: Link) -> None:

@@ -47,7 +47,7 @@ class Link:
     moments: list[str] = field(default_factory=list)  # about the mass centre
     arms: dict[tuple[float, float], Vector] = field(default_factory=dict)
     guide: Vector = Vector()  # direction of its guide
-    speed: str = ZERO  # along a guide on the frame
+    speed: str = ZERO  # along a guide on the frame, or along that of its drive
     acceleration_along: str = ZERO  # the same, if a drive prescribes it
     from_parent: Vector = (
         Vector()
@@ -109,7 +109,8 @@ class Chain:
     linkage: Linkage
     frame: Link
     links: tuple[Link, ...]
-    has_loops: bool  # the prescribed bodies form closed loops
+    # The prescribed bodies form closed loops, or slide on each other: kernels place them.
+    has_loops: bool
 
     @property
     def prescribed(self) -> tuple[Link, ...]:
@@ -211,7 +212,8 @@ def open_chain(linkage: Linkage, text: Text) -> Chain | str:
         link.is_prescribed = False
         link.coordinate = coordinate
         coordinate += link.size
-    return Chain(linkage, frame, tuple(links), bool(pins))
+    on_moving_guides = any(link.is_on_moving_guide for link in links[: len(prescribed)])
+    return Chain(linkage, frame, tuple(links), bool(pins) or on_moving_guides)
 
 
 def loose_chain(linkage: Linkage, text: Text) -> Chain:

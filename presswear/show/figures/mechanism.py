@@ -102,7 +102,10 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for drive in linkage.drives:
         if isinstance(drive, LinearDrive):
             start = moving(Attachment(drive.body, 0.0, 0.0))[0]
-            along = direction_at(linkage.guide_of(drive).direction)
+            guide = linkage.guide_of(drive)
+            carrier = Attachment(guide.on, 0.0, 0.0)
+            turn = points_of(linkage, position, carrier)[0, 2]
+            along = direction_at(guide.direction + turn)
             _arrow(axes, start, start + 0.1 * size * along, "black", 1.1)
             continue
         hinge = next(

@@ -1,0 +1,230 @@
+"""Drives along guides on moving bodies: closed forms, energy, all engines, and messages."""
+
+import math
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from slotted import (
+    BARREL,
+    BASE,
+    BOOM,
+    ROD,
+    SPEED,
+    STROKE,
+    boom,
+    boom_press,
+    slider_crank_with_sleeve,
+    table,
+)
+
+import presswear as pw
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.bodies import Body
+from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.topology import branches_of, prescribed_of
+from presswear.physics.ideal import Motion, ideal_motion
+from presswear.physics.inverse_dynamics import needed_torques
+from presswear.results.export import table_of
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+from presswear.tools.errors import AssemblyError, InputError
+
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+DURATION = 0.014  # s, some touchdowns
+_scene = partial(Scene, bearings=BEARING, wear_updates=0)
+
+
+def _motion_of(linkage: Linkage) -> tuple[Motion, Array]:
+    """Return the ideal motion at instants of a cycle, and the torques of its drives."""
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 97)
+    return ideal.at(time), needed_torques(linkage, ideal, time)
+
+
+def _law_of_cosines(time: Array) -> Array:
+    """Return angle of the boom, rad, and two derivatives in time, shape (3, n).
+
+    L^2 = r^2 + d^2 - 2 r d cos phi with the distance L of both pins of the cylinder.
+    """
+    phase = SPEED * time
+    length = BARREL + 0.15 + ROD + STROKE * np.sin(phase)
+    speed = STROKE * SPEED * np.cos(phase)
+    acceleration = -STROKE * SPEED**2 * np.sin(phase)
+    product = BOOM * BASE
+    cosine = (BOOM**2 + BASE**2 - length**2) / (2.0 * product)
+    angle = np.arccos(cosine)
+    sine = np.sin(angle)
+    rate = length * speed / (product * sine)
+    turning = speed**2 + length * acceleration - product * cosine * rate**2
+    return np.array([angle, rate, turning / (product * sine)])
+
+
+def _power(linkage: Linkage, motion: Motion) -> Array:
+    """Return the rate of the kinetic energy less the power of the weights, W, shape (n,)."""
+    shape = motion.time.size, -1, 3
+    v = motion.velocity.reshape(shape)
+    a = motion.acceleration.reshape(shape)
+    masses = np.array([body.mass for body in linkage.bodies])
+    inertias = np.array([body.inertia for body in linkage.bodies])
+    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
+    power += (v[..., 2] * a[..., 2]) @ inertias
+    return np.asarray(power + linkage.gravity * v[..., 1] @ masses)
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+def test_boom_turns_by_the_law_of_cosines(is_reversed: bool) -> None:
+    motion, _ = _motion_of(boom(is_reversed=is_reversed))
+    levels = motion.position, motion.velocity, motion.acceleration
+    for level, expected in zip(levels, _law_of_cosines(motion.time), strict=True):
+        np.testing.assert_allclose(level[:, 8], expected, atol=1e-11 * SPEED**2)
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+@pytest.mark.parametrize("make", [boom, boom_press])
+def test_force_has_the_power_of_the_motion(make: object, is_reversed: bool) -> None:
+    """Force times speed of the piston is the power that the motion and the weights need."""
+    assert callable(make)
+    linkage = make(is_reversed=is_reversed)
+    motion, force = _motion_of(linkage)
+    speed = STROKE * SPEED * np.cos(SPEED * motion.time)
+    power = _power(linkage, motion)
+    allowed = 1e-9 * np.abs(power).max()
+    np.testing.assert_allclose(force[:, 0] * speed, power, atol=allowed)
+
+
+def test_force_of_a_light_cylinder() -> None:
+    """By virtual work it is (I_O phi'' + m g x_C) L' / phi', with 1 / phi' = r d sin phi / L."""
+    linkage = boom()
+    light = [replace(one, mass=1e-9, inertia=1e-12) for one in linkage.bodies[:2]]
+    linkage = linkage.changed(bodies=[*light, linkage.bodies[2]])
+    motion, force = _motion_of(linkage)
+    angle, _, turning = _law_of_cosines(motion.time)
+    length = np.sqrt(BOOM**2 + BASE**2 - 2.0 * BOOM * BASE * np.cos(angle))
+    inertia = 1.5 + 20.0 * 0.3**2
+    moment = inertia * turning + 20.0 * linkage.gravity * 0.3 * np.cos(angle)
+    expected = moment * length / (BOOM * BASE * np.sin(angle))
+    np.testing.assert_allclose(force[:, 0], expected, atol=1e-5)
+
+
+def test_forces_of_a_table() -> None:
+    """Each drive moves what is on its guide: its force is that of mass times acceleration."""
+    whole = table()
+    linkage = whole.changed(
+        bodies=whole.bodies[:2], joints=whole.guides, drives=whole.drives[:2]
+    )
+    motion, force = _motion_of(linkage)
+    phase = SPEED * motion.time
+    sine, cosine, twice = np.sin(phase), np.cos(phase), np.sin(2.0 * phase)
+    x = -0.06 * SPEED**2 * sine
+    y = -(SPEED**2) * (0.01 * cosine + 0.02 * sine + 4.0 * 0.01 * twice)
+    along_x = np.array([math.cos(0.2), math.sin(0.2)])
+    turn = 0.3 + 1.9  # the saddle stands at 0.3 rad
+    along_y = np.array([math.cos(turn), math.sin(turn)])
+    saddle = np.outer(x, along_x) + np.array([0.0, linkage.gravity])
+    on_table = saddle + np.outer(y, along_y)
+    np.testing.assert_allclose(force[:, 1], 25.0 * on_table @ along_y, atol=1e-8)
+    both = 40.0 * saddle + 25.0 * on_table
+    np.testing.assert_allclose(force[:, 0], both @ along_x, atol=1e-8)
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+@pytest.mark.parametrize("joints", ["A, P", "B", "C", "none"])
+def test_engines_agree_and_keep_the_energy(joints: str, is_reversed: bool) -> None:
+    """Clearance frees the cylinder itself, the link alone, or no body."""
+    _compare(_scene(boom_press(is_reversed), joints=joints))
+
+
+def test_engines_agree_on_a_table() -> None:
+    """Guides on each other, without a closed loop, move the pin of a driven arm."""
+    _compare(_scene(table(), joints="E"))
+
+
+def _compare(scene: Scene) -> None:
+    """Compare all engines over some touchdowns, and the energies of each."""
+    tight = InHouse(integration_tolerance=1e-11)
+    everything = replace(tight, coordinates="all")
+    ours, reference, joined = (
+        run_scene(scene, engine, DURATION)
+        for engine in (tight, everything, ExudynJoints(steps_per_contact=320))
+    )
+    runs = [ours]
+    if not isinstance(branches_of(scene.linkage()), str):
+        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
+    forces = reference.recorder.records.torque
+    scale = np.abs(forces).max()
+    for run in runs:
+        assert np.abs(run.end.position - reference.end.position).max() < 1e-8
+        assert residual(run) < 1e-9
+        torque = run.recorder.records.torque
+        np.testing.assert_allclose(torque, forces, atol=1e-5 * scale)
+    assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
+    assert residual(joined) < 1e-5
+    works = (float(run.diagnostics["drive_work_J"]) for run in (joined, reference))
+    exchange = float(reference.diagnostics["drive_exchange_J"])
+    assert next(works) == pytest.approx(next(works), abs=1e-4 * exchange)
+
+
+def test_a_sleeve_driven_along_a_rod_is_prescribed() -> None:
+    """The rod carries no guide, but its motion and the drive give that of the sleeve."""
+    linkage = slider_crank_with_sleeve()
+    assert prescribed_of(linkage) == {one.name for one in linkage.bodies}
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 13)
+    position = ideal.at(time).position.reshape(13, -1, 3)
+    distance = np.hypot(*(position[:, 1, :2] - position[:, 3, :2]).T)
+    expected = np.abs(0.05 + 0.03 * np.sin(SPEED * time))
+    np.testing.assert_allclose(distance, expected, atol=1e-14)
+    _compare(_scene(linkage, joints="E"))
+
+
+def test_cylinder_at_rest_is_a_strut() -> None:
+    """A driven crank then turns the linkage; the strut keeps its length without work."""
+    linkage = boom()
+    strut = LinearDrive("piston", along="bore", position=0.15)
+    wheel = Body("wheel", 5.0, 0.2)
+    linkage = linkage.changed(
+        bodies=[*linkage.bodies, wheel],
+        joints=[*linkage.joints, pw.Pin("W", (2.0, 0.0), "wheel")],
+        drives=[strut, Drive("wheel", SPEED)],
+    )
+    scene = _scene(linkage, joints="A")
+    run = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
+    assert abs(float(run.diagnostics["drive_work_J"])) < 1e-9
+    barrel, piston, *others = linkage.bodies
+    with pytest.raises(InputError, match=r"inertia of piston = 0 kg m\^2: must be"):
+        linkage.changed(bodies=[barrel, replace(piston, inertia=0.0), *others])
+
+
+def test_results_have_distance_and_force_of_the_cylinder(tmp_path: Path) -> None:
+    scene = _scene(boom_press(is_reversed=True), joints="B", cycles=2, replicates=1)
+    scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
+    result = pw.run(scene, tmp_path / "result")
+    columns = table_of(result, 0)
+    phase = SPEED * columns["time"]
+    place = 0.15 + STROKE * np.sin(phase)
+    np.testing.assert_allclose(columns["barrel_distance"], place, atol=1e-12)
+    speed = STROKE * SPEED * np.cos(phase)
+    np.testing.assert_allclose(columns["barrel_velocity"], speed, atol=1e-11)
+    power = columns["barrel_drive_force"] * speed
+    np.testing.assert_allclose(columns["barrel_power"], power, rtol=1e-9, atol=1e-6)
+    assert "Peak drive force" in result.report().read_text(encoding="utf-8")
+
+
+def test_it_is_stored_and_read_back() -> None:
+    linkage = boom_press()
+    assert linkage_from(linkage.as_plain(), "mechanism") == linkage
+
+
+def test_cylinder_out_of_reach_is_refused_with_its_place() -> None:
+    linkage = boom()
+    (drive,) = linkage.drives
+    longer = linkage.changed(drives=[replace(drive, harmonics=[(0.0, 0.6)])])
+    message = r"with piston at [0-9.]+ mm along bore joint . does not close"
+    with pytest.raises(AssemblyError, match=message):
+        ideal_motion(longer, longer.period)
