@@ -104,8 +104,8 @@ RUBBING = np.dtype(
 # Coordinate of a body that a drive moves
 DRIVEN = np.dtype(
     [
-        ("index", np.int64),  # of the angle in q, or of x of a body along a guide
-        ("is_linear", np.bool_),  # the distance along a guide, which is prescribed
+        ("index", np.int64),  # of the angle of the body in q
+        ("is_linear", np.bool_),  # along a guide, by the motion of the drive
         ("is_geared", np.bool_),  # its power is that of its leader
         ("leader", np.int64),  # number of the drive of this leader
         ("ratio", np.float64),  # of gears
