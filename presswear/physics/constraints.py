@@ -259,13 +259,13 @@ def constraints_of(linkage: Linkage) -> Constraints:
     """Pack the ideal joints, guides and drives of a linkage."""
     rows = Rows(linkage)
     records = np.zeros(len(rows.names), CONSTRAINT)
-    (first, x1, y1, _), (second, x2, y2, _) = rows.ends
-    records["first"] = np.where(first < 0, -1, 3 * first)
-    records["second"] = np.where(second < 0, -1, 3 * second)
-    records["x1"] = x1
-    records["y1"] = y1
-    records["x2"] = x2
-    records["y2"] = y2
+    first, second = rows.ends
+    records["first"] = np.where(first.body < 0, -1, 3 * first.body)
+    records["second"] = np.where(second.body < 0, -1, 3 * second.body)
+    records["x1"] = first.x
+    records["y1"] = first.y
+    records["x2"] = second.x
+    records["y2"] = second.y
     records["normal_x"] = rows.normal[:, 0]
     records["normal_y"] = rows.normal[:, 1]
     records["rotates"][rows.turning] = True
