@@ -1,20 +1,20 @@
 """Drives and joint forces of the linkage with rigid joints, with or without friction."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.clearance_joint import Bushing
-from presswear.linkage.drives import linear_bodies
 from presswear.physics.inverse_dynamics import (
     constraint_forces,
     forces_in_motion,
     friction_corners,
     load_corners,
 )
-from presswear.physics.packed_loads import sizes_over
+from presswear.physics.packed_loads import load_forces, pack_loads
 from presswear.results.drive_duty import (
     DriveCurve,
     DriveDuty,
@@ -95,23 +95,28 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     }
 
 
-def static_torque(scene: Scene) -> float | None:
-    """Return the greatest torque of the work alone on the only driven crank, N m.
+def static_torques(scene: Scene) -> dict[str, float]:
+    """Return the greatest torque of each drive under the work alone by its body, N m.
 
-    It is the force of the work times the way of the output for a small angle of the
-    crank, with rigid joints and without friction, weight and inertia. None without a
-    process, or with several driven cranks, which share it.
+    Of a drive along a guide it is a force, N. By virtual work it is the force of the work
+    times the way of the output for a small motion of this drive alone: joints are rigid
+    and without friction, weight and inertia. Empty without a process.
     """
-    drives = scene.base_linkage.drives
-    if scene.process is None or len(drives) != 1 or linear_bodies(drives):
-        return None
+    if scene.process is None:
+        return {}
+    linkage = scene.loaded
+    work = linkage.live_loads[-len(scene.process_laws) :]
+    loads = pack_loads(replace(linkage, loads=work))
+    assert loads is not None
     time, is_last = _two_cycles(scene)
     motion = scene.ideal.at(time)
-    output = motion.output(scene.base_linkage)
-    rows = np.column_stack([time, output])
-    forces = sizes_over(scene.process_laws.values(), scene.loaded, rows).sum(axis=1)
-    speed = motion.velocity[:, 3 * scene.loaded.index(drives[0].body) + 2]
-    return float(np.abs(forces * output[:, 1] / speed)[is_last].max())
+    levels = np.array([motion.position, motion.velocity, motion.acceleration])
+    forces = load_forces(loads, time, levels)[is_last, :, np.newaxis]
+    position = motion.position[is_last].reshape(len(forces), -1, 3)
+    reactions = scene.ideal.rows.forces(position, -forces)[..., 0]
+    torques = np.abs(reactions[:, -len(linkage.drives) :]).max(axis=0)
+    bodies = [drive.body for drive in linkage.drives]
+    return dict(zip(bodies, torques.tolist(), strict=True))
 
 
 def _two_cycles(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:

@@ -9,7 +9,7 @@ from presswear.results.drives import drives_of
 from presswear.results.rigid_joints import (
     ideal_drives,
     rubbing_drives,
-    static_torque,
+    static_torques,
 )
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -40,6 +40,7 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             f"{words}, at the nominal speed": duty for words, duty in rigid.items()
         }
     duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
+    static = static_torques(scene)
     result = []
     linear = linear_bodies(scene.base_linkage.drives)
     cranks = [body for body in duties if body not in linear]
@@ -70,8 +71,10 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             (label, _peak_text({body: one[body] for body in bodies}, name, unit))
             for label, one in rigid.items()
         )
-        if words == "torque" and (static := static_torque(scene)) is not None:
-            compared += ((STATIC, numbers.quantity_text(static, unit)),)
+        if name == "torque" and static:
+            compared += (
+                (STATIC, _each({body: static[body] for body in bodies}, unit)),
+            )
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
             text += "clearance and friction."
@@ -101,6 +104,14 @@ def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
     body = key_of_greatest(peaks)
     text = numbers.quantity_text(peaks[body].mean, unit)
     return f"{text} at {body}" if len(peaks) > 1 else text
+
+
+def _each(torques: Mapping[str, float], unit: str) -> str:
+    """Return torques or forces as a text, each with its drive if there are several."""
+    texts = {body: numbers.quantity_text(size, unit) for body, size in torques.items()}
+    if len(texts) == 1:
+        return next(iter(texts.values()))
+    return ", ".join(f"{text} at {body}" for body, text in texts.items())
 
 
 def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:

@@ -1,0 +1,130 @@
+"""Torques and forces of several drives under the work alone, by virtual work."""
+
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.linkage.drives import Drive, GearedDrive
+from presswear.linkage.linkage import Linkage
+from presswear.physics.assembly import assembled
+from presswear.physics.ideal import Motion
+from presswear.results.rigid_joints import static_torques
+from presswear.scene.scene import Scene
+from presswear.show.drive_numbers import STATIC, drive_numbers
+from presswear.tools import numbers
+from presswear.tools.arrays import Array
+
+sys.path.append(str(Path(__file__).parents[1]))
+from slotted import BARREL, BASE, BOOM, ROD, SPEED, STROKE, boom, table
+
+STIFFNESS, HEIGHT = 1e6, 5e-3  # of the stop, N/m, and above bottom dead centre, m
+STOP = pw.Coining(stiffness=STIFFNESS, height=HEIGHT)
+
+
+def _stop_force(scene: Scene, height: Array) -> Array:
+    """Return the force of the stop, N, at heights of the output, m."""
+    return STIFFNESS * np.maximum(scene.bottom + HEIGHT - height, 0.0)
+
+
+def test_force_of_a_cylinder_under_the_work() -> None:
+    """F dx/dphi dphi/dL, with dphi/dL = L / (r d sin phi) by the law of cosines."""
+    scene = Scene(boom(), joints="none", process=STOP, cycles=2)
+    time = np.linspace(0.0, scene.mechanism.period, 721)
+    length = BARREL + 0.15 + ROD + STROKE * np.sin(SPEED * time)
+    cosine = (BOOM**2 + BASE**2 - length**2) / (2.0 * BOOM * BASE)
+    sine = np.sqrt(1.0 - cosine**2)
+    place = 0.8 * cosine - 0.1 * sine
+    assert scene.bottom == pytest.approx(place.min(), abs=1e-8)
+    slope = (0.8 * sine + 0.1 * cosine) * length / (BOOM * BASE * sine)
+    expected = float((_stop_force(scene, place) * slope).max())
+    assert static_torques(scene) == {"piston": pytest.approx(expected, rel=1e-5)}
+    (force, _) = drive_numbers(scene, list(pw.run(scene).stages))
+    assert force.name == "Peak drive force"
+    assert dict(force.compared)[STATIC] == numbers.quantity_text(expected, "N")
+
+
+def test_forces_of_two_cylinders_under_the_work() -> None:
+    """Each moves the table along its own guide: its force is F cos of the angle to the work."""
+    linkage = table().changed(output="table", direction=0.9)
+    scene = Scene(linkage, joints="none", process=STOP)
+    along = {"saddle": 0.2, "table": 0.3 + 1.9}
+    time = np.linspace(0.0, scene.mechanism.period, 721)
+    height = scene.ideal.at(time).output(linkage)[:, 0]
+    force = float(_stop_force(scene, height).max())
+    torques = static_torques(scene)
+    for body, direction in along.items():
+        expected = force * abs(math.cos(direction - 0.9))
+        assert torques[body] == pytest.approx(expected, rel=1e-5)
+    assert torques["arm"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_torques_of_a_hybrid_press_under_the_work() -> None:
+    """The way of the slide for a small turn of each crank alone, from assembled positions."""
+    scene = pw.scenes.press_hybrid(process=pw.Coining(stiffness=1e6, height=3e-4))
+    linkage = scene.base_linkage
+    time = scene.run_up + np.linspace(0.0, scene.mechanism.period, 720, endpoint=False)
+    motion = scene.ideal.at(time)
+    height = motion.output(linkage)[:, 0]
+    force = 1e6 * np.maximum(scene.bottom + 3e-4 - height, 0.0)
+    expected = {drive.body: 0.0 for drive in linkage.drives}
+    for k in np.flatnonzero(force):
+        for body in expected:
+            ends = (
+                _height_with(linkage, motion.position[k], {body: sign * 1e-5})
+                for sign in (1.0, -1.0)
+            )
+            slope = (next(ends) - next(ends)) / 2e-5
+            expected[body] = max(expected[body], abs(force[k] * slope))
+    assert expected["crank 7"] > 1e-3
+    assert static_torques(scene) == pytest.approx(expected, rel=1e-5)
+
+
+def _height_with(linkage: Linkage, position: Array, turns: dict[str, float]) -> float:
+    """Return the output at rest, m, where cranks are turned from a position of all bodies."""
+    angles = {
+        body.name: float(position[3 * k + 2]) for k, body in enumerate(linkage.bodies)
+    }
+    still = [
+        Drive(one.body, angle=angles[one.body] + turns.get(one.body, 0.0))
+        for one in linkage.drives
+    ]
+    guess = {name: angle for name, angle in angles.items() if name not in turns}
+    linkage = replace(
+        linkage, drives=tuple(still), guess=tuple(guess.items()), cycle=1.0
+    )
+    place = assembled(linkage).reshape(1, -1)
+    zero = np.zeros_like(place)
+    return float(Motion(np.zeros(1), place, zero, zero).output(linkage)[0, 0])
+
+
+@pytest.mark.parametrize("is_geared", [False, True])
+def test_drives_of_a_two_point_press_share_the_work(is_geared: bool) -> None:
+    """Each bears half of force times way; the leader of gears bears all of it."""
+    linkage = pw.TwoPoint().linkage()
+    first, second = linkage.drives
+    if is_geared:
+        gears = GearedDrive(
+            second.body, leader=first.body, ratio=-1.0, angle=second.angle
+        )
+        linkage = linkage.changed(drives=[first, gears])
+    scene = Scene(linkage, joints="none", process=STOP)
+    time = np.linspace(0.0, scene.mechanism.period, 721)
+    motion = scene.ideal.at(time)
+    height, speed, _ = motion.output(linkage).T
+    slope = speed / motion.velocity[:, 3 * linkage.index(first.body) + 2]
+    work = float(np.abs(_stop_force(scene, height) * slope).max())
+    torques = static_torques(scene)
+    leading = work if is_geared else 0.5 * work
+    assert torques[first.body] == pytest.approx(leading, rel=1e-6)
+    # Two rods and a guide hold the slide more than once: the share of gears is not unique.
+    allowed = 2e-4 if is_geared else 1e-6
+    assert torques[second.body] == pytest.approx(0.5 * work, rel=allowed)
+
+
+def test_no_torque_without_work() -> None:
+    assert static_torques(Scene(boom(), joints="none")) == {}
