@@ -40,7 +40,8 @@ def _guessed(linkage: Linkage) -> Array:
 
     def place(end: Attachment) -> Array:
         x, y, angle = q[indices[end.body]]
-        cosine, sine = math.cos(angle), math.sin(angle)
+        cosine = math.cos(angle)
+        sine = math.sin(angle)
         across = cosine * end.x - sine * end.y
         up = sine * end.x + cosine * end.y
         return np.array([x + across, y + up])

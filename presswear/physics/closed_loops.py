@@ -164,10 +164,13 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
     for row in range(0, 2 * closings.shape[0], 2):
         pin = closings[row // 2]
-        across, up = work[HEAD + row], work[HEAD + row + 1]
+        across = work[HEAD + row]
+        up = work[HEAD + row + 1]
         ends = ((pin.first, pin.x1, pin.y1, 1.0), (pin.second, pin.x2, pin.y2, -1.0))
         for end, x, y, sign in ends:
-            i, px, py = end, x, y
+            i = end
+            px = x
+            py = y
             if i >= 0:
                 b = parts[i].body
                 px, py = arm(x, y, axes, b)
@@ -189,7 +192,8 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
                 hy += q[part.body + 1]
                 across[i] -= sign * (py - hy)
                 up[i] += sign * (px - hx)
-                px, py = hx, hy
+                px = hx
+                py = hy
                 i = part.parent
     return _solve(prescribed, COORDINATE)
 
@@ -206,7 +210,8 @@ def _follow(prescribed: Prescribed) -> None:
             if parts[i].drive < 0:
                 work[level, i] = 0.0
         for c in range(closings.shape[0]):
-            across, up = work[HEAD + 2 * c], work[HEAD + 2 * c + 1]
+            across = work[HEAD + 2 * c]
+            up = work[HEAD + 2 * c + 1]
             gap_x = gap_y = 0.0
             for i in range(parts.shape[0]):
                 gap_x += across[i] * work[level, i]
@@ -218,7 +223,8 @@ def _follow(prescribed: Prescribed) -> None:
                         square = 2.0 * work[RATE, i] * work[RATE, k] if k >= 0 else 0.0
                     gap_x -= square * up[i]
                     gap_y += square * across[i]
-            right[2 * c], right[2 * c + 1] = gap_x, gap_y
+            right[2 * c] = gap_x
+            right[2 * c + 1] = gap_y
         _solve(prescribed, level)
 
 
@@ -248,14 +254,16 @@ def drive_torques(
                 force[p + 1] += force[b + 1]
                 force[p + 2] += force[b + 2] + moment
             continue
-        hx, hy = part.before_x, part.before_y
+        hx = part.before_x
+        hy = part.before_y
         p = part.before
         if p >= 0:
             lx, ly = arm(hx, hy, axes, p)
             force[p] += force[b]
             force[p + 1] += force[b + 1]
             force[p + 2] += lx * force[b + 1] - ly * force[b]
-            hx, hy = q[p] + lx, q[p + 1] + ly
+            hx = q[p] + lx
+            hy = q[p + 1] + ly
         moment = (q[b] - hx) * force[b + 1] - (q[b + 1] - hy) * force[b]
         work[FORCE, i] = force[b + 2] + moment
     for i in range(parts.shape[0]):

@@ -56,7 +56,8 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
     """Return a point of a body relative to its mass centre, in global directions, m."""
     if body < 0:
         return x, y
-    cosine, sine = math.cos(q[body + 2]), math.sin(q[body + 2])
+    cosine = math.cos(q[body + 2])
+    sine = math.sin(q[body + 2])
     return cosine * x - sine * y, sine * x + cosine * y
 
 
@@ -71,7 +72,8 @@ def evaluate_constraints(
     jacobian = constraints.jacobian
     for row in range(constraints.records.shape[0]):
         c = constraints.records[row]
-        nx, ny = c.normal_x, c.normal_y
+        nx = c.normal_x
+        ny = c.normal_y
         if c.rotates:
             nx, ny = lever(c.second, c.normal_x, c.normal_y, q)
         gap_x = gap_y = rate_x = rate_y = centripetal_x = centripetal_y = 0.0
@@ -119,7 +121,8 @@ def evaluate_constraints(
 @compiled
 def factor(constraints: ConstraintSystem) -> None:
     """Factor S = L D L^T."""
-    matrix, jacobian = constraints.matrix, constraints.jacobian
+    matrix = constraints.matrix
+    jacobian = constraints.jacobian
     for i in range(matrix.shape[0]):
         for j in range(i + 1):
             total = 0.0
@@ -133,7 +136,8 @@ def factor(constraints: ConstraintSystem) -> None:
 @compiled
 def substitute(constraints: ConstraintSystem) -> None:
     """Solve for the multipliers with the factors of S; overwrites ``right``."""
-    matrix, right = constraints.matrix, constraints.right
+    matrix = constraints.matrix
+    right = constraints.right
     rows = right.shape[0]
     for i in range(rows):
         for k in range(i):

@@ -129,7 +129,8 @@ def _lowest(
     linkage = ideal.rows.linkage
     period = ideal.period
     step = period / nodes
-    low, high = (node - 1) * step, (node + 1) * step
+    low = (node - 1) * step
+    high = (node + 1) * step
     time = node * step
 
     def moved(time: float) -> list[float]:

@@ -69,7 +69,9 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
         i = drive.pieces - 1
         within += _TURN
     x = within - drive.start[i]
-    value, slope, curvature = 0.0, 0.0, 0.0
+    value = 0.0
+    slope = 0.0
+    curvature = 0.0
     for power in range(DEGREE, -1, -1):
         curvature = curvature * x + 2.0 * slope
         slope = slope * x + value
@@ -96,7 +98,8 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     acceleration = 0.0
     for k in range(drive.count):
         w = (k + 1) * drive.fundamental
-        cosine, sine = math.cos(w * t), math.sin(w * t)
+        cosine = math.cos(w * t)
+        sine = math.sin(w * t)
         angle += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
         speed += w * (drive.sine[k] * cosine - drive.cosine[k] * sine)
         acceleration -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)
@@ -140,7 +143,8 @@ def break_after(drive: Records, t: float) -> float:
     followed = (passed + ahead) / drive.fundamental
     if followed >= 0.5 * duration:
         return min(earliest, followed + 0.5 * duration)
-    low, high = t, duration
+    low = t
+    high = duration
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if run_up_motion(duration, middle)[0] < followed:
@@ -173,13 +177,15 @@ def motions_of(linkage: Linkage) -> Records:
             raise ValueError(
                 f"{drive.name} follows a curve: its motion has to be found first"
             )
-        motion["speed"], motion["angle"] = drive.mean_speed, drive.start
+        motion["speed"] = drive.mean_speed
+        motion["angle"] = drive.start
         motion["fundamental"] = drive.base
         motion["count"] = len(drive.harmonics)
         # A motor runs up by its torque.
         motion["run_up"] = linkage.run_up_time if linkage.prescribes(drive) else 0.0
         for k, (cosine, sine) in enumerate(drive.harmonics):
-            motion["cosine"][k], motion["sine"][k] = cosine, sine
+            motion["cosine"][k] = cosine
+            motion["sine"][k] = sine
         motion["pieces"] = count = len(drive.pieces.start)
         for name in ("start", "polynomial", "wave"):
             motion[name][:count] = getattr(drive.pieces, name)

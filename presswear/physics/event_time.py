@@ -108,8 +108,10 @@ def time_across(contact: Records, clearance: float) -> tuple[float, float]:
     penetration cannot predict this event, because the penetration has a kink at the
     centre. The time is infinite if the pin rests or moves outwards.
     """
-    ex, ey = contact.eccentricity_x, contact.eccentricity_y
-    vx, vy = contact.velocity_x, contact.velocity_y
+    ex = contact.eccentricity_x
+    ey = contact.eccentricity_y
+    vx = contact.velocity_x
+    vy = contact.velocity_y
     outwards = ex * vx + ey * vy
     square = vx * vx + vy * vy
     root = outwards * outwards + square * (clearance * clearance - ex * ex - ey * ey)

@@ -19,7 +19,8 @@ from presswear.tools.user_function import compile_function
 
 # Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp,
 # too
-INLINE, ROUND_FOUNDATION = 0, 1
+INLINE = 0
+ROUND_FOUNDATION = 1
 FACTOR, VISCOUS, USER = range(
     3
 )  # kinds of damping: of the elastic force, beside it, user law
@@ -136,8 +137,10 @@ def polynomial(coefficients: tuple[float, ...], x: float) -> float:
     """Return a polynomial of even degree from its coefficients, the constant first."""
     # Even and odd terms apart: two short chains of products take less time than a long
     # one.
-    square, last = x * x, len(coefficients) - 1
-    even, odd = coefficients[last] + 0.0 * x, coefficients[last - 1] + 0.0 * x
+    square = x * x
+    last = len(coefficients) - 1
+    even = coefficients[last] + 0.0 * x
+    odd = coefficients[last - 1] + 0.0 * x
     for i in range(1, last // 2):
         even = even * square + coefficients[last - 2 * i]
         odd = odd * square + coefficients[last - 2 * i - 1]
@@ -293,12 +296,15 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     record = np.zeros(1, NORMAL).view(np.recarray)[0]
     record["stiffness"] = record["estimated_stiffness"] = law.stiffness
     record["exponent"] = record["estimated_exponent"] = law.exponent
-    record["damping"], record["clearance"] = law.damping, clearance
+    record["damping"] = law.damping
+    record["clearance"] = clearance
     force: Any = ELASTICITIES[law.elasticity]
     if law.viscosity > 0.0:
-        record["damping"], record["kind"] = law.viscosity, VISCOUS
+        record["damping"] = law.viscosity
+        record["kind"] = VISCOUS
     if law.user_law is not None:
-        force, record["kind"] = compile_function(law.user_law, NORMAL_PARAMETERS), USER
+        force = compile_function(law.user_law, NORMAL_PARAMETERS)
+        record["kind"] = USER
     is_inline = isinstance(force, int)
     record["address"] = (
         force if is_inline else address_of(force, len(NORMAL_PARAMETERS))

@@ -65,7 +65,8 @@ class Motion:
             level[:, item]
             for level in (self.position, self.velocity, self.acceleration)
         )
-        cosine, sine = np.cos(q[:, 2] - direction), np.sin(q[:, 2] - direction)
+        cosine = np.cos(q[:, 2] - direction)
+        sine = np.sin(q[:, 2] - direction)
         # The point relative to the mass centre, along the direction and across.
         along = point.x * cosine - point.y * sine
         across = point.x * sine + point.y * cosine

@@ -133,7 +133,8 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     for record, joint in zip(joints, linkage.clearances, strict=True):
         for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
             record[f"{end}_body"] = offset[point.body]
-            record[f"{end}_x"], record[f"{end}_y"] = point.x, point.y
+            record[f"{end}_x"] = point.x
+            record[f"{end}_y"] = point.y
         record["effective_mass"] = effective_mass(linkage, (joint.bearing, joint.pin))
         for name in ("bearing_radius", "pin_radius", "clearance", "width"):
             record[name] = getattr(joint, name)

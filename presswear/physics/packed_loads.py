@@ -71,7 +71,8 @@ def load_forces(loads: Loads, time: Array, levels: Array) -> Array:
             forces[:, body + 2] += along
             continue
         across = size * load["sine"]
-        cosine, sine = np.cos(position[:, body + 2]), np.sin(position[:, body + 2])
+        cosine = np.cos(position[:, body + 2])
+        sine = np.sin(position[:, body + 2])
         arm_x = cosine * load["x"] - sine * load["y"]
         arm_y = sine * load["x"] + cosine * load["y"]
         forces[:, body] += along
@@ -107,7 +108,8 @@ def pack_loads(linkage: Linkage) -> Loads | None:
         record["turns"] = isinstance(load, Moment)
         if isinstance(load, Force):
             point = load.attachment
-            record["x"], record["y"] = point.x, point.y
+            record["x"] = point.x
+            record["y"] = point.y
             record["cosine"] = math.cos(load.direction)
             record["sine"] = math.sin(load.direction)
     return _pack_laws(loads, [load.law for load in linkage.live_loads], linkage)

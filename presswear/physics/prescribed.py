@@ -94,8 +94,10 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
     for closing, pin in zip(closings, pins, strict=True):
         closing["first"] = numbers[pin.first.body]
         closing["second"] = numbers[pin.second.body]
-        closing["x1"], closing["y1"] = pin.first.x, pin.first.y
-        closing["x2"], closing["y2"] = pin.second.x, pin.second.y
+        closing["x1"] = pin.first.x
+        closing["y1"] = pin.first.y
+        closing["x2"] = pin.second.x
+        closing["y2"] = pin.second.y
     work = np.zeros((HEAD + 4 * len(pins), max(len(parts), 2)))
     return Prescribed(parts, closings, motions_of(linkage), work)
 
@@ -120,8 +122,10 @@ def _pack_parts(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         part["drive"] = part["turning"] = -1
         part["sense"] = 1.0
         part["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
-        part["before_x"], part["before_y"] = before.x, before.y
-        part["end_x"], part["end_y"] = end.x, end.y
+        part["before_x"] = before.x
+        part["before_y"] = before.y
+        part["end_x"] = end.x
+        part["end_y"] = end.y
         part["mass"] = body.mass
         part["inertia"] = body.effective_inertia
         if isinstance(joint, Guide):
@@ -172,7 +176,8 @@ def _distance(part: Records, q: Array) -> float:
 
 def _rotated(x: float, y: float, angle: float) -> tuple[float, float]:
     """Return a vector rotated by an angle, rad."""
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     return c * x - s * y, s * x + c * y
 
 
@@ -200,11 +205,14 @@ def place_parts(
             q[b] = part.before_x + x * part.cosine
             q[b + 1] = part.before_y + x * part.sine
             q[b + 2] = part.angle
-            v[b], v[b + 1], v[b + 2] = rate * part.cosine, rate * part.sine, 0.0
+            v[b] = rate * part.cosine
+            v[b + 1] = rate * part.sine
+            v[b + 2] = 0.0
             a[b] = acceleration * part.cosine
             a[b + 1] = acceleration * part.sine
             a[b + 2] = 0.0
-            axes[b], axes[b + 1] = part.axis_x, part.axis_y
+            axes[b] = part.axis_x
+            axes[b + 1] = part.axis_y
             continue
         _place_hinge(part, q, v, a, axes)
         axes[b], axes[b + 1] = cos_sin(x)
@@ -241,7 +249,9 @@ def _slide(
     ry = start_y + x * uy - end_y
     coriolis = 2.0 * omega * rate
     square = omega * omega
-    q[b], q[b + 1], q[b + 2] = q[p] + rx, q[p + 1] + ry, q[p + 2] + part.angle
+    q[b] = q[p] + rx
+    q[b + 1] = q[p + 1] + ry
+    q[b + 2] = q[p + 2] + part.angle
     v[b] = v[p] - omega * ry + rate * ux
     v[b + 1] = v[p + 1] + omega * rx + rate * uy
     v[b + 2] = omega
@@ -256,14 +266,17 @@ def _place_hinge(part: Records, q: Array, v: Array, a: Array, axes: Array) -> No
     b = part.body
     p = part.before
     if p < 0:
-        q[b], q[b + 1] = part.before_x, part.before_y
+        q[b] = part.before_x
+        q[b + 1] = part.before_y
         v[b] = v[b + 1] = a[b] = a[b + 1] = 0.0
         return
     rx, ry = arm(part.before_x, part.before_y, axes, p)
     omega = v[p + 2]
     alpha = a[p + 2]
-    q[b], q[b + 1] = q[p] + rx, q[p + 1] + ry
-    v[b], v[b + 1] = v[p] - omega * ry, v[p + 1] + omega * rx
+    q[b] = q[p] + rx
+    q[b + 1] = q[p + 1] + ry
+    v[b] = v[p] - omega * ry
+    v[b + 1] = v[p + 1] + omega * rx
     a[b] = a[p] - alpha * ry - omega * omega * rx
     a[b + 1] = a[p + 1] + alpha * rx - omega * omega * ry
 

@@ -78,7 +78,8 @@ def add_friction(
                 force[joint.pin_body + 2] += difference
             if joint.bearing_body >= 0:
                 force[joint.bearing_body + 2] -= difference
-            change, greatest = max(change, abs(difference)), max(greatest, abs(moment))
+            change = max(change, abs(difference))
+            greatest = max(greatest, abs(moment))
         if change <= FRICTION_TOL * greatest:
             return
         multipliers_of(constraints, alpha, beta, force)

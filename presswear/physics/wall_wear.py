@@ -98,7 +98,8 @@ def openings_between(corner: GuideCorner, walls: Array) -> Array:
 
     The shape is (2, places along the guide), for a tilt to either side.
     """
-    guide, wall = corner.guide, corner.wall
+    guide = corner.guide
+    wall = corner.wall
     assert guide.length is not None
     assert wall is not None
     place = bin_centres_of(wall)

@@ -130,7 +130,8 @@ class Articulated:
 
     def add_sliding(self, child: "Sliding") -> None:
         """Add what a body presents that slides along a guide on this body."""
-        link, slide = self.link, child.link
+        link = self.link
+        slide = child.link
         arm = slide.from_parent
         link.add_force(arm, child.force)
         link.moments.append(child.moment)
@@ -151,7 +152,9 @@ class Articulated:
 
         ``size`` is the number of coordinates of the tree.
         """
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         text.comment(f"{link.body.name}: forces and inertia")
         self.force = text.let_vector(f"{prefix}_force", Vector().plus(*link.forces))
         self.moment = text.let(f"{prefix}_moment", total(*link.moments))
@@ -173,7 +176,9 @@ class Articulated:
 
     def _sum_about_hinge(self) -> None:
         """Write moment and inertia about the hinge."""
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         arm = link.arm(text, link.branch.end, link.joint)
         self.partial_velocity = Vector(arm.y, negative(arm.x))
         momentum = self.mass.times(self.partial_velocity).plus(self.coupling)
@@ -201,7 +206,9 @@ class Articulated:
 
     def present_to(self, parent: "Articulated") -> None:
         """Write mass and force at the hinge, and add them to the parent."""
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         if link.is_on_moving_guide:
             parent.add_sliding(self._presented_on_guide())
             return
@@ -221,7 +228,8 @@ class Articulated:
 
     def _presented_on_guide(self) -> "Sliding":
         """Write what the body presents at a moving guide: all but its motion along it."""
-        text, prefix = self.text, self.prefix
+        text = self.text
+        prefix = self.prefix
         share = text.let_vector(f"{prefix}_share", self.momentum.times(self.mobility))
         turning = text.let(
             f"{prefix}_turning_share", product(self.mobility, self.turning_momentum)
@@ -250,7 +258,9 @@ class Articulated:
 
     def release(self, size: int) -> None:
         """Write the acceleration of the body and those of its coordinates."""
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         text.comment(f"{link.body.name}: acceleration")
         rate = size + link.coordinate
         if link.is_loose:
@@ -276,7 +286,9 @@ class Articulated:
 
     def _release_on_guide(self) -> str:
         """Write the acceleration of a body on a moving guide; return that along the guide."""
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         parent = link.parent
         assert parent is not None
         carried = parent.acceleration.plus(link.from_parent.rotated_at(parent.alpha))
@@ -293,7 +305,9 @@ class Articulated:
         return along
 
     def _release_hinged(self) -> None:
-        text, prefix, link = self.text, self.prefix, self.link
+        text = self.text
+        prefix = self.prefix
+        link = self.link
         carried = hinge_acceleration(text, link)
         carried = carried.plus(
             centripetal(link, link.arm(text, link.branch.end, link.joint))
@@ -311,7 +325,10 @@ class Articulated:
         The two equations of its translation are solved first, without its rotation,
         because its children never make them singular.
         """
-        text, prefix, link, mass = self.text, self.prefix, self.link, self.mass
+        text = self.text
+        prefix = self.prefix
+        link = self.link
+        mass = self.mass
         if self.is_leaf:
             ax = quotient(self.force.x, mass.xx)
             ay = quotient(self.force.y, mass.xx)

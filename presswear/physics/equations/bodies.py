@@ -49,7 +49,9 @@ def _read_loops(text: Text, chain: Chain) -> None:
     text.write("q, v, a, force, axes = data.bodies")
     text.write("place_prescribed(data.prescribed, t, q, v, a, axes)")
     for link in chain.prescribed:
-        x, y, turn = link.index, link.index + 1, link.index + 2
+        x = link.index
+        y = link.index + 1
+        turn = link.index + 2
         prefix = link.prefix
         link.position = text.let_vector(prefix, Vector(f"q[{x}]", f"q[{y}]"))
         link.velocity = text.let_vector(f"{prefix}_v", Vector(f"v[{x}]", f"v[{y}]"))

@@ -189,8 +189,10 @@ def _point_motion(
     if link is None or link.index < 0:
         return np.array([point.x, point.y]), np.zeros(2)
     i = link.index
-    c, s = math.cos(q[i + 2]), math.sin(q[i + 2])
-    x, y = c * point.x - s * point.y, s * point.x + c * point.y
+    c = math.cos(q[i + 2])
+    s = math.sin(q[i + 2])
+    x = c * point.x - s * point.y
+    y = s * point.x + c * point.y
     velocity = v[i : i + 2] + v[i + 2] * np.array([-y, x])
     return q[i : i + 2] + np.array([x, y]), velocity
 

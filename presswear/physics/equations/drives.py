@@ -16,7 +16,9 @@ from presswear.physics.interactions.page import Page, write_torque
 
 def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
     """Write torques and power of drives that prescribe a motion, and rates of their integrals."""
-    text, chain, layout = page.text, page.chain, page.layout
+    text = page.text
+    chain = page.chain
+    layout = page.layout
     text.comment("torques and power of the drives")
     _pass_on(text, chain, bodies)
     torques = [ZERO] * len(chain.linkage.drives)
@@ -68,7 +70,8 @@ def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
 
 def _torque(text: Text, link: Link) -> str:
     """Write the torque of a prescribed body about its hinge; pass its force on to its parent."""
-    prefix, body = link.prefix, link.body
+    prefix = link.prefix
+    body = link.body
     if link.is_guided:
         return _force_along(text, link)
     arm = link.arm(text, link.branch.end, link.joint)

@@ -10,7 +10,8 @@ from contextlib import contextmanager
 from itertools import chain, count
 from typing import NamedTuple
 
-ZERO, ONE = "0.0", "1.0"
+ZERO = "0.0"
+ONE = "1.0"
 ROUND_OFF = 1e-15  # largest sine or cosine that counts as zero
 _ATOM = re.compile(r"-?[\w.]+")
 _BRACKETS_AND_SIGNS = re.compile(r"[()\[\]]| [+-] ")

@@ -123,7 +123,8 @@ class _CornerText(ContactText):
 
     def _fixed_normal(self) -> Vector:
         """Return n, the direction into the wall, in the frame of the body with the wall."""
-        direction, side = self.joint.guide.direction, self.joint.side
+        direction = self.joint.guide.direction
+        side = self.joint.side
         name = self.name("fixed_normal" if self.is_moving else "normal")
         return Vector(
             self.text.direction(f"{name}_x", -side * math.sin(direction)),
@@ -180,8 +181,10 @@ class _CornerText(ContactText):
     def _write_profile(self) -> str:
         """Write the gradient of the penetration and its rate; return the depth of the wall."""
         self._write_place()
-        depth, slope = self.name("wall_depth"), self.name("wall_slope")
-        k, place = self.number, self.value("place")
+        depth = self.name("wall_depth")
+        slope = self.name("wall_slope")
+        k = self.number
+        place = self.value("place")
         call = f"wall_profile(data.joints[{k}], data.surfaces[{k}], {place})"
         self.text.write(f"{depth}, {slope}, _ = {call}")
         gradient = self._wall_normal.minus(self._forwards().times(slope))

@@ -58,7 +58,8 @@ class ElasticPin:
 
     def write(self, page: Page) -> None:
         """Write the forces on both bodies, at the middle of e, and the power of the damper."""
-        text, pin = page.text, self.pin
+        text = page.text
+        pin = self.pin
         prefix = text.prefix(pin.name)
         bearing, body = (page.chain.of(end.body) for end in pin.ends)
         text.comment(
@@ -83,7 +84,8 @@ class ElasticPin:
 
     def _write_friction(self, page: Page, prefix: str, force: Vector) -> None:
         """Write the friction moments on both bodies, and the power that they lose."""
-        text, pin = page.text, self.pin
+        text = page.text
+        pin = self.pin
         bearing, body = (page.chain.of(end.body) for end in pin.ends)
         radius = text.parameter(f"{prefix}_bearing_radius", pin.bearing_radius)
         size = text.let(f"{prefix}_force_size", f"math.sqrt({force.dot(force)})")

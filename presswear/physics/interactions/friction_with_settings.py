@@ -64,7 +64,9 @@ class FrictionWithSettings:
     def write_state(self, sliding: str, is_closed: str) -> None:
         """Write the rate of the state."""
         self.sliding = sliding
-        text, functions, name = self.page.text, self.functions, self._state
+        text = self.page.text
+        functions = self.functions
+        name = self._state
         scale = functions.scale(functions.numbers_of(self.law))
         place = self.page.add_state(State(name, scale, self.joint))
         state = text.let(name, f"y[{place}]")

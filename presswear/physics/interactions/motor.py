@@ -88,7 +88,8 @@ class MotorTorque:
 
     def write(self, page: Page) -> None:
         """Write the torque on the body, its power and its integrals."""
-        text, body = page.text, page.chain.of(self.drive.body)
+        text = page.text
+        body = page.chain.of(self.drive.body)
         prefix = text.prefix(f"motor of {self.drive.body}")
         text.comment(f"motor of {self.drive.body}")
         if self.motor.law is not None:
@@ -121,7 +122,9 @@ class MotorTorque:
 
     def _servo(self, page: Page, prefix: str) -> str:
         """Return the torque of a servo that follows the leader."""
-        text, drive, body = page.text, self.drive, page.chain.of(self.drive.body)
+        text = page.text
+        drive = self.drive
+        body = page.chain.of(self.drive.body)
         phase, phase_rate = self._phase(page, prefix)
         start = text.parameter(f"{prefix}_start_angle", drive.angle)
         if drive.repeats:
@@ -149,7 +152,8 @@ class MotorTorque:
         """Write tau, s, the phase that a servo follows, and its rate."""
         if self.leader is None:
             return "t", ONE
-        text, body = page.text, page.chain.of(self.leader.body)
+        text = page.text
+        body = page.chain.of(self.leader.body)
         start = text.parameter(f"{prefix}_leader_start", self.leader.angle)
         nominal = text.parameter(f"{prefix}_leader_speed", self.leader.speed)
         phase = quotient(f"({difference(body.angle, start)})", nominal)

@@ -115,11 +115,14 @@ def film_velocity_of(
     eccentricity = math.sqrt(x * x + y * y)
     size = math.sqrt(force[0] * force[0] + force[1] * force[1])
     # A centred pin moves along the force; without a force any direction serves.
-    nx, ny = 1.0, 0.0
+    nx = 1.0
+    ny = 0.0
     if eccentricity > 0.0:
-        nx, ny = x / eccentricity, y / eccentricity
+        nx = x / eccentricity
+        ny = y / eccentricity
     elif size > 0.0:
-        nx, ny = -force[0] / size, -force[1] / size
+        nx = -force[0] / size
+        ny = -force[1] / size
     rough = asperity_force(eccentricity, half_chord, bearing)
     stiffness = rough / (DECAY * bearing.roughness)
     clearance = bearing.clearance
@@ -204,7 +207,8 @@ class OiledContact:
         axes = self._declare_film(page, prefix)
         film = text.let_vector(f"{prefix}_film", Vector(*(f"y[{i}]" for i in axes)))
         elastic = self._write_elastic(page, prefix, place.minus(film))
-        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        pin = page.chain.of(joint.pin.body)
+        bearing = page.chain.of(joint.bearing.body)
         mean = product("0.5", total(pin.omega, bearing.omega))
         mean = text.let(f"{prefix}_mean_speed", mean)
         velocity = velocity.minus(place.rotated_at(mean))
@@ -262,7 +266,8 @@ class OiledContact:
 
     def _write_elastic(self, page: Page, prefix: str, stretch: Vector) -> Vector:
         """Write damping and elastic force on the pin, against the stretch of the contact."""
-        text, oil = page.text, self.joint.oil
+        text = page.text
+        oil = self.joint.oil
         assert oil is not None
         stretch = text.let_vector(f"{prefix}_stretch", stretch)
         size = text.let(f"{prefix}_stretch", f"math.sqrt({stretch.dot(stretch)})")
@@ -285,8 +290,10 @@ class OiledContact:
         self, page: Page, prefix: str, place: Vector, force: Vector, moment: str
     ) -> None:
         """Add force and moment to those on both bodies, the force at the middle of e."""
-        text, joint = page.text, self.joint
-        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        text = page.text
+        joint = self.joint
+        pin = page.chain.of(joint.pin.body)
+        bearing = page.chain.of(joint.bearing.body)
         couple = text.let(f"{prefix}_couple", place.cross(force))
         pin.add_force(pin.arm(text, joint.pin, prefix), force)
         arm = bearing.arm(text, joint.bearing, prefix)
@@ -297,7 +304,8 @@ class OiledContact:
 
     def _bearing(self, page: Page, prefix: str) -> str:
         """Return the parameters of the bearing."""
-        joint, oil = self.joint, self.joint.oil
+        joint = self.joint
+        oil = self.joint.oil
         assert oil is not None
         film = film_of(
             joint.width / oil.films,
@@ -320,9 +328,12 @@ class OiledContact:
 
         Returns the moment on the pin, and the power that both take.
         """
-        text, joint, oil = page.text, self.joint, self.joint.oil
+        text = page.text
+        joint = self.joint
+        oil = self.joint.oil
         assert oil is not None
-        pin, bearing = page.chain.of(joint.pin.body), page.chain.of(joint.bearing.body)
+        pin = page.chain.of(joint.pin.body)
+        bearing = page.chain.of(joint.bearing.body)
         spin = text.let(f"{prefix}_spin", difference(pin.omega, bearing.omega))
         radius = text.parameter(f"{prefix}_radius", joint.bearing_radius)
         width = text.parameter(f"{prefix}_width", joint.width)
@@ -360,7 +371,8 @@ class OiledContact:
         As in a dry joint, the length of the arc follows from the clearance and the
         penetration.
         """
-        text, joint = page.text, self.joint
+        text = page.text
+        joint = self.joint
         film, rate, force = vectors
         size = f"{prefix}_stretch"
         place = text.let(f"{prefix}_place", f"math.sqrt({film.dot(film)})")
