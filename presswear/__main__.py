@@ -30,7 +30,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     import io
 
-    from presswear.tools.errors import InputError, RunFailed, is_out_of_memory
+    from presswear.tools.errors import (
+        InputError,
+        KernelError,
+        RunFailed,
+        is_out_of_memory,
+        printable,
+    )
     from presswear.tools.processes import exit_code, is_stopped, stoppable
 
     for stream in (sys.stdout, sys.stderr):
@@ -48,6 +54,9 @@ def main(argv: Sequence[str] | None = None) -> int:
                     sys.stdout.flush()  # here its error can still be reported
     except InputError as error:
         return _fail(f"{error}", 2)
+    except KernelError as error:
+        print(printable(f"presswear: {error}"), file=sys.stderr)
+        return 1
     except RunFailed as error:
         return _fail(f"{error}", 1)
     except OSError as error:

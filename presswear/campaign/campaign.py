@@ -32,7 +32,7 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import KernelError, RunFailed
 from presswear.tools.processes import Job, Workers
 
 Outcome = tuple[str, str, Finding | None]  # status, message, finding
@@ -84,6 +84,8 @@ class _Campaign:
         if self.runner.scene.life is not None and not self.runner.scene.is_quick:
             try:
                 self._run_life()
+            except KernelError:
+                raise
             except RunFailed as error:
                 return "failed", f"{error}", error.finding
         for index in range(self.at.index, self.runner.scene.wear_updates + 1):

@@ -28,7 +28,7 @@ from presswear.scene.catalog import SCENES, scene_named
 from presswear.scene.files import EXAMPLES, SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError, RunFailed, printable
+from presswear.tools.errors import InputError, KernelError, RunFailed, printable
 from presswear.tools.files import check_folder
 from presswear.tools.numbers import lasting
 from presswear.tools.processes import check_stopped, is_stopped
@@ -161,6 +161,8 @@ def resumable(command: str, path: Path, stored: Callable[[], str]) -> Iterator[N
     """
     try:
         yield
+    except KernelError:
+        raise
     except RunFailed as error:
         raise RunFailed(
             f"{error}; {command}" if path.exists() else f"{error}"

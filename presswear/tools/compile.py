@@ -11,7 +11,6 @@ code, so that their callers are not compiled again for them.
 
 import ctypes
 import gc
-import logging
 import os
 import threading
 from _thread import interrupt_main
@@ -45,7 +44,6 @@ def floats(*names: str) -> list[tuple[str, type]]:
     return [(name, np.float64) for name in names]
 
 
-_LOG = logging.getLogger(__name__)
 _PACKAGE = Path(__file__).parents[1]
 # A callee is compiled once. It inherits an option that is missing here from its first
 # caller: the last digits then depend on which callers were loaded from the cache.
@@ -207,7 +205,7 @@ class _LazyKernel(Kernel):
             threading.Timer(0.0, interrupt_main).start()
         # Machine code calls this and cannot pass on any error of the compiler.
         except Exception as error:
-            _LOG.error(error)
+            short_errors.lazy_failure = error
             return _FAILED
         return self._address.value
 
@@ -238,7 +236,7 @@ class _LazyKernel(Kernel):
         kernel = builder.call(compile_first, ())
         failed = builder.inttoptr(ir.IntType(64)(_FAILED), pointer)
         with builder.if_then(builder.icmp_unsigned("==", kernel, failed), likely=False):
-            message = f"{self._name} cannot be compiled; the reason is in the log"
+            message = f"{self._name} cannot be compiled"  # see ``lazy_failure``
             convention.return_user_exc(builder, RuntimeError, (message,))
         compiled_now = builder.block
         builder.cbranch(cgutils.is_null(builder, kernel), missing, ready)

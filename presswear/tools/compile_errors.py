@@ -15,10 +15,11 @@ from numba.core import config, event
 from numba.core.callconv import CPUCallConv
 from numba.core.lowering import BaseLower
 
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import InputError, KernelError, RunFailed
 from presswear.tools.user_function import is_user_law
 
 _NUMBA = f"{Path(numba.__file__).parent}"
+_PACKAGE = f"{Path(__file__).parents[1]}"
 _TYPE = re.compile(
     r"Literal\[\w+\]\((.+?)\)|Function\(<(?:built-in function|class) '?(\w+)'?>\)"
 )
@@ -58,13 +59,19 @@ event.register("numba:compile", _failures)
 class ShortErrors:
     """Context that shortens errors of kernels to file, line, statement and reason.
 
-    A kernel that cannot be compiled or that reads beyond an array is RunFailed. A user
+    ``lazy_failure`` is the error of a lazily compiled kernel, which its callers cannot
+    pass on.
+
+    A kernel that cannot be compiled or that reads beyond an array is KernelError. A user
     law that fails where it runs is InputError. Kernels are called in this context from
     Python, which a generator would delay more than the call takes.
     """
 
+    lazy_failure: Exception | None = None
+
     def __enter__(self) -> None:
         _failures.function = None
+        self.lazy_failure = None
 
     def __exit__(
         self, kind: object, error: BaseException | None, trace: TracebackType | None
@@ -76,7 +83,10 @@ class ShortErrors:
         if _failures.function is not None:
             function, _failures.function = _failures.function, None
             text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
-            raise RunFailed(describe(function, text)) from None
+            raise KernelError(describe(function, text)) from None
+        if self.lazy_failure is not None:
+            failure, self.lazy_failure = self.lazy_failure, None
+            raise failure from None
         if (short := _short(error, trace)) is not None:
             raise short from None
 
@@ -92,7 +102,11 @@ def _short(error: Exception, trace: TracebackType | None) -> Exception | None:
             return InputError(f"user law fails: {place}: {cause}")
         # Numba adds the place of an error as a frame without global names.
         if not frame.f_globals:
-            return RunFailed(f"{file}:{number}: {name}\n    {statement}\n{cause}")
+            return KernelError(f"{file}:{number}: {name}\n    {statement}\n{cause}")
+        is_plain = config.DISABLE_JIT and not isinstance(error, RunFailed | InputError)
+        if is_plain and file.startswith((_PACKAGE, "<equations")):
+            cause = f"{type(error).__name__}: {error}"
+            return KernelError(f"{file}:{number}: {name}\n    {statement}\n{cause}")
     return None
 
 

@@ -1,4 +1,4 @@
-"""Errors that the command line reports in one line.
+"""Errors that the command line reports in one line, or a mistake in a kernel in three.
 
 The exit code is 2 for bad input and 1 for a failed run; anything else is a defect and
 shows its traceback.
@@ -37,6 +37,10 @@ class RunFailed(RuntimeError):
     def __init__(self, message: str, finding: Any = None) -> None:
         super().__init__(message)
         self.finding = finding
+
+
+class KernelError(RunFailed):
+    """Mistake in a kernel, in lines: file with line and function, statement, reason."""
 
 
 # in errors of a library that cannot be loaded and of a thread that cannot be started

@@ -282,6 +282,11 @@ class UserFunction:
                 )
             except (ArithmeticError, ValueError):
                 return math.nan
+            except Exception as error:
+                reason = self._failure(error)
+                raise InputError(
+                    f"{self.name} fails at {name} = {x:g}: {reason}"
+                ) from None
 
         above = [10.0 ** (0.25 * k) for k in range(-24, 1)]
         places = [-x for x in reversed(above)] + [0.0] + above

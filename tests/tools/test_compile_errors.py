@@ -4,15 +4,21 @@
 # ruff: noqa: F821
 import inspect
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from presswear.__main__ import main
+from presswear.campaign import runs
 from presswear.physics.equations.function import function_of
 from presswear.tools.compile import compiled, entry_of, inlined, specialised
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import KernelError, RunFailed
 
 PAIR = np.dtype([("factor", np.float64), ("calls", np.int64)])
 
@@ -134,6 +140,46 @@ def test_a_mistake_in_written_equations_is_shown_with_its_line() -> None:
     assert ">:3: equations" in place
     assert statement.strip() == "out[0] = angel"
     assert "'angel' is not defined" in reason
+
+
+PLAIN = """
+import numpy as np
+from presswear.tools.compile import copy_to
+from presswear.tools.compile_errors import short_errors
+
+with short_errors:
+    copy_to(np.zeros(3), np.zeros(1))
+"""
+
+
+def test_a_mistake_in_plain_python_is_shown_with_its_line() -> None:
+    ran = subprocess.run(
+        [sys.executable, "-c", PLAIN],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    place, statement, reason = ran.stderr.splitlines()[-3:]
+    assert "KernelError: " in place
+    assert place.endswith(": copy_to")
+    assert statement == "    target[i] = source[i]"
+    assert reason.startswith("IndexError: index 1 is out of bounds")
+
+
+def test_a_mistake_in_a_kernel_has_three_lines_in_the_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    def broken(*arguments: Any) -> None:
+        raise KernelError("wear.py:106: deposit\n    depth = y\nno name 'y'")
+
+    monkeypatch.setattr(runs, "run_into", broken)
+    command = ["run", "wear-times", "--jobs", "1", "--out", f"{tmp_path / 'run'}"]
+    assert main(command) == 1
+    shown = capsys.readouterr().err.splitlines()
+    assert shown == ["presswear: wear.py:106: deposit", "    depth = y", "no name 'y'"]
 
 
 def test_errors_of_a_kernel_that_runs_are_left_as_they_are() -> None:

@@ -87,6 +87,14 @@ def test_message_names_the_place_without_number(body: str, words: str) -> None:
     assert "a = 2.5" in str(refusal.value)
 
 
+def test_message_of_a_failure_between_the_points_has_the_line() -> None:
+    failing = law("(1.0, 2.0)[2] if 0.01 < a < 0.1 else a")
+    with pytest.raises(
+        InputError, match=r'at a = 0\.01.*: line 2, "return .*out of range'
+    ):
+        failing.jump("a", {"a": 0.0})
+
+
 @pytest.mark.parametrize(
     "value", ["nothing.py:law", "nothing.py:", ":law", ".py:x", "/:law", print, len]
 )
