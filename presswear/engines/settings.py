@@ -91,7 +91,7 @@ class _Engine(Named):
             changes["impact_steps"] = IMPACT_STEPS[purpose]
         if getattr(self, "integrator", "") == "auto":
             changes["integrator"] = "dop853" if purpose == "trajectory" else "dopri5"
-        return replace(cast(Any, self), **changes)
+        return replace(cast(Any, self), **changes) if changes else self
 
     def longest(self, cycle: float) -> float:
         """Return the longest step, s, in a cycle of a duration, s."""
@@ -105,7 +105,8 @@ class _Engine(Named):
     @property
     def tolerance(self) -> float:
         """Specified tolerance, else the one for a trajectory."""
-        return float(getattr(self.resolved(), self.tolerance_name))
+        specified = getattr(self, self.tolerance_name)
+        return self.tolerances["trajectory"] if specified is None else float(specified)
 
     def finer(self, factor: float) -> Self | None:
         """Return a copy with the tolerance divided by a factor; None without error control."""

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 from presswear.linkage.friction_law import FrictionLaw
@@ -77,7 +78,7 @@ class ClearanceJoint(Checked):
             return OILED_WEAR * self.clearance
         return deepest_wear(self.contact, self.clearance, self.bearing_radius)
 
-    @property
+    @cached_property
     def round_normal(self) -> NormalLaw:
         """Normal law while both surfaces are round."""
         if self.contact == "foundation":

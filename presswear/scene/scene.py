@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, ClassVar, cast, get_args
 
 from presswear.engines.settings import (
@@ -425,7 +426,7 @@ class Scene(LoadedLinkage, Checked):
         is_short = self.cycles is not None and self.cycles <= STARTUP_CYCLES
         return "trajectory" if is_short or not self.clearance_joints else "forces"
 
-    @property
+    @cached_property
     def solver(self) -> Engine:
         """Engine of a run, tolerances resolved; ``exudyn`` is the smallest model possible."""
         word = self.engine
@@ -435,9 +436,9 @@ class Scene(LoadedLinkage, Checked):
         purpose = cast(
             Purpose, self.auto_purpose if self.purpose == "auto" else self.purpose
         )
-        numerics = self.numerics.resolved(purpose, self.tolerance)
-        engines = numerics.tree, numerics.joints, numerics.dae
-        return next(engine for engine in engines if engine.word == word)
+        engines: tuple[Engine, ...] = tuple(vars(self.numerics).values())
+        engine = next(engine for engine in engines if engine.word == word)
+        return engine.resolved(purpose, self.tolerance)
 
     def stage_name(self, index: int) -> str:
         """Return the name of a stage of this scene."""

@@ -80,12 +80,11 @@ def optional(kind: Any, needed: Mapping[str, Any], text: str) -> Any:
 
 def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     """Return the meaning of a field, None without; the words of a choice may need the owner."""
-    for meaning in (
-        item.metadata.get("meaning"),
-        *getattr(item.type, "__metadata__", ()),
-    ):
-        if isinstance(meaning, Choice) and callable(meaning.words):
-            return replace(meaning, words=meaning.words(owner))
-        if isinstance(meaning, Quantity | Choice):
-            return meaning
-    return None
+    meaning = item.metadata.get("meaning")
+    if meaning is None:
+        annotations = getattr(item.type, "__metadata__", ())
+        meanings = (one for one in annotations if isinstance(one, Quantity | Choice))
+        meaning = next(meanings, None)
+    if isinstance(meaning, Choice) and callable(meaning.words):
+        return replace(meaning, words=meaning.words(owner))
+    return meaning

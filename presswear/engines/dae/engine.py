@@ -54,7 +54,7 @@ REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, m
 # Round-off of a coordinate, in units of its last binary place
 RESOLVED_DIGITS = 8.0
 
-_CHUNK = 2000  # steps of a kernel call, between which progress and Ctrl-C are handled
+_CHUNK = 10_000  # steps of a kernel call, between which progress and Ctrl-C are handled
 
 
 def check_start(constraints: Constraints, start: Start) -> None:

@@ -7,6 +7,7 @@ in equations that are written by hand.
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from itertools import chain, count
 from typing import NamedTuple
 
@@ -60,6 +61,7 @@ def difference(first: str, second: str) -> str:
     return total(first, negative(second))
 
 
+@lru_cache(10_000)  # the same products are in the equations of every run of a linkage
 def product(*factors: str) -> str:
     """Return a product."""
     if ZERO in factors:
