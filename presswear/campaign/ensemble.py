@@ -231,6 +231,12 @@ class Runner:
         self.shares = (0.0, 0.0)
         self.done = self.later = self.reported = 0.0
 
+    def count_as(self, cost: float, later: float) -> None:
+        """Count each cycle so far as ``cost`` cycles, before ``later`` expected ones."""
+        self.done *= cost
+        self.reported *= cost
+        self.later = later
+
     def run(
         self,
         depth: Array,

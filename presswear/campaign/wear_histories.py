@@ -118,9 +118,7 @@ class WearHistories:
             cost = scene.solver.step_time / scene.solver.worn_step_time
         runner.later = later / cost
         self._run_without_wear(spec, "watched", StepCheck(scene, self.initial[0]))
-        runner.done *= cost
-        runner.reported *= cost
-        runner.later = later
+        runner.count_as(cost, later)
         if self.settling and self.settling.verdict == "settled":
             wear = wear_update.CycleWear(0.0, ())
             spec = RunSpec(most, math.inf, wear=wear, label=label)
