@@ -159,14 +159,12 @@ def ideal_curves(
         corners = np.union1d(corners, turns)
     edges = np.union1d(edges, corners)
     # Supplied and returned energy have a kink where the power of a drive changes its
-    # sign.
-    for _ in range(2):
-        curves, _ = _integrated(scene, edges, corners, bushings)
-        for curve in curves.values():
-            time, power = curve.time, curve.power
-            k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
-            zeros = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
-            edges = np.union1d(edges, zeros)
+    # sign. An error of its place counts by its square.
+    for curve in _curves_at(scene, edges, bushings).values():
+        time, power = curve.time, curve.power
+        k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
+        zeros = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
+        edges = np.union1d(edges, zeros)
     return _integrated(scene, edges, corners, bushings)
 
 
@@ -186,13 +184,19 @@ def _integrated(
     order = np.argsort(time, kind="stable")
     time = time[order]
     weights = weights[order]
-    linkage = scene.loaded
-    motion = scene.ideal.at(time)
-    forces = forces_in_motion(linkage, scene.ideal, motion, bushings)
-    curves = drive_curves(linkage, motion, forces[:, -len(linkage.drives) :])
     is_last = time > edges[-1] - scene.mechanism.period
     last_cycle = {
         body: DriveCurve(*(values[is_last] for values in curve))
-        for body, curve in curves.items()
+        for body, curve in _curves_at(scene, time, bushings).items()
     }
     return last_cycle, weights[is_last]
+
+
+def _curves_at(
+    scene: Scene, time: Array, bushings: Sequence[Bushing]
+) -> dict[str, DriveCurve]:
+    """Return drives of rigid joints at instants, s."""
+    linkage = scene.loaded
+    motion = scene.ideal.at(time)
+    forces = forces_in_motion(linkage, scene.ideal, motion, bushings)
+    return drive_curves(linkage, motion, forces[:, -len(linkage.drives) :])
