@@ -1,20 +1,22 @@
 """Write the results of the paper's study into findings.md:  python docs/_tools/findings.py FOLDER
 
-Copies its picture of the peak forces, too. The folder is that of a finished study,
+Draws its picture of the peak forces, too. The folder is that of a finished study,
 ``python -m presswear.paper FOLDER --engine dae``.
 """
 
 import re
-import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import presswear as pw
 from presswear.paper.evidence import Evidence
+from presswear.paper.figures import drawings
 from presswear.paper.printed import HIGHLIGHTS
 from presswear.paper.report import failures_of, findings
 from presswear.paper.settings import BASE
 from presswear.paper.verdicts import compared
+from presswear.show.figures import save
 from presswear.show.page import text_of
 from presswear.tools.numbers import readable
 
@@ -29,12 +31,16 @@ LABELS = {
 }
 
 
-def results_of(folder: Path) -> str:
-    """Return the table and the sentences of a study."""
+def evidence_of(folder: Path) -> Evidence:
+    """Return the results of a study."""
     paths = [
         path for path in sorted(folder.iterdir()) if (path / "result.json").exists()
     ]
-    evidence = Evidence({path.name: pw.load(path) for path in paths})
+    return Evidence({path.name: pw.load(path) for path in paths})
+
+
+def results_of(evidence: Evidence) -> str:
+    """Return the table and the sentences of a study."""
     rows = ["| quantity | paper | presswear |", "|---|---:|---:|"]
     for name, label in LABELS.items():
         ours, printed = (
@@ -49,11 +55,13 @@ def results_of(folder: Path) -> str:
 def fill(folder: Path) -> None:
     """Write table and sentences between their marks."""
     marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
-    text, results = PAGE.read_text(), results_of(folder)
+    evidence = evidence_of(folder)
+    text, results = PAGE.read_text(), results_of(evidence)
     PAGE.write_text(
         re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
     )
-    shutil.copyfile(folder / "figures/fig-24-peaks.png", PICTURE)
+    peaks = next(one for one in drawings(evidence) if one.file == "fig-24-peaks.png")
+    save(replace(peaks, file=PICTURE.name), PICTURE.parent)
 
 
 if __name__ == "__main__":

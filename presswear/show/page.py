@@ -10,7 +10,6 @@ import gc
 import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -23,7 +22,7 @@ from PIL.Image import Image
 from presswear.recording.statistics import Estimate
 from presswear.show.figures import Drawing, rendered, write
 from presswear.show.figures.style import TEMPLATES
-from presswear.show.figures.vector import svg_of
+from presswear.show.figures.vector import svg_of, write_svg
 from presswear.tools.numbers import (
     is_resolved,
     readable,
@@ -186,27 +185,27 @@ class Section:
 
 
 def illustrated(drawings: Iterable[Drawing], folder: Path) -> list[Illustration]:
-    """Draw figures, write them into a folder and return them for a page."""
+    """Draw figures, write them into a folder and return them for a page.
 
-    def illustration(drawing: Drawing, image: Image, svg: str) -> Illustration:
-        file = write(image, folder / drawing.file)
-        if len(svg) > MAX_SVG:
-            svg = _svg_of_image(image, file.read_bytes())
-        return Illustration(drawing.file, drawing.title, drawing.caption, svg)
-
+    A figure is a file ``.svg``, or ``.png`` if its SVG is too large.
+    """
     # Figures are full of reference cycles, whose collection takes a sixth of the time.
     gc.disable()
     try:
-        # An image is compressed and written while the next one is drawn.
-        with ThreadPoolExecutor(1) as writer:
-            futures = []
-            for drawing in drawings:
-                image = rendered(drawing)
-                svg = svg_of(drawing)
-                futures.append(writer.submit(illustration, drawing, image, svg))
-        return [future.result() for future in futures]
+        return [_illustration(drawing, folder) for drawing in drawings]
     finally:
         gc.enable()
+
+
+def _illustration(drawing: Drawing, folder: Path) -> Illustration:
+    svg = svg_of(drawing)
+    file = folder / drawing.file
+    if len(svg) > MAX_SVG:
+        image = rendered(drawing)
+        svg = _svg_of_image(image, write(image, file).read_bytes())
+    else:
+        file = write_svg(svg, file)
+    return Illustration(file.name, drawing.title, drawing.caption, svg)
 
 
 def drawn_inline(drawings: Iterable[Drawing]) -> list[Illustration]:

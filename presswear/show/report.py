@@ -64,6 +64,7 @@ from presswear.tools.errors import (
 )
 from presswear.tools.files import inside, write_bytes
 
+PICTURE = "mechanism."  # start of the name of the figure on the first screen
 MANY_CYCLES = 10  # recorded cycles from which sections and spectra show something
 
 # Titles of the tables that a reader of HTML and of PDF sees, in their order, by name
@@ -204,7 +205,7 @@ def render_report(
         replace(
             first_screen(result, missing),
             picture=next(
-                (figure for figure in figures if figure.file == "mechanism.png"), None
+                (one for one in figures if one.file.startswith(PICTURE)), None
             ),
         ),
         template="report.html",

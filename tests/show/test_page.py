@@ -161,7 +161,7 @@ def test_figures_come_in_order(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {
         figure.file for figure in figures
     }
-    (tmp_path / "5.png").mkdir()
+    (tmp_path / "5.svg").mkdir()
     with pytest.raises(IsADirectoryError):
         page.illustrated(numbered(5, 6), tmp_path)
     with pytest.raises(InputError, match="there is no third"):

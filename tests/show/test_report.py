@@ -20,8 +20,8 @@ from presswear.results.stage_statistics import StageStatistics, WearPeak
 from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.pin_joints import normal_law_of
 from presswear.scene.setting_list import used_settings_of
-from presswear.show.figures import drawings, save
-from presswear.show.page import Illustration
+from presswear.show.figures import drawings
+from presswear.show.page import Illustration, illustrated
 from presswear.show.report import prepare, render_report, write_report
 from presswear.show.scene_tables import setting_tables
 from presswear.show.stage_tables import stage_tables
@@ -56,8 +56,8 @@ def test_a_short_report_states_the_command_that_draws_the_other_figures(
     result = replace(made_up(made.BOTH, 2), path=folder)
     assert "adds the others" not in page_of(result).text
     figures = folder / "figures"
-    save(next(drawings(result, ["phase"])), figures)
-    kept = {"photograph.png", "notes.png", "wear-depth.svg"}
+    illustrated(drawings(result, ["bottom", "phase"]), figures)
+    kept = {"photograph.png", "notes.png", "sketch.svg"}
     for name in kept:
         (figures / name).write_bytes(b"not drawn by the program")
     Image.new("RGB", (2, 2)).save(figures / "photograph.png")
@@ -65,7 +65,7 @@ def test_a_short_report_states_the_command_that_draws_the_other_figures(
     assert f"This command adds the others: presswear report '{folder}'" in page.text
     assert page.row("first wear")
     names = {path.name for path in figures.iterdir()}
-    assert {"mechanism.png", *kept} < names
+    assert {"mechanism.svg", *kept} < names
     assert len(names) == 4 + len(kept)
 
 

@@ -140,7 +140,7 @@ def test_the_report_has_answers_factors_and_failed_runs(tmp_path: Path) -> None:
     assert "<td>1.98 to 2.02</td><td>certainly worse</td>" in page
     assert "it &lt;i&gt;ended&lt;/i&gt;" in page
     assert f"presswear report {tmp_path}/as-it-is {tmp_path}/joint-B" in page
-    assert (tmp_path / "figures" / "improve.png").stat().st_size > 5000
+    assert (tmp_path / "figures" / "improve.svg").stat().st_size > 5000
 
 
 def test_sentences_name_the_best_certain_change() -> None:

@@ -131,7 +131,7 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     command(f"report {folder} --limit 'A.force_max<=1N'")
     page = (folder / "report.html").read_text()
     assert "4 of 4 points violate the upper limit 1.00 N of A.force_max" in page
-    assert (folder / "figures" / "lines-A-force_max.png").exists()
+    assert (folder / "figures" / "lines-A-force_max.svg").exists()
     refused = command(f"report {folder} --limit 'B.force_max<=1MN'", 2)
     assert "did you mean A.force_max" in refused
     assert "--limit needs a" in command(
@@ -171,7 +171,7 @@ def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None
     # all runs.
     assert text.count("1 of 128 runs failed") == 5
     assert text.count("1 of 256 runs failed") == 1
-    assert (tmp_path / "figures" / "1" / "map-y.png").exists()
+    assert (tmp_path / "figures" / "1" / "map-y.svg").exists()
     assert (tmp_path / "table.csv").read_text() == table.csv()
 
 

@@ -35,6 +35,7 @@ from presswear.show.figures.style import (
     Drawing,
     Stages,
 )
+from presswear.show.figures.vector import FILE_HEAD
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import write_whole
 
@@ -219,13 +220,16 @@ def write(image: Image.Image, path: Path) -> Path:
 
 def remove_others(folder: Path, names: Collection[str]) -> None:
     """Remove the figures of earlier reports from a folder, except for some names."""
-    for path in folder.glob("*.png"):
+    for path in (*folder.glob("*.png"), *folder.glob("*.svg")):
         if path.name not in names and _is_written_here(path):
             path.unlink()
 
 
 def _is_written_here(path: Path) -> bool:
     """Return whether this program has written an image."""
+    if path.suffix == ".svg":
+        with path.open("rb") as file:
+            return file.read(len(FILE_HEAD)) == FILE_HEAD.encode()
     try:
         with Image.open(path) as image:
             return image.info.get("Software") == _PROGRAM

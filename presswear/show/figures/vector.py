@@ -2,11 +2,13 @@
 
 import io
 import re
+from pathlib import Path
 
 import matplotlib
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.tools.files import write_bytes
 
 # A share of the points of a curve that lie on a line to 0.2 points are left out.
 _SETTINGS = {
@@ -15,6 +17,12 @@ _SETTINGS = {
     "path.simplify_threshold": 0.2,
     "font.sans-serif": ["DejaVu Sans"],
 }
+# Start of a file, by which it is known as one of this program
+FILE_HEAD = (
+    '<svg class="presswear" xmlns="http://www.w3.org/2000/svg" '
+    'xmlns:xlink="http://www.w3.org/1999/xlink" '
+    'style="stroke-linejoin: round; stroke-linecap: butt" '
+)
 _NUMBERS = re.compile(r'\b(?:d|transform|x|y|x1|y1|x2|y2|width|height)="[^"]*"')
 _DECIMALS = re.compile(r"-?\d+\.\d+")
 _NAMED = re.compile(r' id="(?![mp][0-9a-f]{10}")[^"]*"')  # all but markers and clips
@@ -40,6 +48,14 @@ def svg_of(drawing: Drawing) -> str:
     text = text.replace("'DejaVu Sans', sans-serif", "sans-serif")
     text = _NUMBERS.sub(lambda match: _short(match[0]), text)
     return re.sub(r"\s*\n\s*", "\n", text)
+
+
+def write_svg(svg: str, path: Path) -> Path:
+    """Write an ``svg`` element as a file ``.svg`` of the same name; return its path."""
+    file = path.with_suffix(".svg")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    write_bytes(file, svg.replace("<svg ", FILE_HEAD, 1).encode())
+    return file
 
 
 def _short(text: str) -> str:
