@@ -247,12 +247,9 @@ def compute(
         others.
     """
     check(scene)
-    values = () if parameter is None else parameter.values
-    scenes = (
-        [changed(scene, {parameter.key: value}) for value in values]
-        if parameter
-        else [scene]
-    )
+    scenes = [scene]
+    if parameter is not None:
+        scenes = [changed(scene, {parameter.key: value}) for value in parameter.values]
     with only_writer(folder, resume=True):
         _store_inputs(folder, scene, watch, parameter)
         stored = _Folder(folder, watch.starts)

@@ -359,9 +359,9 @@ class GearedDrive(Drive):
     def placed(self, leader: Drive) -> "GearedDrive":
         """Return the drive with the motion of its leader times the ratio."""
         n = self.ratio
-        rows: Any = [
-            (phase, *(n * value for value in row)) for phase, *row in leader.table
-        ]
+        rows: list[Any] = []
+        for phase, *values in leader.table:
+            rows.append((phase, *(n * value for value in values)))
         return replace(
             self,
             speed=n * leader.speed,

@@ -129,46 +129,54 @@ class OverPosition(Checked):
     def __post_init__(self) -> None:
         """Raise InputError where the law would jump or drive the motion, or give back more."""
         super().__post_init__()
-        table, sense = self.table, self.sense
-        _check_rising(table)
-        ends = {
-            "along": table[:1],
-            "against": table[-1:],
-            "both": (table[0], table[-1]),
-        }[sense]
-        jumps = (
-            (ends if self.release else (table[0], table[-1]))
-            if self.outside == "zero"
-            else ()
-        )
-        for place, size in jumps:
+        _check_rising(self.table)
+        self._check_jumps()
+        if self.release and (self.sense == "both" or len(self.table) < 2):
+            raise InputError(
+                "release: it needs a table of two nodes that acts in one sense"
+            )
+        self._check_resistance()
+        if self.unloading:
+            self._check_unloading()
+
+    @property
+    def _first_nodes(self) -> Table:
+        """Nodes at which the load begins, one for each sense in which it acts."""
+        first = {"along": self.table[:1], "against": self.table[-1:]}
+        return first.get(self.sense, (self.table[0], self.table[-1]))
+
+    def _check_jumps(self) -> None:
+        """Raise InputError where a load that is zero outside its table would jump."""
+        if self.outside != "zero":
+            return
+        ends = self._first_nodes if self.release else (self.table[0], self.table[-1])
+        for place, size in ends:
             if size != 0.0:
                 end = f"{size:g} N or N m at the end, {place:g} m or rad,"
                 allowed = "allowed are 0 there, or outside = hold"
                 raise InputError(f"table: {end} would be a jump to 0; {allowed}")
-        if self.release and (sense == "both" or len(table) < 2):
-            raise InputError(
-                "release: it needs a table of two nodes that acts in one sense"
-            )
-        wrong = {"along": 1.0, "against": -1.0, "both": 0.0}[sense]
-        for place, size in table:
-            if wrong * size > 0.0:
+
+    def _check_resistance(self) -> None:
+        """Raise InputError where a load in one sense would drive the motion."""
+        driving_sign = {"along": 1.0, "against": -1.0, "both": 0.0}[self.sense]
+        for place, size in self.table:
+            if driving_sign * size > 0.0:
                 raise InputError(
                     f"table: {size:g} N or N m at {place:g} m or rad would drive the motion "
-                    f"{sense} its direction; in one sense a load must resist it"
+                    f"{self.sense} its direction; in one sense a load must resist it"
                 )
-        if not self.unloading:
-            return
-        if sense == "both":
+
+    def _check_unloading(self) -> None:
+        """Raise InputError for a line back that would give back more energy than was taken."""
+        if self.sense == "both":
             raise InputError("unloading: it needs a table that acts in one sense")
-        place, size = ends[0]
+        place, size = self._first_nodes[0]
         if size != 0.0:
             fault = f"{size:g} N or N m at {place:g} m or rad, where it begins"
             raise InputError(f"table: {fault}; with unloading allowed is 0")
         # Resistance against the way, whose signs cancel in either sense.
-        steepest = max(
-            ((a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(table)), default=0.0
-        )
+        slopes = [(a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(self.table)]
+        steepest = max(slopes, default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
             raise InputError(
                 f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
@@ -190,11 +198,8 @@ def _check_rising(table: Table) -> None:
 
 
 LAWS: Mapping[str, Any] = {law.kind: law for law in (Harmonics, OverTime, OverPosition)}
-LOAD_PARAMETERS = (
-    "time",
-    "position",
-    "speed",
-)  # of a user law: s; m or rad; m/s or rad/s
+LOAD_PARAMETERS = ("time", "position", "speed")
+"""Parameters of a user law: s; m or rad; m/s or rad/s."""
 
 
 def check_load(key: str, law: UserFunction) -> None:

@@ -55,11 +55,9 @@ class Force(Checked):
     @property
     def body(self) -> str:
         """Name of the body that it acts on."""
-        return (
-            self.point.partition(".")[0]
-            if isinstance(self.point, str)
-            else self.point.body
-        )
+        if isinstance(self.point, str):
+            return self.point.partition(".")[0]
+        return self.point.body
 
 
 @dataclass(frozen=True)

@@ -205,12 +205,12 @@ def check_rod(rod: float, crank: float, fault: str) -> None:
 
 def bars_of(mechanism: Mechanism, *names: str) -> list[Body]:
     """Return the bars of a mechanism; its fields begin with the first words of their names."""
-    return [
-        Bar(
-            name, *(getattr(mechanism, f"{name.split()[0]}_{item}") for item in _OF_BAR)
-        )
-        for name in names
-    ]
+    bars = []
+    for name in names:
+        prefix = name.split()[0]
+        numbers = [getattr(mechanism, f"{prefix}_{number}") for number in _OF_BAR]
+        bars.append(Bar(name, *numbers))
+    return bars
 
 
 def meeting_point(

@@ -88,11 +88,9 @@ def hertz_stiffness(
     two spheres side by side. ``refined`` takes the pin in a hole, with R_i - R_j under
     the root.
     """
-    combined = (
-        bearing_radius + pin_radius
-        if reading == "paper"
-        else bearing_radius - pin_radius
-    )
+    combined = bearing_radius - pin_radius
+    if reading == "paper":
+        combined = bearing_radius + pin_radius
     return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
 
 
@@ -133,9 +131,10 @@ def delivered_restitution(damping: float) -> float:
         return highest
     lowest = 0.0
     while lowest < (middle := 0.5 * (lowest + highest)) < highest:
-        lowest, highest = (
-            (middle, highest) if excess(middle) > 0.0 else (lowest, middle)
-        )
+        if excess(middle) > 0.0:
+            lowest = middle
+        else:
+            highest = middle
     return lowest
 
 
@@ -181,25 +180,24 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
         state = {"penetration": penetration, "rate": rate, "onset_speed": onset_speed}
         return law.number(key, NORMAL_PARAMETERS, {**values, **state})
 
-    for part in (1e-6, 1e-4, 1e-2):
-        penetration = part * values["clearance"]
+    for fraction in (1e-6, 1e-4, 1e-2):
+        penetration = fraction * values["clearance"]
         for onset in (1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 5.0):
-            rest = force(penetration, 0.0, onset)
+            at_rest = force(penetration, 0.0, onset)
             label = f"{key}: {law.name} at penetration = {penetration:g} m"
-            if not rest > 0.0:
+            if not at_rest > 0.0:
                 raise InputError(
-                    f"{label} gives {rest:g} N at rest: it must push, above 0 N"
+                    f"{label} gives {at_rest:g} N at rest: it must push, above 0 N"
                 )
-            if rest != force(penetration, 0.0, 0.1):
+            if at_rest != force(penetration, 0.0, 0.1):
                 raise InputError(
                     f"{label} gives a force at rest that depends on onset_speed"
                 )
             for rate in (0.1 * onset, 0.5 * onset, onset):
-                closing, opening = (
-                    force(penetration, side * rate, onset) for side in (1.0, -1.0)
-                )
-                if closing < rest or opening > rest:
+                closing = force(penetration, rate, onset)
+                opening = force(penetration, -rate, onset)
+                if closing < at_rest or opening > at_rest:
                     raise InputError(
                         f"{label} makes energy: it gives {closing:g} N where it closes at {rate:g} "
-                        f"m/s, {rest:g} N at rest, {opening:g} N where it opens"
+                        f"m/s, {at_rest:g} N at rest, {opening:g} N where it opens"
                     )

@@ -35,9 +35,8 @@ CONTACT = np.dtype(
         *floats("eccentricity", "eccentricity_x", "eccentricity_y"),  # |e| and e, m
         *floats("velocity_x", "velocity_y"),  # rate of e, m/s
         ("turning", np.float64),  # rate of the direction of e, rad/s
-        *floats(
-            "normal_x", "normal_y"
-        ),  # direction in which the pin presses on the bearing
+        # direction in which the pin presses on the bearing
+        *floats("normal_x", "normal_y"),
         # from the two centres to the contact point along the normal, m
         *floats("pin_arm", "bearing_arm"),
         ("approach", np.float64),  # speed on which the normal force works, m/s

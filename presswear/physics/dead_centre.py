@@ -82,16 +82,18 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     )
 
 
-def dwell_of(ideal: IdealMotion, within: float) -> float:
-    """Return how long a motion stays within a height of its bottom, s, to a 1440th of the cycle."""
+def dwell_of(ideal: IdealMotion, height: float) -> float:
+    """Return the time for which a motion stays below a height, m, over its bottom, s.
+
+    It is accurate to a 1440th of the cycle, the distance of two nodes.
+    """
     place = _places(ideal)
-    above = np.flatnonzero(np.roll(place, -int(place.argmin())) > place.min() + within)
-    stays = (
-        place.size
-        if not above.size
-        else int(above[0]) + place.size - 1 - int(above[-1])
-    )
-    return (stays - 1) * ideal.period / place.size
+    from_bottom = np.roll(place, -int(place.argmin())) - place.min()
+    above = np.flatnonzero(from_bottom > height)
+    nodes = place.size  # below the height
+    if above.size:
+        nodes = int(above[0]) + place.size - 1 - int(above[-1])
+    return (nodes - 1) * ideal.period / place.size
 
 
 def _places(ideal: IdealMotion) -> Array:

@@ -7,53 +7,52 @@ import numpy as np
 from presswear.linkage.drives import MAX_HARMONICS, Drive
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motion_pieces import DEGREE, MAX_PIECES
-from presswear.tools.compile import Records, compiled, floats, inlined, lazily_compiled
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 # A drive as the kernels see it
 MOTION = np.dtype(
     [
-        *floats(
-            "speed", "angle"
-        ),  # the mean speed, with what the pieces turn in a cycle
+        ("speed", np.float64),  # mean speed, with the turn of the pieces in a cycle
+        ("angle", np.float64),  # at t = 0
         ("fundamental", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
         ("cosine", np.float64, (MAX_HARMONICS,)),
         ("sine", np.float64, (MAX_HARMONICS,)),
         ("pieces", np.int64),
-        ("start", np.float64, (MAX_PIECES,)),  # see linkage.motions.Pieces
+        ("start", np.float64, (MAX_PIECES,)),  # see ``linkage.motion_pieces.Pieces``
         ("polynomial", np.float64, (MAX_PIECES, DEGREE + 1)),
         ("wave", np.float64, (MAX_PIECES, 3)),
         ("run_up", np.float64),  # time in which the linkage runs up, s
     ]
 )
 
-_TURN = 2.0 * math.pi
-# A break this close is where a step has just ended, part of the phase so far
-_NEAR = 1e-13
-_BISECTIONS = 60
+_TURN = 2.0 * math.pi  # rad
+# Distance up to which a step counts as ended on a break, over the phase since t = 0
+_BREAK_TOL = 1e-13
+_BISECTIONS = 60  # halve the time of the run-up to its round-off
 
 
 @compiled
 def run_up_motion(duration: float, t: float) -> tuple[float, float, float]:
-    """Return the time at which motions are followed, s, its rate and its second derivative, 1/s."""
+    """Return the time of the motion without a run-up, s, its rate, and the rate of that, 1/s."""
     if t >= duration:
         return t - 0.5 * duration, 1.0, 0.0
     x = max(t / duration, 0.0)
     square = x * x
-    passed = duration * square * square * (2.5 - x * (3.0 - x))
+    nominal = duration * square * square * (2.5 - x * (3.0 - x))
     rate = square * x * (10.0 - x * (15.0 - 6.0 * x))
     middle = x * (1.0 - x)
-    return passed, rate, 30.0 * middle * middle / duration
+    return nominal, rate, 30.0 * middle * middle / duration
 
 
 @compiled
-def place_of(drive: Records, within: float) -> int:
+def piece_at(drive: Records, phase: float) -> int:
     """Return the piece in which a phase of 0 to 2 pi lies; -1 before the first."""
     low = -1
     high: int = drive.pieces
     while high - low > 1:
         middle = (low + high) // 2
-        if drive.start[middle] <= within:
+        if drive.start[middle] <= phase:
             low = middle
         else:
             high = middle
@@ -63,12 +62,12 @@ def place_of(drive: Records, within: float) -> int:
 @compiled
 def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
     """Return the angle of the pieces since phase 0, rad, and two derivatives by the phase."""
-    within = phase - _TURN * math.floor(phase / _TURN)
-    i = place_of(drive, within)
+    phase -= _TURN * math.floor(phase / _TURN)
+    i = piece_at(drive, phase)
     if i < 0:
         i = drive.pieces - 1
-        within += _TURN
-    x = within - drive.start[i]
+        phase += _TURN
+    x = phase - drive.start[i]
     value = 0.0
     slope = 0.0
     curvature = 0.0
@@ -89,10 +88,10 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
 @lazily_compiled((0.0, 0.0, 0.0), MOTION, 0)
 def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """Return the result of ``drive_motion`` for any drive."""
-    rate = 1.0
-    rise = 0.0
+    rate = 1.0  # of the time of the motion without a run-up
+    rate_change = 0.0  # 1/s
     if drive.run_up > 0.0:
-        t, rate, rise = run_up_motion(drive.run_up, t)
+        t, rate, rate_change = run_up_motion(drive.run_up, t)
     angle: float = drive.speed * t
     speed: float = drive.speed
     acceleration = 0.0
@@ -109,7 +108,7 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
         speed += drive.fundamental * slope
         acceleration += drive.fundamental * drive.fundamental * curvature
     if drive.run_up > 0.0:
-        acceleration = acceleration * rate * rate + speed * rise
+        acceleration = acceleration * rate * rate + speed * rate_change
         speed *= rate
     return angle, speed, acceleration
 
@@ -129,44 +128,44 @@ def break_after(drive: Records, t: float) -> float:
     Angle, speed and acceleration have no jump there, but a derivative behind them has.
     """
     duration = drive.run_up
-    earliest = duration if t < duration * (1.0 - _NEAR) else math.inf
+    end_of_run_up = duration if t < duration * (1.0 - _BREAK_TOL) else math.inf
     if drive.pieces == 0:
-        return earliest
-    followed = run_up_motion(duration, t)[0] if duration > 0.0 else t
-    phase = drive.fundamental * followed
-    near = _NEAR * (1.0 + phase)
+        return end_of_run_up
+    nominal = run_up_motion(duration, t)[0] if duration > 0.0 else t
+    phase = drive.fundamental * nominal
+    tolerance = _BREAK_TOL * (1.0 + phase)
     # A phase that is short of a whole turn by round-off belongs to the next.
-    passed = _TURN * math.floor((phase + near) / _TURN)
-    ahead = phase - passed + near
-    i = place_of(drive, ahead) + 1
-    ahead = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
-    followed = (passed + ahead) / drive.fundamental
-    if followed >= 0.5 * duration:
-        return min(earliest, followed + 0.5 * duration)
+    turns = _TURN * math.floor((phase + tolerance) / _TURN)
+    i = piece_at(drive, phase - turns + tolerance) + 1
+    next_start = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
+    nominal = (turns + next_start) / drive.fundamental
+    if nominal >= 0.5 * duration:
+        return min(end_of_run_up, nominal + 0.5 * duration)
     low = t
     high = duration
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if run_up_motion(duration, middle)[0] < followed:
+        if run_up_motion(duration, middle)[0] < nominal:
             low = middle
         else:
             high = middle
-    return min(earliest, high)
+    return min(end_of_run_up, high)
 
 
 @compiled
 def step_to_break(motions: Records, t: float, h: float) -> float:
     """Return the step, s, no longer than ``h``, that does not run past the next break of a motion.
 
-    One that would end shortly before it is halved, so that no tiny one follows.
+    If the break is less than two steps away, the step goes half of the way. A step up
+    to shortly before the break would be followed by a tiny one.
     """
-    ahead = math.inf
+    to_break = math.inf
     for i in range(motions.shape[0]):
         if motions[i].pieces > 0 or motions[i].run_up > 0.0:
-            ahead = min(ahead, break_after(motions[i], t) - t)
-    if ahead <= h:
-        return ahead
-    return 0.5 * ahead if ahead < 2.0 * h else h
+            to_break = min(to_break, break_after(motions[i], t) - t)
+    if to_break <= h:
+        return to_break
+    return 0.5 * to_break if to_break < 2.0 * h else h
 
 
 def motions_of(linkage: Linkage) -> Records:

@@ -17,13 +17,12 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
 from presswear.tools.user_function import compile_function
 
-# Addresses of elastic laws that stand in the kernels; 0 is that of the friction ramp,
-# too
+# Numbers of laws that are part of the kernels, in place of addresses. INLINE is the
+# power law, and the ramp of friction.
 INLINE = 0
 ROUND_FOUNDATION = 1
-FACTOR, VISCOUS, USER = range(
-    3
-)  # kinds of damping: of the elastic force, beside it, user law
+# Kinds of damping: a factor of the elastic force, a force beside it, that of a user law
+FACTOR, VISCOUS, USER = range(3)
 
 # A normal law as the kernels see it
 NORMAL = np.dtype(
@@ -46,9 +45,9 @@ FRICTION = np.dtype(
 )
 
 # Quadrature of the energy of elastic forces that have no closed form
-ABSCISSAE, WEIGHTS = (
-    tuple(map(float, function)) for function in np.polynomial.legendre.leggauss(16)
-)
+_gauss_points, _gauss_weights = np.polynomial.legendre.leggauss(16)
+ABSCISSAE = tuple(map(float, _gauss_points))
+WEIGHTS = tuple(map(float, _gauss_weights))
 
 # Smallest closing speed used in the damping term, m/s. The damping term divides by the
 # closing speed at touchdown, which goes to zero where a pin grazes; below this speed
@@ -109,9 +108,9 @@ def _power_series(count: int) -> tuple[Array, Array]:
 def _polynomials(degree: int) -> list[tuple[float, ...]]:
     """Return coefficients of g and h in x = (delta - sqrt(2) c) / (delta + sqrt(2) c), from x^0.
 
-    Over all penetrations x runs from -1 to 1, and interpolation at the points of
-    Chebyshev converges as 11.6^-degree: g and h are singular at u = 1 only, far beyond
-    u = 1/2.
+    For all penetrations x lies between -1 and 1. Interpolation at the points of
+    Chebyshev converges as 11.6^-degree, because g and h are singular at u = 1 only, and
+    u is below 1/2.
     """
     results = []
     for series in _power_series(60):
@@ -135,8 +134,8 @@ ROUND_FORCE, ROUND_ENERGY = _polynomials(12)
 @inlined
 def polynomial(coefficients: tuple[float, ...], x: float) -> float:
     """Return a polynomial of even degree from its coefficients, the constant first."""
-    # Even and odd terms apart: two short chains of products take less time than a long
-    # one.
+    # Even and odd terms are summed separately, because two short chains of products take
+    # less time than a long chain.
     square = x * x
     last = len(coefficients) - 1
     even = coefficients[last] + 0.0 * x
@@ -167,8 +166,7 @@ def round_foundation(
     return force, 0.4 * reach * plain * polynomial(ROUND_ENERGY, x)
 
 
-# Elastic forces of NORMAL_PARAMETERS by name, or the address of one that stands in the
-# kernels
+# Elastic forces of NORMAL_PARAMETERS by name, or the number of a law in the kernels
 ELASTICITIES: dict[str, Any] = {
     "power": INLINE,
     "liu": liu_force,
@@ -185,8 +183,8 @@ def elastic_at(law: Records, penetration: float) -> float:
         return round_foundation(penetration, law.stiffness, law.clearance)[0]
     if penetration <= 0.0:
         return 0.0
-    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    return call(law.address, (penetration, 0.0, 1.0, *rest))
+    numbers = (law.stiffness, law.exponent, law.damping, law.clearance)
+    return call(law.address, (penetration, 0.0, 1.0, *numbers))
 
 
 @inlined
@@ -220,9 +218,9 @@ def normal_force(
         return max(elastic * (1.0 + law.damping * rate / onset_speed), 0.0)
     if law.kind == VISCOUS:  # Kelvin and Voigt; ``damping`` is D, N s/m
         return max(elastic + law.damping * rate, 0.0)
-    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
-    force = call(law.address, (penetration, rate, onset_speed, *rest))
-    # What is no number stays none, and ends the run.
+    numbers = (law.stiffness, law.exponent, law.damping, law.clearance)
+    force = call(law.address, (penetration, rate, onset_speed, *numbers))
+    # NaN is returned as it is, and ends the run.
     return 0.0 if force < 0.0 else force
 
 
@@ -232,10 +230,10 @@ def corner_ahead(sliding: float, sense: float, law: Records) -> float:
     nearest = math.inf
     if law.force == INLINE and law.coefficient > 0.0:
         for corner in (-law.upper, -law.lower, law.lower, law.upper):
-            ahead = sense * (corner - sliding)
+            distance = sense * (corner - sliding)
             # A ramp that begins at rest is straight there.
-            if ahead > 0.0 and corner != 0.0:
-                nearest = min(nearest, ahead)
+            if distance > 0.0 and corner != 0.0:
+                nearest = min(nearest, distance)
     return sliding + sense * nearest
 
 
@@ -244,8 +242,8 @@ def threlfall_friction(
     sliding: float, normal: float, coefficient: float, lower: float, upper: float
 ) -> float:
     """Return the friction, N: -c_f F_n (1 - exp(-3 v / v_1)), v up to v_1 (Threlfall 1978)."""
-    part = -math.expm1(-3.0 * min(abs(sliding) / upper, 1.0))
-    return -math.copysign(coefficient * part * normal, sliding)
+    fraction = -math.expm1(-3.0 * min(abs(sliding) / upper, 1.0))
+    return -math.copysign(coefficient * fraction * normal, sliding)
 
 
 @inlined
@@ -283,12 +281,12 @@ def fill_friction(law: Records, sliding: Array, normal: Array, force: Array) -> 
         force[i] = friction_force(sliding[i], normal[i], law)
 
 
-ESTIMATED_AT = (
-    1e-4,
-    1e-2,
-)  # parts of the clearance between which a user law is a power law
-# damped force over the elastic one at the touch from which a law begins with a jump
+# Penetrations over the clearance between which a user law is taken as a power law
+POWER_LAW_RANGE = 1e-4, 1e-2
+# A law begins with a jump if its force at touchdown exceeds the elastic force so many
+# times, at a penetration of this part of the clearance.
 ABRUPT = 1e3
+TOUCHDOWN_DEPTH = 1e-9
 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
@@ -305,20 +303,21 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
     if law.user_law is not None:
         force = compile_function(law.user_law, NORMAL_PARAMETERS)
         record["kind"] = USER
-    is_inline = isinstance(force, int)
-    record["address"] = (
-        force if is_inline else address_of(force, len(NORMAL_PARAMETERS))
-    )
+    if not isinstance(force, int):
+        force = address_of(force, len(NORMAL_PARAMETERS))
+    record["address"] = force
     if law.user_law is not None:
-        first, last = (part * clearance for part in ESTIMATED_AT)
-        low, high = (elastic_of(record, depth)[0] for depth in (first, last))
+        first, last = (fraction * clearance for fraction in POWER_LAW_RANGE)
+        low, _ = elastic_of(record, first)
+        high, _ = elastic_of(record, last)
         exponent = math.log(high / low) / math.log(last / first)
         record["estimated_exponent"] = exponent
         record["estimated_stiffness"] = high / last**exponent
     if record["kind"] != FACTOR:
-        touched = 1e-9 * clearance
-        rest, _ = elastic_of(record, touched)
-        record["abrupt"] = normal_force(record, rest, touched, 1.0, 1.0) > ABRUPT * rest
+        depth = TOUCHDOWN_DEPTH * clearance
+        elastic, _ = elastic_of(record, depth)
+        force_at_touchdown = normal_force(record, elastic, depth, 1.0, 1.0)
+        record["abrupt"] = force_at_touchdown > ABRUPT * elastic
     return record
 
 
@@ -331,8 +330,8 @@ def friction_record(law: FrictionLaw) -> Records:
     force: Any = FRICTION_FORCES.get(law.name)
     if law.user_law is not None and not has_state(law.user_law):
         force = compile_function(law.user_law, FRICTION_PARAMETERS)
-    is_inline = force in (None, ramp_friction)
-    record["force"] = (
-        INLINE if is_inline else address_of(force, len(FRICTION_PARAMETERS))
-    )
+    if force in (None, ramp_friction):
+        record["force"] = INLINE
+    else:
+        record["force"] = address_of(force, len(FRICTION_PARAMETERS))
     return record

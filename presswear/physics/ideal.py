@@ -26,6 +26,7 @@ NEAREST_DEAD_POINT = 5e-3
 # Instants of a cycle at which it is followed, and at which its motion is kept
 _COARSE = 36
 _NODES = 1440
+_BATCH = 2000  # instants that are closed at once, which bounds the working space
 # largest turn, rad, between where a body is expected and where it is found
 _JUMP = 0.05
 # change of a speed over a short step, part of the greatest speed, that is a jump
@@ -126,15 +127,12 @@ class IdealMotion:
         scale = self.rows.size * np.array(
             [[1.0], [1.0 / self.period], [1.0 / self.period**2]]
         )
-        # Where more than round-off is missing
-        for some in (
-            np.array_split(np.arange(time.size), 1 + time.size // 2000)
-            if closed
-            else ()
-        ):
-            errors = self.rows.errors(time[some], q[some], v[some], a[some])
-            off = np.array([np.abs(level).max(axis=1) for level in errors])
-            rough = some[(off > 1e2 * ROUND_OFF * scale).any(axis=0)]
+        # Close the linkage at instants at which the error is more than round-off.
+        batches = np.array_split(np.arange(time.size), 1 + time.size // _BATCH)
+        for batch in batches if closed else ():
+            levels = self.rows.errors(time[batch], q[batch], v[batch], a[batch])
+            errors = np.array([np.abs(level).max(axis=1) for level in levels])
+            rough = batch[(errors > 1e2 * ROUND_OFF * scale).any(axis=0)]
             if rough.size:
                 q[rough], v[rough], a[rough] = close(self.rows, time[rough], q[rough])
         if duration > 0.0:

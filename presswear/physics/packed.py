@@ -129,6 +129,30 @@ class Packed(NamedTuple):
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels; ``wearing``: round surfaces will wear during the run."""
     offset = {body.name: 3 * i for i, body in enumerate(linkage.bodies)} | {GROUND: -1}
+    joints = _pack_joints(linkage, offset, wearing)
+    weight = np.zeros(3 * len(linkage.bodies))
+    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
+    for load in linkage.dead_loads:
+        i = offset[load.body]
+        weight[i : i + 3] += load.x, load.y, load.moment
+    nodes = int(joints["surface_nodes"].max(initial=0))
+    columns = TURNS * nodes + SPARE if nodes else 0
+    packed = Packed(
+        joints=joints,
+        surfaces=np.zeros((len(joints), ROWS, columns)),
+        loads=pack_loads(linkage),
+        mass=mass_of(linkage),
+        weight=weight,
+        driven=_pack_driven(linkage, offset),
+        rubbing=_pack_rubbing(linkage, offset),
+    )
+    for k, joint in enumerate(linkage.clearances):
+        pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
+    return packed
+
+
+def _pack_joints(linkage: Linkage, offset: Mapping[str, int], wearing: bool) -> Records:
+    """Return the clearance joints as records of JOINT."""
     joints = np.zeros(len(linkage.clearances), JOINT)
     for record, joint in zip(joints, linkage.clearances, strict=True):
         for end, point in (("bearing", joint.bearing), ("pin", joint.pin)):
@@ -150,34 +174,25 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
                 joint.normal.stiffness, joint.clearance
             )
         if joint.wear is not None:
-            record["wear_coefficient"] = joint.wear.coefficient
-            record["bearing_share"] = joint.wear.bearing_share
-            record["pressure_exponent"] = joint.wear.pressure_exponent
-            if joint.wear.depends_on_pressure:
-                record["wear_address"] = wear_address(joint.wear)
-            record["slip_by_angle"] = joint.wear.slip == "angle"
-            record["over_arc"] = joint.wear.wear_distribution == "arc"
+            _pack_wear(record, joint.wear)
         bins = _surface_bins(joint, wearing)
         record["surface_bins"] = bins
         if bins:
             record["surface_nodes"] = bins * parts_of(bins)
             record["cell_width"] = 2.0 * math.pi / record["surface_nodes"]
     _pack_walls(joints, linkage)
-    weight = np.zeros(3 * len(linkage.bodies))
-    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.dead_loads:
-        i = offset[load.body]
-        weight[i : i + 3] += load.x, load.y, load.moment
-    nodes = int(joints["surface_nodes"].max(initial=0))
-    columns = TURNS * nodes + SPARE if nodes else 0
-    surfaces = np.zeros((len(joints), ROWS, columns))
-    driven = _pack_driven(linkage, offset)
-    loads = pack_loads(linkage)
-    rubbing = _pack_rubbing(linkage, offset)
-    packed = Packed(joints, surfaces, loads, mass_of(linkage), weight, driven, rubbing)
-    for k, joint in enumerate(linkage.clearances):
-        pack_surfaces(packed, k, (joint.bearing_surface, joint.pin_surface))
-    return packed
+    return joints
+
+
+def _pack_wear(record: Records, wear: WearLaw) -> None:
+    """Fill in the numbers of a wear law."""
+    record["wear_coefficient"] = wear.coefficient
+    record["bearing_share"] = wear.bearing_share
+    record["pressure_exponent"] = wear.pressure_exponent
+    if wear.depends_on_pressure:
+        record["wear_address"] = wear_address(wear)
+    record["slip_by_angle"] = wear.slip == "angle"
+    record["over_arc"] = wear.wear_distribution == "arc"
 
 
 def wear_address(wear: WearLaw) -> int:
@@ -250,7 +265,11 @@ def partners_of(linkage: Linkage) -> dict[int, int]:
     for k, joint in enumerate(linkage.clearances):
         if isinstance(joint, GuideCorner):
             on_wall.setdefault((joint.guide.name, joint.side), []).append(k)
-    return {k: sum(pair) - k for pair in on_wall.values() for k in pair}
+    partners = {}
+    for first, second in on_wall.values():
+        partners[first] = second
+        partners[second] = first
+    return partners
 
 
 def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
@@ -333,7 +334,7 @@ class Recorder:
         records.film[frames] = saved["frame"]
         self.cycles = np.array(saved["cycles"])
         self.growth = np.array(saved["growth"])
-        self._sections = [row for sections in saved["sections"] for row in sections]
+        self._sections = list(chain.from_iterable(saved["sections"]))
         self._rebuild(saved["surface_depth"])
         for k in range(records.memory.size):
             rows = saved[f"stored_contacts_{k}"]

@@ -49,9 +49,8 @@ class Link:
     guide: Vector = Vector()  # direction of its guide
     speed: str = ZERO  # along a guide on the frame, or along that of its drive
     acceleration_along: str = ZERO  # the same, if a drive prescribes it
-    from_parent: Vector = (
-        Vector()
-    )  # from the mass centre of the parent, on a moving guide
+    # from the mass centre of the parent, on a moving guide
+    from_parent: Vector = Vector()
 
     @property
     def is_loose(self) -> bool:

@@ -41,11 +41,9 @@ class Estimate:
     @property
     def half_width(self) -> float | None:
         """Half the length of the interval; None: too few samples."""
-        return (
-            None
-            if self.low is None or self.high is None
-            else 0.5 * (self.high - self.low)
-        )
+        if self.low is None or self.high is None:
+            return None
+        return 0.5 * (self.high - self.low)
 
     @property
     def positive(self) -> "Estimate":
