@@ -19,8 +19,8 @@ from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw
 from presswear.physics.contact import CONTACT
 from presswear.physics.dormand_prince import DOP853, Tableau
 from presswear.physics.packed import JOINT, wear_address
-from presswear.physics.wear import deposit_over_arc
-from presswear.physics.worn_map import SURFACES
+from presswear.physics.wear import bins_in, deposit_over_arc
+from presswear.physics.worn_map import SURFACES, bin_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, call, compiled, lazily_compiled
 
@@ -209,15 +209,21 @@ def deposit_by_law(
     the step is the load distance, N m, over the ``slip``, m. ``shares`` and ``archard``
     are working space of the same shape; both are zero before and after the call.
     """
-    deposit_over_arc(archard, joint, surfaces, contact, load_distance, shares)
+    start, end = deposit_over_arc(
+        archard, joint, surfaces, contact, load_distance, shares
+    )
+    turn = joint.map_turns * (contact.bearing_angle - contact.pin_angle)
+    bins = depth.shape[1]
     coefficient = joint.wear_coefficient
     force = load_distance / slip if slip > 0.0 else contact.normal
     for side in range(2):
         share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
-        for k in range(depth.shape[1]):
+        k = bin_of(start + side * turn, bins)
+        for _ in range(bins_in(end - start, bins)):
             by_archard = archard[side, k]
             if by_archard != 0.0:
                 pressure = force * by_archard / (share * coefficient * load_distance)
                 law = call(joint.wear_address, (0.0, 0.0, pressure, coefficient))
                 depth[side, k] += by_archard * (law / coefficient)
                 archard[side, k] = 0.0
+            k = k + 1 if k + 1 < bins else 0

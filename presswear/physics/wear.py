@@ -86,7 +86,7 @@ def spread_evenly(depth: Array, start: float, end: float, depth_sum: float) -> N
         depth[k % count] += depth_sum * covered / (high - low)
 
 
-@lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
+@lazily_compiled((0.0, 0.0), 2, JOINT, SURFACES, CONTACT, 0, 2)
 def deposit_over_arc(
     depth: Array,
     joint: Records,
@@ -94,9 +94,10 @@ def deposit_over_arc(
     contact: Records,
     load_distance: float,
     shares: Array,
-) -> None:
+) -> tuple[float, float]:
     """Add the wear of a dose F_n ds, N m, to the bins in which the surfaces overlap.
 
+    Return start and end of the arc in which they lie, in the map of the bearing, rad.
     ``depth`` are the wear maps of bearing and pin, m, shape (2, n). ``shares`` is
     working space of the same shape; it is zero before and after the call.
     """
@@ -106,11 +107,10 @@ def deposit_over_arc(
     depth_sum = joint.wear_coefficient * load_distance / bin_area
     # The film of an oiled joint, and its contact, have the shape of new surfaces.
     if joint.surface_nodes == 0 or joint.always_closed:
-        deposit_round_arc(depth, joint, contact, zero, relative_angle, depth_sum)
-    else:
-        deposit_worn_arc(
-            depth, joint, surfaces, contact, zero, relative_angle, depth_sum, shares
-        )
+        return deposit_round_arc(depth, joint, contact, zero, relative_angle, depth_sum)
+    return deposit_worn_arc(
+        depth, joint, surfaces, contact, zero, relative_angle, depth_sum, shares
+    )
 
 
 @compiled
@@ -121,8 +121,11 @@ def deposit_round_arc(
     zero: float,
     relative_angle: float,
     depth_sum: float,
-) -> None:
-    """Add a sum of depths, m, to both maps, shape (2, n), over the arc of round surfaces."""
+) -> tuple[float, float]:
+    """Add a sum of depths, m, to both maps, shape (2, n), over the arc of round surfaces.
+
+    Return the arc in the map of the bearing, rad.
+    """
     eccentricity = contact.eccentricity
     clearance = joint.clearance
     direction = direction_of(contact) - zero
@@ -137,9 +140,10 @@ def deposit_round_arc(
         deposit_round(
             eccentricity, clearance, centre, half, share * depth_sum, depth[side]
         )
+    return direction - half - ARC_MARGIN, direction + half + ARC_MARGIN
 
 
-@lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 0, 0, 2)
+@lazily_compiled((0.0, 0.0), 2, JOINT, SURFACES, CONTACT, 0, 0, 0, 2)
 def deposit_worn_arc(
     depth: Array,
     joint: Records,
@@ -149,14 +153,17 @@ def deposit_worn_arc(
     relative_angle: float,
     depth_sum: float,
     shares: Array,
-) -> None:
-    """Add a sum of depths, m, to both maps, shape (2, n), over the arcs of worn surfaces."""
+) -> tuple[float, float]:
+    """Add a sum of depths, m, to both maps, shape (2, n), over the arcs of worn surfaces.
+
+    Return the arc that holds them in the map of the bearing, rad.
+    """
     start, end = share_worn_arc(joint, surfaces, contact, zero, relative_angle, shares)
     bins = depth.shape[1]
     for side in range(2):
         share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         first = bin_of(start + side * relative_angle, bins)
-        count = min(int((end - start) * bins / (2.0 * math.pi)) + 2, bins)
+        count = bins_in(end - start, bins)
         total = 0.0
         k = first
         for _ in range(count):
@@ -168,6 +175,7 @@ def deposit_worn_arc(
             normal = math.atan2(contact.normal_y, contact.normal_x) - zero
             k = bin_of(normal + side * relative_angle, bins)
             depth[side, k] += share * depth_sum
+            end = start + 2.0 * math.pi  # the bin may be anywhere
             continue
         scale = share * depth_sum / total
         k = first
@@ -175,6 +183,13 @@ def deposit_worn_arc(
             depth[side, k] += scale * shares[side, k]
             shares[side, k] = 0.0
             k = k + 1 if k + 1 < bins else 0
+    return start, end
+
+
+@inlined
+def bins_in(arc: float, count: int) -> int:
+    """Return the largest number of bins of a map that an arc, rad, touches."""
+    return min(int(arc * count / (2.0 * math.pi)) + 2, count)
 
 
 @compiled
