@@ -5,7 +5,7 @@ from pathlib import Path
 
 import presswear as pw
 from presswear.paper.report import write_report
-from presswear.paper.settings import make_scenes, run_label
+from presswear.paper.settings import LONGEST, make_scenes, run_label
 
 
 def run_paper(
@@ -50,5 +50,9 @@ def run_paper(
                 flush=True,
             )
 
-    results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
-    return write_report(results, Path(folder))
+    # The longest runs first: at the end no process waits long for another one.
+    ordered = sorted(scenes, key=lambda name: not name.startswith(LONGEST))
+    results = pw.run_scenes(
+        {name: scenes[name] for name in ordered}, folder, jobs=jobs, on_progress=show
+    )
+    return write_report({name: results[name] for name in scenes}, Path(folder))
