@@ -26,8 +26,9 @@ LONGEST = """
 test_report test_life test_figures test_command_line test_scenarios test_pages test_sweep
 test_friction_without_clearance test_loads test_cases test_settled_motions test_laws_in_scenes
 test_soundness test_rounds test_replay_command test_runner test_export test_sensitivity
-test_growth test_tonnage_and_drives
-test_worn_bush test_terminal test_untrusted_laws test_browser test_initial_surfaces test_ensemble
+test_growth test_tonnage_and_drives test_worn_walls test_slots_with_clearance test_folder
+test_bifurcation test_motion test_equations test_kernel_cache test_workers test_worn_bush
+test_terminal test_untrusted_laws test_browser test_initial_surfaces test_ensemble
 test_benchmark test_processes test_campaign test_heavy_press
 """
 

@@ -204,7 +204,7 @@ def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene) -> None:
         "tolerance": 0.5,
         "replicates": 2,
     }
-    for seed in range(6):
+    for seed in (2, 0, 1, 3):
         result = pw.run(replace(slow_crank, life=life, seed=seed, **changes), jobs=2)
         if result.life and "same regular motion" in result.life.motion:
             break

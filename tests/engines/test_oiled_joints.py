@@ -86,7 +86,9 @@ def test_squeeze(engine: Engine) -> None:
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.5, abs=5e-6)
 
 
-@pytest.mark.parametrize("engine", [IN_HOUSE, ExudynTree()])
+@pytest.mark.parametrize(
+    "engine", [IN_HOUSE, pytest.param(ExudynTree(), marks=pytest.mark.slow)]
+)
 def test_a_dwell_squeezes_the_oil_out(engine: Engine) -> None:
     """Nothing turns: the time of a gap is A / F times the integral of So_sq, t ~ 1 / sqrt(g)."""
     smooth = Oil(viscosity=0.1, roughness=4e-9, asperity_pressure=1e5)

@@ -87,6 +87,7 @@ def test_the_ideal_press_works_as_closed_forms_say(
     check_work(stage, process, exact, BOTTOM, strokes=2)
 
 
+@pytest.mark.slow
 def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
     """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
     scene = pw.scenes.press_blanking(

@@ -271,7 +271,12 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Document of a run of two stages, as if it had failed and left a checkpoint."""
     # On a foundation contacts make no energy, which would end the run.
     scene = pw.scenes.wear_times(
-        speed=60.0, conventions="refined", engine="dae", cycles=5, wear_updates=1
+        speed=60.0,
+        conventions="refined",
+        engine="dae",
+        cycles=4,
+        replicates=2,
+        wear_updates=1,
     )
     path = tmp_path_factory.mktemp("result") / "run"
     pw.run(scene, path)

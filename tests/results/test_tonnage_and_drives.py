@@ -458,10 +458,9 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
 ) -> None:
     duties = []
     for rows in (100, 3000):
-        scene: Any = pw.Scene(
-            FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine
-        )
-        scene = changed(scene, {"drive_torque": "on", "rows_per_cycle": str(rows)})
+        scene: Any = pw.Scene(FOUR_BAR, joints="B", wear_updates=0, engine=engine)
+        settings = {"drive_torque": "on", "rows_per_cycle": rows}
+        scene = changed(scene, {"cycles": 1, "replicates": 1, **settings})
         stage = pw.run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}
         gross = sum(duty.supplied + duty.returned for duty in own.values())
@@ -703,7 +702,7 @@ STATISTICS: Any = type("Statistics", (), {"joints": {}})
 
 @pytest.mark.parametrize(("force", "joints"), [("500 N", 0), ("50 kN", 2)])
 def test_a_result_names_joints_whose_pins_sink_in_deep(force: str, joints: int) -> None:
-    scene = pw.changed(SCENE, {"process.force": force})
+    scene = pw.changed(SCENE, {"process.force": force, "replicates": 2})
     result = pw.run(scene)
     sentences = deep_contacts(scene, result.stages)
     assert all("an impact of the same elastic energy" in line for line in sentences)
