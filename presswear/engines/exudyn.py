@@ -114,46 +114,56 @@ class Solver:
 
     def _post_step(self, system: Any, t: float) -> bool:
         """Record a step and limit the next one; return False to end the solve."""
-        sums = self.sums
-        plan = self.plan
         try:
-            iteration = self._iteration
-            if iteration is None:
-                iteration = self._iteration = system.sys["dynamicSolver"].it
+            if self._iteration is None:
+                self._iteration = system.sys["dynamicSolver"].it
                 if self.time > 0.0:
                     # The first call of a cycle shows its initial state, which the last
                     # cycle has recorded.
-                    self._limit_next(min(sums["following"], self._first_step(t)))
+                    first_step = min(self.sums["following"], self._first_step(t))
+                    self._limit_next(first_step)
                     return True
-                sums["steps"] -= 1.0
-            following = self.accept(t)
-            sums["time"] = t
-            sums["steps"] += 1.0
-            self._is_broken = math.isnan(following)
-            if self._is_broken:
-                return False
-            if self._is_at_end(t):
-                self._has_ended = True
-                sums["following"] = following
-                sums["proposed"] = iteration.maxStepSize
-                # Exudyn computes the next step of error control after PostStep, so that
-                # it is computed here, too.
-                if iteration.automaticStepSizeError > 0.0:
-                    factor = iteration.automaticStepSizeError ** (-1.0 / 5.0)
-                    proposed = STEP_SAFETY * iteration.currentStepSize * factor
-                    sums["proposed"] = min(proposed, iteration.maxStepSize)
-                return False
-            if not self._ends_by_angle:
-                following = min(following, self._end - t)
-            self._limit_next(following)
-            if sums["steps"] % _PROGRESS_STEPS == 0:
-                plan.advanced(self.recorder)
-                self._finding = self._judge(t)
-                return self._finding is None
+                self.sums["steps"] -= 1.0
+            return self._accept(t)
         except BaseException as error:
             self.error = error  # raised after the solve, because Exudyn would wrap it
             return False
+
+    def _accept(self, t: float) -> bool:
+        """Record a step that ended at a time, s; return False to end the solve."""
+        sums = self.sums
+        following = self.accept(t)
+        sums["time"] = t
+        sums["steps"] += 1.0
+        self._is_broken = math.isnan(following)
+        if self._is_broken:
+            return False
+        if self._is_at_end(t):
+            self._has_ended = True
+            sums["following"] = following
+            sums["proposed"] = self._proposed_step()
+            return False
+        if not self._ends_by_angle:
+            following = min(following, self._end - t)
+        self._limit_next(following)
+        if sums["steps"] % _PROGRESS_STEPS == 0:
+            self.plan.advanced(self.recorder)
+            self._finding = self._judge(t)
+            return self._finding is None
         return True
+
+    def _proposed_step(self) -> float:
+        """Return the next step of Exudyn's error control, s.
+
+        Exudyn computes it after PostStep, so that it is computed here, too.
+        """
+        iteration = self._iteration
+        error = iteration.automaticStepSizeError
+        if not error > 0.0:
+            return float(iteration.maxStepSize)
+        factor = error ** (-1.0 / 5.0)
+        proposed = STEP_SAFETY * iteration.currentStepSize * factor
+        return float(min(proposed, iteration.maxStepSize))
 
     def _is_at_end(self, t: float) -> bool:
         """Return whether the section has ended at a time, s, or at its angle."""
@@ -167,8 +177,8 @@ class Solver:
             return self._end - t
         # The last section chose the step that follows without this end.
         rate = float(self.recorder.records.nominal["rate"][0])
-        left = FIRST_PART * (self._end - self.recorder.nominal_time)
-        return left / rate if rate > 0.0 else self.longest
+        nominal_step = FIRST_PART * (self._end - self.recorder.nominal_time)
+        return nominal_step / rate if rate > 0.0 else self.longest
 
     def _judge(self, t: float) -> Finding | None:
         """Return a finding if contacts have created energy, or if time stands still."""
@@ -207,33 +217,11 @@ class Solver:
         for name, values in live.items():
             set_values = getattr(system.systemData, f"Set{name}")
             set_values(np.array(values), initial)
-        integration = self.settings.timeIntegration
-        steps = MOST_STEPS
-        if not self._ends_by_angle:
-            steps = math.ceil((end - self.time) / self.longest) + 2
-        integration.startTime = self.time
-        integration.endTime = self.time + steps * self.longest
-        integration.numberOfSteps = steps
-        if integration.automaticStepSize:
-            integration.initialStepSize = self.sums["proposed"]
-        message = ""
+        self._set_times(end)
         began = clock.perf_counter()
-        try:
-            with quiet():
-                system.SolveDynamic(self.settings, solverType=self.kind)
-        except (exu.ExudynError, StuckError) as error:
-            stuck = isinstance(self.error, StuckError)
-            if stuck or (isinstance(error, exu.SolverError) and self.error is None):
-                message = "the solver found no solution at the shortest step"
-                self.error = None
-            elif "not factorized" in str(error):
-                message = "the matrix of the equations is singular or not finite"
-            elif self.error is None:
-                raise
-        if self.error is not None:
-            raise self.error from None
-        solver = system.sys["dynamicSolver"]
+        message = self._solve(system)
         self.sums["wall"] += clock.perf_counter() - began
+        solver = system.sys["dynamicSolver"]
         for name, counter in self.counts.items():
             self.sums[name] += getattr(solver.it, counter)
         if self._has_ended:
@@ -248,6 +236,37 @@ class Solver:
             )
         message = message or "the state is no longer finite"
         return Finding("state", message, self.time, "", self.remedy)
+
+    def _set_times(self, end: float) -> None:
+        """Set start and end of a solve, and its first step."""
+        integration = self.settings.timeIntegration
+        steps = MOST_STEPS
+        if not self._ends_by_angle:
+            steps = math.ceil((end - self.time) / self.longest) + 2
+        integration.startTime = self.time
+        integration.endTime = self.time + steps * self.longest
+        integration.numberOfSteps = steps
+        if integration.automaticStepSize:
+            integration.initialStepSize = self.sums["proposed"]
+
+    def _solve(self, system: Any) -> str:
+        """Call Exudyn's solver; return the reason if it found no solution."""
+        message = ""
+        try:
+            with quiet():
+                system.SolveDynamic(self.settings, solverType=self.kind)
+        except (exu.ExudynError, StuckError) as error:
+            is_stuck = isinstance(self.error, StuckError)
+            if is_stuck or (isinstance(error, exu.SolverError) and self.error is None):
+                message = "the solver found no solution at the shortest step"
+                self.error = None
+            elif "not factorized" in str(error):
+                message = "the matrix of the equations is singular or not finite"
+            elif self.error is None:
+                raise
+        if self.error is not None:
+            raise self.error from None
+        return message
 
 
 def add(system: Any, item: str, kind: str, **values: Any) -> Any:

@@ -99,39 +99,20 @@ def _close_loops(
 def _solve(prescribed: Prescribed, row: int) -> float:
     """Solve for the right-hand side and subtract the solution from a row of ``work``.
 
-    The method is Gauss elimination with row pivoting. Returns the largest absolute
-    value of the solution, and stores the determinant.
+    Returns the largest absolute value of the solution, and stores the determinant.
     """
     parts = prescribed.parts
-    closings = prescribed.closings
     work = prescribed.work
-    count = 2 * closings.shape[0]
+    count = 2 * prescribed.closings.shape[0]
     matrix = work[HEAD + count :]
     right = work[RIGHT]
-    target = work[row]
     column = 0
     for i in range(parts.shape[0]):
         if parts[i].drive < 0:
             for r in range(count):
                 matrix[r, column] = work[HEAD + r, i]
             column += 1
-    determinant = 1.0
-    for c in range(count):
-        best = c
-        for r in range(c + 1, count):
-            best = r if abs(matrix[r, c]) > abs(matrix[best, c]) else best
-        if best != c:
-            determinant = -determinant
-            right[c], right[best] = right[best], right[c]
-            for k in range(c, count):
-                matrix[c, k], matrix[best, k] = matrix[best, k], matrix[c, k]
-        determinant *= matrix[c, c]
-        for r in range(c + 1, count):
-            factor = matrix[r, c] / matrix[c, c]
-            right[r] -= factor * right[c]
-            for k in range(c + 1, count):
-                matrix[r, k] -= factor * matrix[c, k]
-    work[LAST, DETERMINANT] = determinant
+    work[LAST, DETERMINANT] = _eliminate(matrix, right, count)
     greatest = 0.0
     for c in range(count - 1, -1, -1):
         for k in range(c + 1, count):
@@ -141,9 +122,35 @@ def _solve(prescribed: Prescribed, row: int) -> float:
     column = 0
     for i in range(parts.shape[0]):
         if parts[i].drive < 0:
-            target[i] -= right[column]
+            work[row, i] -= right[column]
             column += 1
     return greatest
+
+
+@compiled
+def _eliminate(matrix: Array, right: Array, count: int) -> float:
+    """Bring equations into triangular form; return the determinant.
+
+    The method is Gauss elimination with row pivoting.
+    """
+    determinant = 1.0
+    for c in range(count):
+        pivot = c
+        for r in range(c + 1, count):
+            if abs(matrix[r, c]) > abs(matrix[pivot, c]):
+                pivot = r
+        if pivot != c:
+            determinant = -determinant
+            right[c], right[pivot] = right[pivot], right[c]
+            for k in range(c, count):
+                matrix[c, k], matrix[pivot, k] = matrix[pivot, k], matrix[c, k]
+        determinant *= matrix[c, c]
+        for r in range(c + 1, count):
+            factor = matrix[r, c] / matrix[c, c]
+            right[r] -= factor * right[c]
+            for k in range(c + 1, count):
+                matrix[r, k] -= factor * matrix[c, k]
+    return determinant
 
 
 @inlined

@@ -97,18 +97,12 @@ def evaluate_constraints(
         gamma[row] = centripetal_x * nx + centripetal_y * ny
         if c.rotates:
             spin = v[c.second + 2]
-            along = gap_y * nx - gap_x * ny
-            phi_t[row] += spin * along
-            jacobian[row, c.second + 2] += along
+            tangential_gap = gap_y * nx - gap_x * ny
+            phi_t[row] += spin * tangential_gap
+            jacobian[row, c.second + 2] += tangential_gap
             gamma[row] += spin * (spin * phi[row] - 2.0 * (rate_y * nx - rate_x * ny))
         if c.turns:
-            phi[row] = q[c.first + 2] - c.target
-            phi_t[row] = v[c.first + 2]
-            jacobian[row, c.first + 2] = 1.0
-            if c.second >= 0:
-                phi[row] -= c.ratio * q[c.second + 2]
-                phi_t[row] -= c.ratio * v[c.second + 2]
-                jacobian[row, c.second + 2] = -c.ratio
+            evaluate_angle(constraints, row, q, v)
         if c.drive >= 0 and not c.geared:
             motion = constraints.motions[c.drive]
             angle, speed, acceleration = drive_motion(motion, t)
@@ -116,6 +110,22 @@ def evaluate_constraints(
             phi[row] -= angle
             phi_t[row] -= speed
             gamma[row] += acceleration
+
+
+@inlined
+def evaluate_angle(constraints: ConstraintSystem, row: int, q: Array, v: Array) -> None:
+    """Evaluate the row of an angle, without the motion of a drive."""
+    phi = constraints.phi
+    phi_t = constraints.phi_t
+    jacobian = constraints.jacobian
+    c = constraints.records[row]
+    phi[row] = q[c.first + 2] - c.target
+    phi_t[row] = v[c.first + 2]
+    jacobian[row, c.first + 2] = 1.0
+    if c.second >= 0:
+        phi[row] -= c.ratio * q[c.second + 2]
+        phi_t[row] -= c.ratio * v[c.second + 2]
+        jacobian[row, c.second + 2] = -c.ratio
 
 
 @compiled
@@ -277,9 +287,9 @@ def constraints_of(linkage: Linkage) -> Constraints:
     records["target"] = rows.target
     records["ratio"] = rows.ratio
     records["drive"] = -1
-    drives = [k for k, one in enumerate(linkage.drives) if linkage.prescribes(one)]
-    of_drives = len(records) - len(drives)  # first row of the drives
-    records["drive"][of_drives:] = drives
-    for row, k in enumerate(drives, of_drives):
+    drives = [k for k, drive in enumerate(linkage.drives) if linkage.prescribes(drive)]
+    first_of_drives = len(records) - len(drives)
+    records["drive"][first_of_drives:] = drives
+    for row, k in enumerate(drives, first_of_drives):
         records["geared"][row] = isinstance(linkage.drives[k], GearedDrive)
     return Constraints(records, motions_of(linkage), rows.names)

@@ -51,6 +51,14 @@ from presswear.tools.packing import bind, pack_arguments
 # Advice for a run with steps that are too long
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
 
+# Largest violation of the constraints by a start: m or rad, m/s or rad/s
+POSITION_TOL = 1e-6
+VELOCITY_TOL = 1e-4
+# Part of a unit row that is orthogonal to the rows before it, below which the row
+# depends on them; and below which it nearly does, at a singular position
+DEPENDENT = 1e-9
+NEARLY_DEPENDENT = 1e-2
+
 # Round-off of a coordinate, in units of its last binary place
 RESOLVED_DIGITS = 8.0
 
@@ -60,22 +68,23 @@ _CHUNK = 10_000  # steps of a kernel call, between which progress and Ctrl-C are
 def check_start(constraints: Constraints, start: Start) -> None:
     """Check that a start satisfies the constraints, and that none of them is redundant.
 
-    Positions must agree to 1e-6 m or rad and velocities to 1e-4 m/s or rad/s.
-
     Raises
     ------
     InputError
         With the name of the joint whose constraint is violated or redundant.
     """
     phi, phi_t, _, jacobian = constraints.evaluate(0.0, start.position, start.velocity)
-    for kind, values, allowed in (("position", phi, 1e-6), ("velocity", phi_t, 1e-4)):
+    for kind, values, allowed in (
+        ("position", phi, POSITION_TOL),
+        ("velocity", phi_t, VELOCITY_TOL),
+    ):
         worst = int(np.argmax(np.abs(values))) if values.size else 0
         if values.size and not abs(values[worst]) <= allowed:
             raise InputError(
                 f"the start violates joint {constraints.names[worst]}: its {kind} is off by "
                 f"{abs(values[worst]):.3g}, allowed is {allowed:g}"
             )
-    if repeated := dependent_joint(jacobian, constraints.names, 1e-9):
+    if repeated := dependent_joint(jacobian, constraints.names, DEPENDENT):
         raise InputError(
             f"joint {repeated} repeats what the other joints already hold, or the position is "
             "singular: its constraint adds nothing"
@@ -111,20 +120,19 @@ def _problem(
     has friction.
     """
     if status != STUCK:
-        what = "the state is no longer finite"
+        message = "the state is no longer finite"
         if has_friction:
-            what += (
+            message += (
                 "; friction in rigid joints blocks motion where mu r exceeds "
                 "the levers of forces"
             )
-        return Finding("state", what, time, "", REMEDY)
-    singular = dependent_joint(
-        constraints.evaluate(time, q, v)[3], constraints.names, 1e-2
-    )
+        return Finding("state", message, time, "", REMEDY)
+    jacobian = constraints.evaluate(time, q, v)[3]
+    singular = dependent_joint(jacobian, constraints.names, NEARLY_DEPENDENT)
     if singular:
-        what = "the step vanished near a singular position"
+        message = "the step vanished near a singular position"
         remedy = "other lengths of the links"
-        return Finding("state", what, time, singular, remedy)
+        return Finding("state", message, time, singular, remedy)
     remedy = "a larger integration_tolerance may help"
     return Finding("state", "the step vanished", time, "", remedy)
 
@@ -183,26 +191,15 @@ class _Solver:
         packed = self.records.packed
         self.constraints = constraints_of(linkage)
         check_start(self.constraints, start)
-        tree: Equations | str = "all coordinates are requested"
-        if not settings.takes_all_coordinates:
-            tree = write_equations(linkage, packed)  # a reason if it cannot be written
-        self.is_tree = not isinstance(tree, str)
-        if isinstance(tree, str):
-            self.equations = write_body_forces(linkage, packed)
-        else:
-            self.equations = tree
+        self._write_equations()
         contacts = np.zeros(len(packed.joints), CONTACT)
         self.model = model_of(
             linkage, self.equations, packed, self.records.onset, contacts
         )
         if self.is_tree:
             begin_motion(self.model.prescribed, 0.0, start.position)
+        self.y = self._state_vector(start)
         layout = self.equations.layout
-        coordinates = self.equations.chain.coordinates(start.position, start.velocity)
-        self.y = np.zeros(layout.size)
-        self.y[: layout.first_state] = np.concatenate(coordinates)
-        states = initial_states(self.equations.states, start.position)
-        self.y[layout.first_state : layout.first_energy] = states
         self.energies = self.y[layout.first_energy : layout.first_dose]
         slopes = np.zeros((DOP853.b.size + 2, layout.size))
         self.steps = Motion(self.y, np.zeros(layout.size), slopes)
@@ -213,6 +210,29 @@ class _Solver:
         self._march(0.0, 1)  # records the initial state
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
+
+    def _write_equations(self) -> None:
+        """Write the equations of the open tree, or the forces on all bodies."""
+        packed = self.records.packed
+        tree: Equations | str = "all coordinates are requested"
+        if not self.settings.takes_all_coordinates:
+            # a reason if it cannot be written
+            tree = write_equations(self.linkage, packed)
+        self.is_tree = not isinstance(tree, str)
+        if isinstance(tree, str):
+            self.equations = write_body_forces(self.linkage, packed)
+        else:
+            self.equations = tree
+
+    def _state_vector(self, start: Start) -> Array:
+        """Return coordinates, rates and states of interactions at the start, integrals zero."""
+        layout = self.equations.layout
+        coordinates = self.equations.chain.coordinates(start.position, start.velocity)
+        y = np.zeros(layout.size)
+        y[: layout.first_state] = np.concatenate(coordinates)
+        states = initial_states(self.equations.states, start.position)
+        y[layout.first_state : layout.first_energy] = states
+        return y
 
     def _control(self, resolution: float) -> Records:
         """Return the state of the integration; ``resolution`` is that of the coordinates, m."""

@@ -91,15 +91,17 @@ def body_state_of(
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
-    places = [
-        3 * i + c
-        for i, body in enumerate(linkage.bodies)
-        for c in range(3)
-        if omitted and body.name not in omitted
-    ]
+    solved_indices: list[
+        int
+    ] = []  # of the solved coordinates among all, if some are omitted
+    for i, body in enumerate(linkage.bodies):
+        if omitted and body.name not in omitted:
+            solved_indices += range(3 * i, 3 * i + 3)
     q, v, a = solved
     if omitted:
-        q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
+        q = np.array(start.position)
+        v = np.array(start.velocity)
+        a = np.zeros(count)
     forces = write_body_forces(linkage, records.packed)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
     model = model_of(linkage, forces, records.packed, records.onset, contacts)
@@ -110,7 +112,7 @@ def body_state_of(
         solved_q=solved_q,
         solved_v=solved_v,
         solved_a=solved_a,
-        solved_indices=np.array(places, np.int64),
+        solved_indices=np.array(solved_indices, np.int64),
         prescribed=prescribed,
         q=q,
         v=v,
@@ -131,8 +133,7 @@ def body_state_of(
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
-    # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its
-    # back.
+    # Steps are chosen by accept_joint_step, so that Exudyn must not lengthen them.
     integration.adaptiveStepRecoverySteps = 2**30
     integration.newton.relativeTolerance = accuracy.newton
     integration.newton.absoluteTolerance = accuracy.newton
@@ -162,18 +163,18 @@ def _drives(
     rows = [number(objects[name])[0] if name in objects else -1 for name in names]
     modelled = [drive for drive in linkage.drives if drive.name in objects]
     are_steady = all(is_steady(linkage, drive) for drive in modelled)
-    # Behind the short step to a bend in a load the accelerations would swing about the
-    # right ones.
+    # After the short step to a bend in a load, accelerations would oscillate.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
     turns = [not linkage.prescribes(drive) for drive in linkage.drives]
+    constraints = None
+    if bends or not are_steady:
+        constraints = constraints_of(linkage).system(mass)
     return Drives(
         has_motor=np.array(turns, np.bool_),
         multiplier=np.array(rows, np.int64),
         multipliers=multipliers,
         force=np.zeros(3 * len(linkage.bodies)),
-        constraints=None
-        if are_steady and not bends
-        else constraints_of(linkage).system(mass),
+        constraints=constraints,
     )
 
 
@@ -220,8 +221,8 @@ class _Joints:
         self.records = recorder.records
         self.omitted = left_out(linkage)
         self.joined = _joined_bodies(linkage, self.records.packed, self.omitted)
-        # Exudyn reads numbers one by one: they come faster out of an array of Python's
-        # own.
+        # Exudyn reads the numbers one by one, which is faster from an array of Python's
+        # standard library than from numpy.
         self.force = array("d", bytes(8 * 3 * len(self.joined)))
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
@@ -250,9 +251,8 @@ class _Joints:
             constraints = constraints_of(linkage).system(packed.mass)
             begin_friction(body_state, constraints, packed, self.drives, friction)
         self.energies = self.records.memory["energy"]
-        self.energies[:] = self.records.contacts[
-            "energy"
-        ]  # of pins that start pressed in
+        # Pins that are closed in the initial state store energy.
+        self.energies[:] = self.records.contacts["energy"]
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
 
@@ -272,10 +272,11 @@ class _Joints:
         if self.records.packed.rubbing is None:
             return None
         pins = self.linkage.rubbing_pins
-        ends = [end.body for joint in pins for end in (joint.bearing, joint.pin)]
-        slots = [
-            3 * self.joined.index(name) if name in self.joined else -1 for name in ends
-        ]
+        slots = []  # of the bodies of bearing and pin in the forces; -1 for others
+        for joint in pins:
+            for end in joint.ends:
+                is_joined = end.body in self.joined
+                slots.append(3 * self.joined.index(end.body) if is_joined else -1)
         number = self.system.systemData.GetObjectLTGAE
         rows = np.array(
             [number(self.objects[joint.name])[0] for joint in pins], np.int64
@@ -295,9 +296,10 @@ class _Joints:
         steps["least"] = settings.least_step
         steps["per_contact"] = settings.steps_per_contact
         steps["sustained"] = settings.steps_sustained
-        rows = [
-            3 * self.linkage.index(name) + c for name in self.joined for c in range(3)
-        ]
+        rows: list[int] = []  # coordinates of the bodies of the connector
+        for name in self.joined:
+            first = 3 * self.linkage.index(name)
+            rows += range(first, first + 3)
         out = np.frombuffer(self.force) if self.joined else np.zeros(0)
         packed = pack_arguments(
             self.body_state,
@@ -350,15 +352,18 @@ class _Joints:
 
     def advance(self, end: float) -> Finding | None:
         """Integrate up to a time, s."""
-        # Exudyn's own are those of even drives; a cycle goes on with what the last one
-        # ended with.
+        # The initial accelerations of Exudyn are right for steady drives. Later cycles
+        # continue with the accelerations at the end of the last cycle.
         compute = self.drives.constraints is None or self.solver.time == 0.0
         integration = self.solver.settings.timeIntegration
         integration.generalizedAlpha.computeInitialAccelerations = compute
         return self.solver.run(self.system, self.live, end)
 
     def motion(self) -> tuple[float, Array, Array]:
-        """Return time, s, coordinates and rates of all bodies; of a failed run before its step."""
+        """Return time, s, coordinates and rates of all bodies.
+
+        After a failure they are those before the failed step.
+        """
         body_state = self.body_state
         if not (np.isfinite(body_state.q).all() and np.isfinite(body_state.v).all()):
             for name in _SOLVED[:3]:
@@ -421,8 +426,9 @@ def _joined_bodies(
     linkage: Linkage, packed: Packed, omitted: frozenset[str]
 ) -> list[str]:
     """Return the bodies of the connector: those on which interactions or rubbing pins act."""
-    names = [body for one in interactions_of(linkage, packed) for body in one.bodies]
-    names += [
-        end.body for pin in linkage.rubbing_pins for end in (pin.bearing, pin.pin)
-    ]
+    names: list[str] = []
+    for interaction in interactions_of(linkage, packed):
+        names += interaction.bodies
+    for pin in linkage.rubbing_pins:
+        names += [end.body for end in pin.ends]
     return [name for name in dict.fromkeys(names) if name not in {GROUND, *omitted}]

@@ -129,19 +129,23 @@ class _Tree:
         self.tree.pace["parts"] = settings.impact_steps
         self.tree.start[:] = live[:2]
         self.tree.start_states[:] = states
-        packed_run = pack_arguments(self.tree, self.records)
-        self._stage = bind(stage_forces, packed_run)
-        self._fill_start = bind(fill_start, packed_run)
-        if states.size:
-            packed_rates = pack_arguments(self.tree, self.state_rates)
-            self._states = bind(stage_states, packed_rates)
-        accept = bind(accept_tree_step, packed_run)
+        accept = self._bind_kernels()
         self.solver = self._prepare_solver(plan, recorder, accept)
         self._fill_start(0.0)
         # Pins that are closed in the initial state store energy.
         self.records.memory["energy"] = self.records.contacts["energy"]
         self.stored_before = self._stored()
         self.built = clock.perf_counter() - began
+
+    def _bind_kernels(self) -> Callable[[float], float]:
+        """Bind the kernels to this tree; return that of accepted steps."""
+        packed_run = pack_arguments(self.tree, self.records)
+        self._stage = bind(stage_forces, packed_run)
+        self._fill_start = bind(fill_start, packed_run)
+        if self.state_rates.size:
+            packed_rates = pack_arguments(self.tree, self.state_rates)
+            self._states = bind(stage_states, packed_rates)
+        return bind(accept_tree_step, packed_run)
 
     def _live_arrays(self, states: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
         """Return Exudyn's live arrays.
