@@ -45,7 +45,7 @@ from presswear.tools.serialize import plain, read_json, typed, write_json
 Branch = np.recarray[Any, Any]
 InitialState = Callable[[Scene], Start]
 
-# periodic pins within 6e-4 of the clearance of those at 1e-9
+# The places of periodic pins differ by 6e-4 of the clearance from those at 1e-9.
 ENGINE = InHouse("dopri5", 1e-6)
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 DIRECTIONS = ("up", "down")
@@ -175,12 +175,13 @@ def run_branch(
     rows = list(read_branch(file)) if file.exists() else []
     for k in range(len(rows), len(values)):
         report(k / len(values))
-        here = changed(scene, {key: values[k]})
-        ideal = start = initial_state(here)
+        scene_at_value = changed(scene, {key: values[k]})
+        ideal = start = initial_state(scene_at_value)
         if rows and not np.isnan(rows[-1]["pins"]).any():
             previous = changed(scene, {key: values[k - 1]}).linkage()
-            start = continued(here.linkage(), previous, Start(*rows[-1]["end"]), ideal)
-        row = run_value(here, start, cycles, ideal)
+            end = Start(*rows[-1]["end"])
+            start = continued(scene_at_value.linkage(), previous, end, ideal)
+        row = run_value(scene_at_value, start, cycles, ideal)
         row["value"] = values[k]
         rows.append(row[0])
         write_arrays(file, {"rows": np.array(rows)}, np.savez)

@@ -279,17 +279,17 @@ def _run_starts(
                     run_start, scene, starts, index, watch.cycles, ideal
                 )
     total = watch.starts * len(scenes)
-    left = len(work)
+    remaining = len(work)
 
     def progress(*_: Any) -> None:
-        done = total - left
+        done = total - remaining
         on_progress(
             f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total
         )
 
     def finish(key: int, row: Any) -> Mapping[int, Any]:
-        nonlocal left
-        left -= 1
+        nonlocal remaining
+        remaining -= 1
         stored.add_row(key // watch.starts, row)
         progress()
         return {}
@@ -366,10 +366,12 @@ def load(folder: Path) -> FinalMotions:
         parameter = typed(parameter, Parameter, f"{folder / FILE}: parameter")
     stored = _Folder(folder, watch.starts)
     numbers = [None] if parameter is None else parameter.values
-    each = (stored.settled(k, scene.clearance_joints, x) for k, x in enumerate(numbers))
-    return FinalMotions(
-        scene, watch, parameter, tuple(one for one in each if one is not None)
-    )
+    settled = []
+    for k, value in enumerate(numbers):
+        motions = stored.settled(k, scene.clearance_joints, value)
+        if motions is not None:
+            settled.append(motions)
+    return FinalMotions(scene, watch, parameter, tuple(settled))
 
 
 def _document(folder: Path) -> dict[str, Any]:

@@ -160,13 +160,16 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     counters = np.zeros(count, COUNTERS)
     counters["fewest_steps"] = np.iinfo(np.int64).max
     rows = _series_rows(linkage, plan)
-    columns = SERIES_COUNT + JOINT_SERIES_COUNT * count + drives * plan.torques
-    columns += LEADER_SERIES_COUNT * has_leader
+    columns = SERIES_COUNT + JOINT_SERIES_COUNT * count
+    if plan.torques:
+        columns += drives
+    if has_leader:
+        columns += LEADER_SERIES_COUNT
     shape = map_shape(linkage.clearances)
     film, sampler = empty_film(len(linkage.bodies), count, plan.cycle)
-    moved = linkage.drives if has_leader else ()
+    drives_by_clock = linkage.drives if has_leader else ()
     angle_indices = np.array(
-        [3 * linkage.index(one.body) + 2 for one in moved], np.int64
+        [3 * linkage.index(drive.body) + 2 for drive in drives_by_clock], np.int64
     )
     records = RecorderState(
         packed=pack(linkage, plan.wear is not None),
@@ -261,9 +264,11 @@ def _guides_of(linkage: Linkage) -> Records:
     """Return the guides with a spring as records of GUIDE."""
     guides = np.zeros(len(linkage.elastic_guides), GUIDE)
     for record, guide in zip(guides, linkage.elastic_guides, strict=True):
-        cosine, sine = math.cos(guide.direction), math.sin(guide.direction)
+        cosine = math.cos(guide.direction)
+        sine = math.sin(guide.direction)
         record["index"] = 3 * linkage.index(guide.body)
-        record["cos"], record["sin"] = cosine, sine
+        record["cos"] = cosine
+        record["sin"] = sine
         record["point"] = cosine * guide.x + sine * guide.y
     return guides
 
@@ -274,7 +279,8 @@ def _pins_of(linkage: Linkage) -> Records:
     for record, pin in zip(pins, linkage.elastic_pins, strict=True):
         for name, end in zip(("first", "second"), pin.ends, strict=True):
             record[name] = -1 if end.body == GROUND else 3 * linkage.index(end.body)
-            record[f"{name}_x"], record[f"{name}_y"] = end.x, end.y
+            record[f"{name}_x"] = end.x
+            record[f"{name}_y"] = end.y
     return pins
 
 

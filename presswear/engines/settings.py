@@ -38,9 +38,9 @@ WEAR_ERROR = 0.1
 LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
-FINEST = 1e-13  # tolerance of exudyn-tree
+FINEST = 1e-13  # smallest tolerance of exudyn-tree
 _MAY_BE_ZERO = "alpha", "beta"  # Baumgarte's coefficients
-PAPER_STEP = 1e-4  # s; integral step of the paper's Table 2
+PAPER_STEP = 1e-4  # s; time step of the paper's Table 2
 
 
 class _Engine(Named):
@@ -84,9 +84,11 @@ class _Engine(Named):
         """
         changes: dict[str, Any] = {}
         if self.tolerance_name and getattr(self, self.tolerance_name) is None:
-            part = min(wear_error / WEAR_ERROR, 1.0) if purpose == "wear" else 1.0
-            value, finest = self.tolerances[purpose], self.tolerances["trajectory"]
-            changes[self.tolerance_name] = max(value * part, finest)
+            tolerance = self.tolerances[purpose]
+            if purpose == "wear":
+                tolerance *= min(wear_error / WEAR_ERROR, 1.0)
+            finest = self.tolerances["trajectory"]
+            changes[self.tolerance_name] = max(tolerance, finest)
         if getattr(self, "impact_steps", 0) is None:
             changes["impact_steps"] = IMPACT_STEPS[purpose]
         if getattr(self, "integrator", "") == "auto":

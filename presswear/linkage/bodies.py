@@ -42,12 +42,13 @@ class Body(Checked):
 
     def __post_init__(self, centre: Any) -> None:
         super().__post_init__()
-        left, below = 0.0, 0.0
+        origin = (0.0, 0.0)
         if centre is not None:
-            left, below = converted(f"centre of {self.name}", centre, Place)
-            object.__setattr__(self, "drawn_at", (left, below))
+            origin = converted(f"centre of {self.name}", centre, Place)
+            object.__setattr__(self, "drawn_at", origin)
         points = {
-            name: (x - left, y - below) for name, (x, y) in dict(self.points).items()
+            name: (x - origin[0], y - origin[1])
+            for name, (x, y) in dict(self.points).items()
         }
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(
@@ -89,9 +90,10 @@ def Bar(  # noqa: N802 - in a linkage it is a kind of body
     inertia : float, str or None
         About its mass centre; None: that of a thin rod, m l^2 / 12.
     """
-    size = BAR_LENGTH.convert(f"length of {name}", length)
+    metres = BAR_LENGTH.convert(f"length of {name}", length)
     kilograms = MASS.convert(f"mass of {name}", mass)
-    rod = kilograms * size**2 / 12.0
-    ends = {"tail": (-0.5 * size, 0.0), "head": (0.5 * size, 0.0)}
-    total = rod if inertia is None else cast(float, inertia)
-    return Body(name, kilograms, total, ends | dict(points or {}))
+    if inertia is None:
+        inertia = kilograms * metres**2 / 12.0
+    ends = {"tail": (-0.5 * metres, 0.0), "head": (0.5 * metres, 0.0)}
+    all_points = ends | dict(points or {})
+    return Body(name, kilograms, cast(float, inertia), all_points)

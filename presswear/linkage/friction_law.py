@@ -17,6 +17,10 @@ STATE_PARAMETERS = (*FRICTION_PARAMETERS, "state")
 RATE_PARAMETERS = ("sliding", *FRICTION_PARAMETERS[2:], "state", "closed")
 """Parameters of the rate of this state, m/s; ``closed`` is 1 in contact and 0 in flight."""
 
+# Sliding speeds, m/s, and normal force, N, at which user laws are checked
+CHECKED_SPEEDS = 0.01, 0.1, 0.4, 1.0, 4.0
+CHECKED_FORCE = 100.0
+BISECTIONS = 80  # of the state of steady sliding, which is located to its round-off
 STATE_SCALE = 1e-6  # m, of the state of a law without the number ``scale``
 
 
@@ -43,7 +47,8 @@ def has_state(law: UserFunction) -> bool:
 def rate_of(law: UserFunction) -> UserFunction:
     """Return the function of RATE_PARAMETERS that is the rate of the state of a law."""
     rate = UserFunction(f"{law.name}_rate", law.source)
-    names = {one.name for one in rate.numbers("friction_law", RATE_PARAMETERS)}
+    numbers = rate.numbers("friction_law", RATE_PARAMETERS)
+    names = {number.name for number in numbers}
     values = {name: value for name, value in law.values if name in names}
     return rate.with_values("friction_law", values, RATE_PARAMETERS)
 
@@ -63,30 +68,27 @@ def steady_state(key: str, law: UserFunction, values: Mapping[str, float]) -> fl
         point = {**values, "state": state, "closed": 1.0}
         return rate.number(key, RATE_PARAMETERS, point)
 
-    low, high = -1.0, 1.0
+    low = -1.0
+    high = 1.0
     if not slope(low) >= 0.0 >= slope(high):
         raise InputError(
             f"{key}: {rate.name} must fall with the state, from above 0 at -1 m to below 0 at 1 m"
         )
-    for _ in range(80):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if slope(middle) > 0.0 else (low, middle)
+        if slope(middle) > 0.0:
+            low = middle
+        else:
+            high = middle
     return 0.5 * (low + high)
 
 
 def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> None:
     """Raise InputError where a user friction law gives no number, creates energy or jumps."""
-    for speed in (
-        0.1 * values["upper_speed"],
-        values["upper_speed"],
-        0.01,
-        0.1,
-        0.4,
-        1.0,
-        4.0,
-    ):
+    upper_speed = values["upper_speed"]
+    for speed in (0.1 * upper_speed, upper_speed, *CHECKED_SPEEDS):
         for sliding in (speed, -speed):
-            state = {**values, "sliding": sliding, "normal": 100.0}
+            state = {**values, "sliding": sliding, "normal": CHECKED_FORCE}
             if has_state(law):
                 state["state"] = steady_state(key, law, state)
             force = law.number(key, STATE_PARAMETERS, state)
@@ -97,8 +99,8 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
                 remedy = "a force against the sliding has the other sign"
                 raise InputError(f"{key}: {law.name} makes energy: {fault}; {remedy}")
     if has_state(law):
-        return  # which keeps the force from jumping
-    if jump := law.jump("sliding", {**values, "normal": 100.0}):
+        return  # The state changes steadily, and with it the force.
+    if jump := law.jump("sliding", {**values, "normal": CHECKED_FORCE}):
         place, below, above = jump
         fault = (
             f"{law.name} jumps from {below:g} to {above:g} N at sliding = {place:g} m/s"

@@ -27,15 +27,15 @@ def greatest_bristle_damping(
 ) -> float:
     """Return the greatest sigma_1, s/m, with which LuGre's friction never drives the sliding.
 
-    Bristles that are bent fully, sigma_0 z = c_s, and then slide at a speed v resist
-    with c_s + sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force.
-    Bristles bent less resist at any speed if these do, because the force is linear in z
-    and at z = 0 it resists.
+    Fully bent bristles, sigma_0 z = c_s, that slide at a speed v resist with c_s +
+    sigma_1 exp(-(v/v_s)^2) v (1 - c_s/g(v)) per unit of normal force. If this is
+    positive, less bent bristles resist, too: the force is linear in z, and positive at
+    z = 0.
     """
     x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
-    part = np.exp(-x * x)
-    level = coefficient + (static - coefficient) * part  # g
-    steepest = float((part * x * (static / level - 1.0)).max()) * stribeck
+    decay = np.exp(-x * x)
+    level = coefficient + (static - coefficient) * decay  # g
+    steepest = float((decay * x * (static / level - 1.0)).max()) * stribeck
     return static / steepest if steepest > 0.0 else math.inf
 
 

@@ -91,10 +91,10 @@ class Linkage(Checked):
             for joint in self.with_closed_guides.clearances
         )
         elastic = {guide.name: guide for guide in self.elastic_guides}
-        others = (elastic.get(joint.name, joint) for joint in self.joints)
+        joints = (elastic.get(joint.name, joint) for joint in self.joints)
         return replace(
             self,
-            joints=(*others, *pins, *self.elastic_pins, *self.loose_guides),
+            joints=(*joints, *pins, *self.elastic_pins, *self.loose_guides),
             drives=self.without_motors.drives,
             clearances=(),
             elastic_pins=(),
@@ -105,7 +105,16 @@ class Linkage(Checked):
     @property
     def corners(self) -> tuple[GuideCorner, ...]:
         """Corners of the slides in guides with clearance."""
-        return tuple(one for one in self.clearances if isinstance(one, GuideCorner))
+        return tuple(
+            joint for joint in self.clearances if isinstance(joint, GuideCorner)
+        )
+
+    @property
+    def _loose_pins(self) -> tuple[ClearanceJoint, ...]:
+        """Pin joints with clearance."""
+        return tuple(
+            joint for joint in self.clearances if not isinstance(joint, GuideCorner)
+        )
 
     @property
     def loose_guides(self) -> tuple[Guide, ...]:
@@ -136,12 +145,8 @@ class Linkage(Checked):
         """The linkage whose guides have no clearance."""
         if not self.corners:
             return self
-        pins = (one for one in self.clearances if not isinstance(one, GuideCorner))
-        return replace(
-            self,
-            joints=(*self.joints, *self.loose_guides),
-            clearances=tuple(pins),
-        )
+        joints = (*self.joints, *self.loose_guides)
+        return replace(self, joints=joints, clearances=self._loose_pins)
 
     @property
     def without_motors(self) -> "Linkage":
@@ -217,13 +222,13 @@ class Linkage(Checked):
     @property
     def gears(self) -> tuple[GearedDrive, ...]:
         """Drives with a leader."""
-        return tuple(one for one in self.drives if isinstance(one, GearedDrive))
+        return tuple(drive for drive in self.drives if isinstance(drive, GearedDrive))
 
     @property
     def free_gears(self) -> tuple[GearedDrive, ...]:
         """Drives whose leaders are turned by motors."""
         motors = {drive.body for drive in self.motor_drives}
-        return tuple(one for one in self.gears if one.leader in motors)
+        return tuple(gears for gears in self.gears if gears.leader in motors)
 
     def number_of_drive(self, body: str) -> int:
         """Return the position of the drive of a body in ``drives``."""
@@ -257,9 +262,8 @@ class Linkage(Checked):
     @property
     def bushings(self) -> tuple[Bushing, ...]:
         """Pin joints with friction, with and without clearance."""
-        pins = (one for one in self.clearances if not isinstance(one, GuideCorner))
-        others: tuple[Bushing, ...] = (*pins, *self.elastic_pins)
-        rubbing = (joint for joint in others if joint.friction.coefficient > 0.0)
+        pins: tuple[Bushing, ...] = (*self._loose_pins, *self.elastic_pins)
+        rubbing = (pin for pin in pins if pin.friction.coefficient > 0.0)
         return (*rubbing, *self.rubbing_pins)
 
     @property
@@ -313,7 +317,7 @@ class Linkage(Checked):
 
     def index(self, body: str) -> int:
         """Return the position of a body in ``bodies``."""
-        return [one.name for one in self.bodies].index(body)
+        return [element.name for element in self.bodies].index(body)
 
     def as_plain(self) -> dict[str, Any]:
         """Return the arguments of ``assemble`` as plain data, without clearance joints."""

@@ -102,5 +102,7 @@ def listed_pair(pair: Materials) -> str:
     Numbers that no listed pair states are not compared.
     """
     stated = {key: getattr(pair, key) for key in UNLISTED}
-    names = (name for name, one in MATERIALS.items() if replace(one, **stated) == pair)
-    return next(names, "")
+    for name, listed in MATERIALS.items():
+        if replace(listed, **stated) == pair:
+            return name
+    return ""

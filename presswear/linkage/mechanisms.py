@@ -175,7 +175,8 @@ class FourBar(Mechanism):
 
     def _assemble(self) -> Linkage:
         # The crank points from O to A, the coupler from A to B, the rocker from P to B.
-        a, p = complex(self.crank_length), complex(self.frame_length)
+        a = complex(self.crank_length)
+        p = complex(self.frame_length)
         side = LEFT if self.side == "above" else RIGHT
         b = meeting_point(a, p, self.coupler_length, self.rocker_length, side)
         crown = self._crown(0.0, {"O": (0.0, 0.0), "P": (self.frame_length, 0.0)})
@@ -324,10 +325,14 @@ class TwoPoint(Mechanism):
         check_rod(self.rod_length, self.crank_length, "joints B1 and B2 do not close")
 
     def _assemble(self) -> Linkage:
-        half, up = 0.5 * self.distance, 0.5 * math.pi
-        bodies, joints, drives = [], [], []
+        half = 0.5 * self.distance
+        up = 0.5 * math.pi
+        bodies = []
+        joints = []
+        drives = []
         for number, side in (("1", -1.0), ("2", 1.0)):
-            crank, rod = f"crank {number}", f"rod {number}"
+            crank = f"crank {number}"
+            rod = f"rod {number}"
             bodies += bars_of(self, crank, rod)
             joints += [
                 Pin(f"O{number}", (side * half, 0.0), f"{crank}.tail"),
@@ -337,9 +342,9 @@ class TwoPoint(Mechanism):
             drives.append(
                 Drive(crank, side * self.speed, up, torque_limit=self.torque_limit)
             )
-        # The guide holds the angle of the slide: its inertia never enters.
-        places = {"1": (-half, 0.0), "2": (half, 0.0)}
-        bodies.append(Body("slider", self.slider_mass, 1.0, places))
+        # The guide holds the angle of the slide, so that its inertia has no effect.
+        points = {"1": (-half, 0.0), "2": (half, 0.0)}
+        bodies.append(Body("slider", self.slider_mass, 1.0, points))
         return assemble(
             name=self.kind,
             bodies=bodies,

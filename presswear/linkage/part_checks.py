@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import permutations
+from itertools import chain, permutations
 
 from presswear.linkage.bodies import MIN_INERTIA, Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, leader_of
@@ -42,10 +42,10 @@ def _check_name(kind: str, name: str) -> None:
 
 def check_joint_names(joints: Sequence[str]) -> None:
     """Raise InputError where a name begins with that of another joint and ``_``."""
-    for one, longer in permutations(joints, 2):
-        if longer.startswith(f"{one}_"):
+    for short, long in permutations(joints, 2):
+        if long.startswith(f"{short}_"):
             raise InputError(
-                f"name of a joint = {longer!r}: must not begin with {one}_, because {one} is "
+                f"name of a joint = {long!r}: must not begin with {short}_, because {short} is "
                 "a joint too"
             )
 
@@ -88,8 +88,8 @@ def check_inertias(
 def _check_motors(drives: Sequence[Drive]) -> None:
     """Raise InputError for a prescribed motion beside a motor, and a leader without a speed."""
     leader = leader_of(drives)
-    timed = [one for one in drives if not isinstance(one, GearedDrive)]
-    moving = [one for one in timed if one.motor is None and not one.is_at_rest]
+    timed = [drive for drive in drives if not isinstance(drive, GearedDrive)]
+    moving = [drive for drive in timed if drive.motor is None and not drive.is_at_rest]
     if leader is None:
         servos = [drive for drive in drives if drive.motor is not None]
         if servos and moving:
@@ -116,7 +116,7 @@ def _check_guides(guides: Sequence[Guide]) -> None:
     """Raise InputError where guides alone, some of them on bodies, close a loop."""
     connected = {guide.body: {guide.body} for guide in guides}
     connected |= {guide.on: {guide.on} for guide in guides}
-    for guide in sorted(guides, key=lambda one: one.is_moving):
+    for guide in sorted(guides, key=lambda guide: guide.is_moving):
         group = connected[guide.body]
         if guide.is_moving and guide.on in group:
             raise InputError(
@@ -142,8 +142,9 @@ def start_angles(
     angles = {**guess, **fixed}
     moving = [guide for guide in guides if guide.is_moving]
     while moving:
-        forward = [one for one in moving if one.on in angles and one.body not in fixed]
-        backward = [one for one in moving if one.body in angles]
+        # Guides that pass an angle to their body, and from it
+        forward = [g for g in moving if g.on in angles and g.body not in fixed]
+        backward = [g for g in moving if g.body in angles]
         guide = (*forward, *backward, *moving)[0]
         moving.remove(guide)
         if forward or not backward:
@@ -166,7 +167,8 @@ def _check_drawing(
         if body.drawn_at is not None and not angles.get(body.name):
             places[body.name] = body.drawn_at
     ends = [ends_of(joint) for joint in joints]
-    size = max((math.hypot(one.x, one.y) for pair in ends for one in pair), default=0.0)
+    points = chain.from_iterable(ends)
+    size = max((math.hypot(point.x, point.y) for point in points), default=0.0)
     for joint, (first, second) in zip(joints, ends, strict=True):
         if first.body in places and second.body in places:
             start = _drawn(first, places)

@@ -110,7 +110,8 @@ class Blanking(_Work):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.stiffness is not None:
-            low, high = self.force / MAX_DEPTH, self.force / MIN_DEPTH
+            low = self.force / MAX_DEPTH
+            high = self.force / MIN_DEPTH
             if not low <= self.stiffness <= high:
                 limits = " to ".join(written(value, "N/m") for value in (low, high))
                 allowed = f"with force = {written(self.force, 'N')} allowed is {limits}"
@@ -153,10 +154,14 @@ class Drawing(_Work):
     @property
     def curve(self) -> Curve:  # noqa: D102
         peak = self.peak * self.depth
-        parts = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
-        sizes = [0.5 * self.force * (1.0 - math.cos(math.pi * part)) for part in parts]
-        falling = (peak + part * (self.depth - peak) for part in parts[1:])
-        depths = (*(part * peak for part in parts), *falling)
+        fractions = [k / _CURVE_PIECES for k in range(_CURVE_PIECES + 1)]
+        rising = [fraction * peak for fraction in fractions]
+        falling = [peak + fraction * (self.depth - peak) for fraction in fractions[1:]]
+        sizes = [
+            0.5 * self.force * (1.0 - math.cos(math.pi * fraction))
+            for fraction in fractions
+        ]
+        depths = (*rising, *falling)
         return tuple(zip(depths, (*sizes, *sizes[-2::-1]), strict=True))
 
 
@@ -176,7 +181,7 @@ class Coining(_Work):
 
 Process = Blanking | Drawing | Coining
 PROCESSES: Mapping[str, type[Process]] = {
-    one.kind: one for one in (Blanking, Drawing, Coining)
+    process.kind: process for process in (Blanking, Drawing, Coining)
 }
 
 

@@ -25,14 +25,14 @@ def monotone_slopes(depth: Array) -> Array:
     (form of Fritsch and Butland for equal spacing).
     """
     width = 2.0 * math.pi / depth.size
-    ahead = (np.roll(depth, -1) - depth) / width
-    behind = np.roll(ahead, 1)
-    same_sign = ahead * behind > 0.0
-    total = np.where(same_sign, ahead + behind, 1.0)
+    to_next = (np.roll(depth, -1) - depth) / width
+    from_last = np.roll(to_next, 1)
+    same_sign = to_next * from_last > 0.0
+    total = np.where(same_sign, to_next + from_last, 1.0)
     # The quotient is computed first, because the product of two small secants could
     # underflow.
     slopes = np.zeros(depth.size)
-    slopes[same_sign] = (2.0 * ahead * (behind / total))[same_sign]
+    slopes[same_sign] = (2.0 * to_next * (from_last / total))[same_sign]
     return slopes
 
 
@@ -83,9 +83,9 @@ class Surface:
             return np.zeros(angles.shape)
         width = 2.0 * math.pi / count
         position = angles / width - 0.5
-        left = np.floor(position)
-        s = position - left
-        k = left.astype(int) % count
+        cell = np.floor(position)
+        s = position - cell
+        k = cell.astype(int) % count
         j = (k + 1) % count
         rise = self.depth[j] - self.depth[k]
         a = self.slope[k] * width

@@ -18,6 +18,7 @@ WEAR_PARAMETERS = ("depth", "load_distance", "pressure", "coefficient")
 # Values at which user wear laws are checked
 CHECKED_DEPTHS = 0.0, 1e-7, 1e-6, 1e-5, 1e-4  # m
 CHECKED_PRESSURES = 1e5, 1e6, 1e7, 1e8  # Pa
+PRODUCT_TOL = 1e-9  # relative difference that is round-off
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,9 @@ class WearLaw(Checked):
     slip : {"angle", "sliding"}
         ``ds = (R_j + delta) |d phi|`` (equation 24), or ``|v_t| dt``.
     wear_distribution : {"bin", "arc"}
-        All into the bin of the contact with the mean pressure of equations 25 to 28, or
-        over the contact arc in proportion to the pressure there.
+        ``bin``: all wear is in the bin of the contact, with the mean pressure of
+        equations 25 to 28. ``arc``: wear is in proportion to the pressure over the
+        contact arc.
     """
 
     coefficient: float  # K_d, 1/Pa
@@ -69,7 +71,7 @@ def check_wear(key: str, law: UserFunction, coefficient: float) -> None:
             "or load_distance and depth"
         )
 
-    def size(depth: float, load_distance: float, pressure: float) -> float:
+    def coefficient_at(depth: float, load_distance: float, pressure: float) -> float:
         values = depth, load_distance, pressure, coefficient
         state = dict(zip(WEAR_PARAMETERS, values, strict=True))
         result = law.number(key, WEAR_PARAMETERS, state)
@@ -82,11 +84,15 @@ def check_wear(key: str, law: UserFunction, coefficient: float) -> None:
 
     for depth in CHECKED_DEPTHS:
         for pressure in CHECKED_PRESSURES:
-            for load_distance in (0.0, depth / coefficient):
-                worn = size(depth, load_distance, pressure)
-            expected = size(depth, 0.0, CHECKED_PRESSURES[0]) * size(0.0, 0.0, pressure)
-            product = worn * size(0.0, 0.0, CHECKED_PRESSURES[0])
-            if "pressure" in used and abs(product - expected) > 1e-9 * expected:
+            coefficient_at(depth, 0.0, pressure)
+            worn = coefficient_at(depth, depth / coefficient, pressure)
+            if "pressure" not in used:
+                continue
+            # K(h, p) K(0, p_0) = K(h, p_0) K(0, p) of a product of two functions
+            product = worn * coefficient_at(0.0, 0.0, CHECKED_PRESSURES[0])
+            expected = coefficient_at(depth, 0.0, CHECKED_PRESSURES[0])
+            expected *= coefficient_at(0.0, 0.0, pressure)
+            if abs(product - expected) > PRODUCT_TOL * expected:
                 raise InputError(
                     f"{key}: {law.name} must be a function of depth times a function of pressure"
                 )

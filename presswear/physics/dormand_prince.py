@@ -20,14 +20,14 @@ class Tableau(NamedTuple):
     c: Array
     error: Array  # weights of the error estimate, (n + 1,)
     second_error: Array  # ... and of the one of lower order that DOP853 blends in
-    exponent: float  # the error goes with the step to minus one over this
-    # Steps end where a law of friction has a corner: now and then one lies between the
-    # stages of order 8 where no estimate sees it.
+    exponent: float  # of the ratio of errors, which gives the ratio of steps
+    # Steps end at corners of a law of friction. A corner between two stages of order 8
+    # is sometimes in no estimate of the error.
     ends_at_corners: bool
 
 
 def _lower(count: int, entries: tuple[float, ...]) -> Array:
-    """A matrix from its entries below the diagonal, row by row."""
+    """Return a matrix from its entries below the diagonal, row by row."""
     matrix = np.zeros((count, count))
     matrix[np.tril_indices(count, -1)] = entries
     return matrix

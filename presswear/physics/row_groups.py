@@ -5,15 +5,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.arrays import Array
-
 Group = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows, and as many coordinates
 # Least rows of a group. With fewer rows numpy takes longer than LAPACK; with hundreds of
 # rows LAPACK starts threads for each of thousands of small matrices.
 MIN_GROUP = 30
 
 
-def row_groups(pattern: Array) -> list[Group]:
+def row_groups(pattern: NDArray[np.bool_]) -> list[Group]:
     """Return groups of rows and coordinates of a square Jacobian, in the order of solution.
 
     The rows of a group depend only on the coordinates of this group and of the groups
@@ -44,7 +42,7 @@ def row_groups(pattern: Array) -> list[Group]:
     return [(group, columns[group]) for group in groups]
 
 
-def matched_columns(pattern: Array) -> NDArray[np.int64] | None:
+def matched_columns(pattern: NDArray[np.bool_]) -> NDArray[np.int64] | None:
     """Return a coordinate for each row that contains it, each coordinate once.
 
     None if there is no such choice. It is the maximum matching of a bipartite graph, by

@@ -39,7 +39,7 @@ FRAME_ROWS = 40  # of a series, at least, in a period of an elastic frame
 def is_row_due(records: RecorderState, t: float) -> bool:
     """Return whether the present state is a row of the series.
 
-    It is one if the longest time between two rows has passed, if a force has changed
+    A row is due if the longest time between two rows has passed, if a force has changed
     sufficiently since the last row, or if the law of a load has changed.
     """
     state = records.output[0]

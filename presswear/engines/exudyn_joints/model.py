@@ -9,8 +9,9 @@ import numpy as np
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.joints import ends_of
+from presswear.linkage.joints import Guide, Revolute, ends_of
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.loads import Load
 from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.topology import bodies_of, prescribed_of
 from presswear.physics.drive_motion import drive_motion, is_steady
@@ -29,9 +30,10 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
         joined += [gear.coupled_bodies for gear in linkage.gears]
-        connected = frozenset[str]().union(
-            *(bodies for bodies in joined if not bodies <= omitted)
-        )
+        connected: set[str] = set()
+        for bodies in joined:
+            if not bodies <= omitted:
+                connected |= bodies
         if not connected & omitted:
             return omitted
         omitted -= connected
@@ -89,98 +91,128 @@ def add_joints(
 
     Returns the object numbers of joints and drives by name.
     """
-
-    def marker_at(point: Attachment) -> Any:
-        place = [point.x, point.y, 0.0]
-        return add(
-            system,
-            "Marker",
-            "BodyRigid",
-            bodyNumber=bodies[point.body],
-            localPosition=place,
-        )
-
+    model = _Model(system, linkage, nodes, bodies)
     objects: dict[str, int] = {}
     for joint in linkage.revolutes:
         if not bodies_of(joint) <= omitted:
-            markers = [marker_at(joint.first), marker_at(joint.second)]
-            objects[joint.name] = add(
-                system, "Object", "JointRevolute2D", markerNumbers=markers
-            )
+            objects[joint.name] = model.add_pin(joint)
     for guide in linkage.guides:
-        if bodies_of(guide) <= omitted:
-            continue
+        if not bodies_of(guide) <= omitted:
+            objects[guide.name] = model.add_guide(guide)
+    for drive, motion in zip(linkage.drives, motions, strict=True):
+        if drive.body not in omitted and linkage.prescribes(drive):
+            objects[drive.name] = model.add_drive(drive, motion)
+    for load in linkage.dead_loads:
+        if load.body not in omitted:
+            model.add_load(load)
+    return objects
+
+
+class _Model:
+    """Exudyn's system while joints, drives and loads are added; methods return object numbers."""
+
+    def __init__(
+        self,
+        system: Any,
+        linkage: Linkage,
+        nodes: dict[str, Any],
+        bodies: dict[str, Any],
+    ) -> None:
+        self.system = system
+        self.linkage = linkage
+        self.nodes = nodes
+        self.bodies = bodies
+        still = add(system, "Node", "PointGround")
+        self.fixed = add(
+            system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0
+        )
+
+    def _marker_at(self, point: Attachment) -> Any:
+        """Add a marker at a point of a body."""
+        return add(
+            self.system,
+            "Marker",
+            "BodyRigid",
+            bodyNumber=self.bodies[point.body],
+            localPosition=[point.x, point.y, 0.0],
+        )
+
+    def _marker_of(self, body: str, coordinate: int) -> Any:
+        """Add a marker of a coordinate of a body: x, y or angle."""
+        return add(
+            self.system,
+            "Marker",
+            "NodeCoordinate",
+            nodeNumber=self.nodes[body],
+            coordinate=coordinate,
+        )
+
+    def add_pin(self, joint: Revolute) -> Any:
+        """Add a pin joint."""
+        markers = [self._marker_at(joint.first), self._marker_at(joint.second)]
+        return add(self.system, "Object", "JointRevolute2D", markerNumbers=markers)
+
+    def add_guide(self, guide: Guide) -> Any:
+        """Add a guide without clearance."""
         normal = guide.direction - guide.angle + 0.5 * math.pi
-        line, centre = map(marker_at, ends_of(guide))
-        objects[guide.name] = add(
-            system,
+        return add(
+            self.system,
             "Object",
             "JointPrismatic2D",
-            markerNumbers=[line, centre],
+            markerNumbers=[self._marker_at(point) for point in ends_of(guide)],
             axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
             normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
             constrainRotation=True,
         )
-    still = add(system, "Node", "PointGround")
-    fixed = add(system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0)
-    for drive, motion in zip(linkage.drives, motions, strict=True):
-        if drive.body in omitted or not linkage.prescribes(drive):
-            continue
-        if isinstance(drive, LinearDrive) and linkage.guide_of(drive).is_moving:
-            cylinder = _add_moving_cylinder(system, linkage, drive, motion, nodes)
-            objects[drive.name] = cylinder
-            continue
-        coordinate, factor = _driven_coordinate(linkage, drive)
-        driven = add(
-            system,
-            "Marker",
-            "NodeCoordinate",
-            nodeNumber=nodes[drive.body],
-            coordinate=coordinate,
-        )
-        # The constraint is on the velocity. The trapezoidal rule integrates a constant
-        # speed exactly; ``project_state`` corrects the angle of an uneven one.
-        turning: dict[str, Any] = {"offset": drive.speed}
-        if not is_steady(linkage, drive):
-            turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
-        markers = [fixed, driven]
-        if isinstance(drive, GearedDrive):
-            leader = add(
-                system,
-                "Marker",
-                "NodeCoordinate",
-                nodeNumber=nodes[drive.leader],
-                coordinate=2,
+
+    def add_drive(self, drive: Drive, motion: Records) -> Any:
+        """Add the constraint of a drive on the velocity of its body.
+
+        The trapezoidal rule integrates a constant speed exactly; ``project_state``
+        corrects the angle of an uneven one.
+        """
+        if isinstance(drive, LinearDrive) and self.linkage.guide_of(drive).is_moving:
+            return _add_moving_cylinder(
+                self.system, self.linkage, drive, motion, self.nodes
             )
+        coordinate, factor = _driven_coordinate(self.linkage, drive)
+        driven = self._marker_of(drive.body, coordinate)
+        markers = [self.fixed, driven]
+        speed: dict[str, Any] = {"offset": drive.speed}
+        if isinstance(drive, GearedDrive):
             # Exudyn has a factor of the second marker only.
-            markers, factor, turning = [driven, leader], drive.ratio, {"offset": 0.0}
-        objects[drive.name] = add(
-            system,
+            markers = [driven, self._marker_of(drive.leader, 2)]
+            factor = drive.ratio
+            speed = {"offset": 0.0}
+        elif not is_steady(self.linkage, drive):
+            speed = {"offset": 0.0, "offsetUserFunction_t": _speed_function(motion)}
+        return add(
+            self.system,
             "Object",
             "ConnectorCoordinate",
             markerNumbers=markers,
             velocityLevel=True,
             factor1=factor,
-            **turning,
+            **speed,
         )
-    for load in linkage.dead_loads:
-        if load.body not in omitted:
-            at = marker_at(Attachment(load.body, 0.0, 0.0))
-            add(
-                system,
-                "Load",
-                "ForceVector",
-                markerNumber=at,
-                loadVector=[load.x, load.y, 0.0],
-            )
-            add(
-                system,
-                "Load",
-                "TorqueVector",
-                markerNumber=at,
-                loadVector=[0.0, 0.0, load.moment],
-            )
-    return objects
+
+    def add_load(self, load: Load) -> None:
+        """Add a constant force and moment at the mass centre of a body."""
+        centre = self._marker_at(Attachment(load.body, 0.0, 0.0))
+        add(
+            self.system,
+            "Load",
+            "ForceVector",
+            markerNumber=centre,
+            loadVector=[load.x, load.y, 0.0],
+        )
+        add(
+            self.system,
+            "Load",
+            "TorqueVector",
+            markerNumber=centre,
+            loadVector=[0.0, 0.0, load.moment],
+        )
 
 
 def _add_moving_cylinder(
@@ -200,7 +232,8 @@ def _add_moving_cylinder(
     def row(q: Any) -> tuple[float, ...]:
         """Return the derivatives of the distance by the coordinates of carrier and slide."""
         angle = q[2] + guide.direction
-        ux, uy = math.cos(angle), math.sin(angle)
+        ux = math.cos(angle)
+        uy = math.sin(angle)
         return -ux, -uy, (q[4] - q[1]) * ux - (q[3] - q[0]) * uy, ux, uy, 0.0
 
     def constraint(

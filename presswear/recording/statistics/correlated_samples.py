@@ -18,6 +18,7 @@ from presswear.tools.arrays import Array
 # Cycles that are no samples. If no more cycles ran, the last of them is the only sample
 STARTUP_CYCLES = 2
 RANGE_STROKES = 10  # successive strokes of which the range is computed
+LEVEL = 0.01  # of significance, at which the means of runs differ
 
 
 def after_startup(rows: Array) -> Array:
@@ -145,15 +146,16 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     squares = sum(float(run @ run) for run in centred)
     value = math.sqrt(squares / free)
     count = sum(run.size for run in centred)
-    # Sum of squares without each sample: the mean of the others in its run changes, too.
-    without = [
+    # Variance without each sample. The mean of its run changes, too.
+    variances = [
         (squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1)
         for run in centred
     ]
-    if count < MIN_SAMPLES or not all(np.all(left > 0.0) for left in without):
+    if count < MIN_SAMPLES or not all(np.all(each > 0.0) for each in variances):
         return Estimate(value, samples=count)
     pseudo = [
-        2.0 * count * math.log(value) - (count - 1) * np.log(left) for left in without
+        2.0 * count * math.log(value) - (count - 1) * np.log(variance)
+        for variance in variances
     ]
     centre = float(np.concatenate(pseudo).mean())
     half = half_width_of_runs(pseudo) or 0.0
@@ -194,11 +196,11 @@ def differ(samples: Sequence[Array]) -> bool:
     everything = np.concatenate(groups)
     centred = [group - group.mean() for group in groups]
     per_sample = inefficiency(centred)
-    between = len(groups) - 1
-    within = everything.size - len(groups)
-    scatter = per_sample * sum(float(group @ group) for group in centred) / within
+    between = len(groups) - 1  # degrees of freedom between the groups
+    inside = everything.size - len(groups)  # and inside them
+    scatter = per_sample * sum(float(group @ group) for group in centred) / inside
     distances = [
         group.size * float(group.mean() - everything.mean()) ** 2 for group in groups
     ]
     ratio = sum(distances) / between / scatter if scatter > 0.0 else math.inf
-    return bool(fdtrc(between, max(within / per_sample, 1.0), ratio) < 0.01)
+    return bool(fdtrc(between, max(inside / per_sample, 1.0), ratio) < LEVEL)

@@ -104,26 +104,29 @@ class Estimate:
 def weighted_sum(estimates: Sequence[Estimate], weights: Sequence[float]) -> Estimate:
     """Return the weighted sum of independent estimates; no interval if one of them has none."""
     terms = list(zip(estimates, weights, strict=True))
-    mean = sum(weight * one.mean for one, weight in terms)
-    halves = [
-        weight * one.half_width for one, weight in terms if one.half_width is not None
-    ]
-    is_known = len(halves) == len(terms)
-    return Estimate.symmetric(mean, math.hypot(*halves) if is_known else None)
+    mean = sum(weight * estimate.mean for estimate, weight in terms)
+    half_widths = []
+    for estimate, weight in terms:
+        if estimate.half_width is None:
+            return Estimate.symmetric(mean, None)
+        half_widths.append(weight * estimate.half_width)
+    return Estimate.symmetric(mean, math.hypot(*half_widths))
 
 
 def ratio(first: Estimate, second: Estimate) -> Estimate:
     """Return the ratio of two independent estimates, with the interval of its logarithm.
 
-    It is that of their magnitudes. The interval is missing if one of theirs is, or
-    contains 0.
+    The ratio is that of the magnitudes. It has no interval if the interval of an
+    estimate is missing or contains 0.
     """
     result = abs(first.mean / second.mean)
     halves = []
-    for one in (first, second):
-        if one.low is None or one.high is None or one.low * one.high <= 0.0:
+    for estimate in (first, second):
+        low = estimate.low
+        high = estimate.high
+        if low is None or high is None or low * high <= 0.0:
             return Estimate(result)
-        halves.append(0.5 * abs(math.log(one.high / one.low)))
+        halves.append(0.5 * abs(math.log(high / low)))
     factor = math.exp(math.hypot(*halves))
     return Estimate(result, result / factor, result * factor)
 
