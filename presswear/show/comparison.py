@@ -23,6 +23,10 @@ from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable
 from presswear.tools.quantities import Quantity
 
+# Heads of the columns; A and B are names of joints.
+FIRST_RUN = "run 1"
+SECOND_RUN = "run 2"
+
 
 class Ratio(NamedTuple):
     """Ratio of the second number to the first, and whether it differs from 1, as texts."""
@@ -65,7 +69,7 @@ def write_comparison(first: Result, second: Result, file: Path) -> Path:
 
 def render_comparison(first: Result, second: Result) -> str:
     """Return a page on two results side by side as HTML."""
-    results = {"A": first, "B": second}
+    results = {FIRST_RUN: first, SECOND_RUN: second}
     for result in results.values():
         if not stages_with_numbers(result):
             raise InputError(
@@ -132,8 +136,10 @@ def _verdict_on(quotient: Estimate) -> str:
     if quotient.low == quotient.high == 1.0:
         return "equal"
     if quotient.low > 1.0:
-        return "B is larger"
-    return "B is smaller" if quotient.high < 1.0 else "no certain difference"
+        return f"{SECOND_RUN} is larger"
+    if quotient.high < 1.0:
+        return f"{SECOND_RUN} is smaller"
+    return "no certain difference"
 
 
 def limit_pairs(first: Result, second: Result) -> list[LimitPair]:

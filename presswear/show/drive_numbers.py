@@ -21,6 +21,9 @@ from presswear.tools import numbers
 RUBBING = "rigid joints with friction"
 IDEAL = "rigid joints without friction"
 STATIC = "the work alone, static"
+BEHIND_FLYWHEEL = (
+    "The flywheel gives the rest: gear and crank bear the torques of rigid joints."
+)
 
 
 def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
@@ -44,6 +47,7 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     result = []
     linear = linear_bodies(scene.base_linkage.drives)
     cranks = [body for body in duties if body not in linear]
+    turned = _turned_by_flywheels(scene)
     for name, words, unit, bodies in (
         ("torque", "torque", "N m", cranks),
         ("torque", "force", "N", linear),
@@ -65,8 +69,12 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             typical = _mean_power(
                 scene, [duty.power.mean for duty in duties.values()], peaks[body]
             )
+        has_motor = bool(drives) and body in turned
         text = f"Largest in a stroke at {body}; {typical}"
-        title = f"Peak drive {words}"
+        if has_motor and words == "torque":
+            text = f"Largest in a stroke of the motor, reduced to {body}; {typical} "
+            text += BEHIND_FLYWHEEL
+        title = f"Peak {'motor' if has_motor else 'drive'} {words}"
         compared = tuple(
             (label, _peak_text({body: one[body] for body in bodies}, name, unit))
             for label, one in rigid.items()
@@ -88,6 +96,16 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             measured(title, peaks[body], unit, text)._replace(compared=compared)
         )
     return result
+
+
+def _turned_by_flywheels(scene: Scene) -> list[str]:
+    """Return the bodies that a motor with a flywheel turns; a servo gives its torque itself."""
+    motors = {drive.body: drive.motor for drive in scene.base_linkage.drives}
+    return [
+        body
+        for body, motor in motors.items()
+        if motor is not None and not motor.is_servo and motor.reflected_inertia > 0.0
+    ]
 
 
 def _peaks_of(duties: Mapping[str, DriveDuty], name: str) -> dict[str, Estimate]:
@@ -125,6 +143,6 @@ def _mean_power(scene: Scene, means: list[float], peak: Estimate) -> str:
     together = " of all drives together" if len(means) > 1 else ""
     text = f"mean{together} {numbers.quantity_text(total, 'W')}."
     is_even = not any(drive.repeats for drive in scene.mechanism.linkage().drives)
-    if total > 0.0 and is_even:
+    if total > 0.0 and is_even and not _turned_by_flywheels(scene):
         text += " A motor with a flywheel delivers this mean."
     return text

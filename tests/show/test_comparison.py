@@ -60,8 +60,8 @@ def test_a_ratio_with_an_unknown_sign_has_no_interval() -> None:
 @pytest.mark.parametrize(
     ("force", "text", "verdict"),
     [
-        (Estimate(160.0, 152.0, 168.0, 20), "2.00 (1.71 to 2.35)", "B is larger"),
-        (Estimate(40.0, 38.0, 42.0, 20), "0.500 (0.426 to 0.586)", "B is smaller"),
+        (Estimate(160.0, 152.0, 168.0, 20), "2.00 (1.71 to 2.35)", "run 2 is larger"),
+        (Estimate(40.0, 38.0, 42.0, 20), "0.500 (0.426 to 0.586)", "run 2 is smaller"),
         (
             Estimate(84.0, 80.0, 88.0, 20),
             "1.05 (0.896 to 1.23)",

@@ -275,3 +275,16 @@ def test_the_report_says_what_rigid_joints_with_friction_are() -> None:
     page = render_report(made_up(scene, 2))
     assert "Rigid joints with friction: the joints with clearance are replaced" in page
     assert page.count("<dd>rigid joints without friction: ") == 2
+
+
+def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:
+    """The torque of the motor is not that of gear and crank, which the flywheel gives, too."""
+    motor = {"motor.torque": "1 N m", "motor.inertia": "0.1 kg m^2"}
+    scene = pw.changed(pw.scenes.slider_crank(), motor)
+    result = pw.run(
+        pw.changed(scene, {"cycles": 3, "replicates": 1, "wear_updates": 0})
+    )
+    numbers = {one.name: one for one in key_numbers(result)}
+    assert "Peak drive torque" not in numbers
+    assert "delivers this mean" not in numbers["Peak motor power"].meaning
+    assert "gear and crank bear" in numbers["Peak motor torque"].meaning
