@@ -160,7 +160,7 @@ def _run_into(
 
 def finish(result: "Result", arguments: argparse.Namespace, console: Console) -> int:
     """Write the report of a stored run, print what it tells at the end, return the exit code."""
-    from presswear.results.contact_warnings import contact_warnings
+    from presswear.results.run_warnings import run_warnings
 
     folder = result.path
     readings = getattr(arguments, "readings", None)
@@ -180,7 +180,7 @@ def finish(result: "Result", arguments: argparse.Namespace, console: Console) ->
                 has_all_figures=False,
             )
         terminal.print_lines(console, f"results in {folder}, report in {report}")
-    terminal.print_lines(console, *contact_warnings(result.scene, result.stages))
+    terminal.print_lines(console, *run_warnings(result.scene, result.stages))
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":

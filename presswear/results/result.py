@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
 from presswear.recording.statistics import Estimate
-from presswear.results.contact_warnings import contact_warnings
 from presswear.results.drives import DriveResult, drives_of
 from presswear.results.folder import FILE, FINISHED, StoredResult, files_of, read_stored
 from presswear.results.frame_load import FrameLoad, frame_loads
@@ -22,6 +21,7 @@ from presswear.results.guide_tilt import GuideTilt, guide_tilts
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import PRELIMINARY, QUICK, WITHOUT_CURVES, LifeResult
 from presswear.results.pin_load import elastic_pin_forces
+from presswear.results.run_warnings import run_warnings
 from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.results.stored_arrays import (
@@ -180,7 +180,7 @@ class Result:
         remark = self.scene.bin_remark
         if remark:
             lines.append(f"worn volume: {remark}")
-        lines += contact_warnings(self.scene, self.stages)
+        lines += run_warnings(self.scene, self.stages)
         return printable("\n".join(lines))
 
     def _table_rows(self) -> Iterator[list[str]]:

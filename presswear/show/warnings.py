@@ -3,11 +3,11 @@
 import math
 
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.results.contact_warnings import contact_warnings
 from presswear.results.guide_tilt import self_locking
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
 from presswear.results.motor_load import saturated_servos
 from presswear.results.result import Result
+from presswear.results.run_warnings import run_warnings
 from presswear.results.stage import StageResult
 from presswear.scene.plausible import doubts, unusual_joints
 from presswear.scene.scene import Scene
@@ -30,7 +30,7 @@ def warnings(result: Result) -> list[str]:
     scene = result.scene
     stages = [stage for stage in result.stages if not stage.failed]
     lines = doubts(scene)
-    lines += contact_warnings(scene, result.stages)
+    lines += run_warnings(scene, result.stages)
     lines += [
         f"The slide may jam in {name}: with the force of the work beside the middle its "
         f"friction = {friction:g} is above {numbers.readable(limit)}, from which two "

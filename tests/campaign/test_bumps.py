@@ -9,7 +9,7 @@ import pytest
 
 import presswear as pw
 from presswear.campaign.bumps import bumps_of, median_penetration, noise_of
-from presswear.results.contact_warnings import high_bumps
+from presswear.results.run_warnings import high_bumps
 from presswear.results.stage_statistics import Bumps
 
 

@@ -1,9 +1,10 @@
-"""Warnings about contacts that are too deep for the model, and about rough surfaces."""
+"""Warnings about unfinished work, contacts too deep for the model, and rough surfaces."""
 
 from collections.abc import Sequence
 
 from presswear.results.deep_contacts import deep_contacts
 from presswear.results.stage import StageResult
+from presswear.results.unfinished_work import unfinished_work
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import readable
 
@@ -31,6 +32,10 @@ def high_bumps(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     return sentences
 
 
-def contact_warnings(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
-    """Return sentences on contacts that are too deep for the model, or on rough surfaces."""
-    return deep_contacts(scene, stages) + high_bumps(scene, stages)
+def run_warnings(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
+    """Return sentences on unfinished work, contacts too deep for the model, rough surfaces."""
+    return [
+        *unfinished_work(scene, stages),
+        *deep_contacts(scene, stages),
+        *high_bumps(scene, stages),
+    ]

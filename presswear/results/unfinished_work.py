@@ -1,0 +1,47 @@
+"""Work that a stroke does not finish: a sheet that does not break, a cup not drawn through."""
+
+from collections.abc import Sequence
+
+from presswear.linkage.process import Coining
+from presswear.results.stage import StageResult
+from presswear.results.strokes import motion_of_work, sampled_strokes
+from presswear.scene.scene import Scene
+from presswear.tools.numbers import readable
+
+_ENDS = {
+    "blanking": "The sheet does not break",
+    "drawing": "The work is not drawn to its depth",
+}
+
+
+def unfinished_work(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
+    """Return a sentence if recorded strokes of the last sound stage do not finish the work.
+
+    The ideal stroke finishes it (``process.check_reach``), but clearance, contacts and an
+    elastic frame keep the output above its ideal path.
+    """
+    process = scene.process
+    sound = [stage for stage in stages if not stage.failed]
+    if process is None or isinstance(process, Coining) or not sound:
+        return []
+    stage = sound[-1]
+    height, _ = motion_of_work(scene, stage)
+    lowest = []
+    for stroke in sampled_strokes(scene, stage):
+        rows = (stage.clock >= stroke.start) & (stage.clock < stroke.end)
+        lowest.append(float(height[rows].min(initial=process.height)))
+    depth = process.curve[-1][0] if process.fracture is None else process.fracture
+    unfinished = [end for end in lowest if process.height - end < depth]
+    if not unfinished:
+        return []
+    highest = max(unfinished)
+    reached, needed, allowed = (
+        f"{readable(1e3 * length)} mm"
+        for length in (process.height - highest, depth, 1.02 * (highest + depth))
+    )
+    return [
+        f"{_ENDS[process.kind]} in {len(unfinished)} of {len(lowest)} strokes: {scene.output} "
+        f"goes {reached} deep into the work, which ends at {needed}, because clearance, contacts "
+        "and frame give way. Work, torque, pressure and wear are those of an unfinished stroke. "
+        f"Use process.height = {allowed} or more, or a stiffer press."
+    ]
