@@ -19,7 +19,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
-StiffnessReading = Literal["paper", "refined"]
+StiffnessReading = Literal["paper", "refined", "conforming"]
 Elasticity = Literal["power", "liu", "foundation"]
 
 
@@ -85,7 +85,7 @@ def hertz_stiffness(
     """Return the contact stiffness K, N/m^1.5, from the sum of (1 - nu^2) / E of both, 1/Pa.
 
     ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which is
-    two spheres side by side. ``refined`` takes the pin in a hole, with R_i - R_j under
+    two spheres side by side. Other readings take the pin in a hole, with R_i - R_j under
     the root.
     """
     combined = bearing_radius - pin_radius
@@ -102,6 +102,17 @@ def liu_stiffness(width: float, clearance: float, compliance: float) -> float:
     nu^2) / E of both, 1/Pa.
     """
     return math.pi * width / (2.0 * compliance * math.sqrt(2.0 * clearance))
+
+
+def conforming_stiffness(width: float, clearance: float, compliance: float) -> float:
+    """Return K, N/m^1.5, with which a pin deep in a foundation is as stiff as by Liu's law.
+
+    Deep contacts have F = (pi / 2) k_w b R delta on a foundation with k_w b R = 3/4 K
+    sqrt(c / 2), and F = pi b E* delta / (2 sqrt(2)) by ``liu_force``. Both are equal for
+    K = 4 b E* / (3 sqrt(c)). 1 / E* is the compliance, the sum of (1 - nu^2) / E of
+    both, 1/Pa.
+    """
+    return 4.0 * width / (3.0 * compliance * math.sqrt(clearance))
 
 
 def delivered_restitution(damping: float) -> float:

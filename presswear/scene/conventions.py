@@ -14,7 +14,9 @@ class Conventions(Checked):
     """Choices of the contact and wear model; each can be set separately."""
 
     stiffness: StiffnessReading = choice(
-        "refined", StiffnessReading, "K with R_i + R_j as printed, or R_i - R_j"
+        "refined",
+        StiffnessReading,
+        "K with R_i + R_j as printed, with R_i - R_j, or of conforming pins from the width",
     )
     slip: Slip = choice(
         "sliding",

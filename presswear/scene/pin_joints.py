@@ -24,6 +24,7 @@ from presswear.linkage.normal_law import (
     NormalLaw,
     StiffnessReading,
     check_normal,
+    conforming_stiffness,
     damping_ratio,
     hertz_stiffness,
     liu_stiffness,
@@ -50,14 +51,17 @@ def normal_stiffness(
 ) -> float:
     """Return the stiffness K, N/m^n, of all parallel rods together.
 
-    It is the contact stiffness; by default that of Liu for his law, and of Hertz for
-    the other laws. Parallel rods bear equal parts of the force.
+    It is the contact stiffness; by default that of Liu for his law, and of Hertz or of
+    conforming pins for the other laws. Parallel rods bear equal parts of the force.
     """
     if bearing.contact_stiffness is not None:
         return bearing.parallel_rods * bearing.contact_stiffness
     compliance = bearing.materials.compliance
+    line_contact = bearing.total_width, bearing.clearance, compliance
     if elasticity == "liu":
-        return liu_stiffness(bearing.total_width, bearing.clearance, compliance)
+        return liu_stiffness(*line_contact)
+    if reading == "conforming":
+        return conforming_stiffness(*line_contact)
     radii = bearing.bearing_radius, bearing.bearing_radius - bearing.clearance
     return bearing.parallel_rods * hertz_stiffness(*radii, compliance, reading)
 

@@ -39,7 +39,7 @@ def scene_schema() -> Node:
     scene = Scene()
     bearing = _properties(settings_in(Bearing()))
     mechanisms = {kind: _fields(class_()) for kind, class_ in MECHANISMS.items()}
-    every = _properties(settings_in(scene)) | bearing
+    every = bearing | _properties(settings_in(scene))
     for properties in mechanisms.values():
         every |= properties
     parts = {"process": PROCESSES, "life": LIVES, SERVO: SERVOS}

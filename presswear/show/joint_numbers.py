@@ -3,10 +3,16 @@
 from collections.abc import Mapping
 
 from presswear.recording.statistics import Estimate
-from presswear.results.deep_contacts import SMALL_CONTACT, forces_by_law, penetrations
+from presswear.results.deep_contacts import (
+    PRESCRIBED,
+    SMALL_CONTACT,
+    forces_by_law,
+    has_deep_law,
+    ideal_force,
+    penetrations,
+)
 from presswear.results.motions import needs_warning, sentence_of
 from presswear.results.motor_load import period_in
-from presswear.results.rigid_joints import ideal_forces
 from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.scene import Scene
@@ -44,9 +50,8 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
         sentences.append("Impacts are included.")
     else:
         sentences.append("Impacts are included; a frame that bends makes them smaller.")
-    ideal = 0.0
-    if not scene.has_untrusted_loads:
-        ideal = float(abs(ideal_forces(scene)[1][at]).max())
+    ideal = ideal_force(scene, at)
+    if ideal > 0.0:
         sentences.append(f"With {IDEAL}: {numbers.quantity_text(ideal, 'N')}.")
     if last is not first and at in first.statistics.joints:
         new = _peak_forces_text(first, at)
@@ -59,7 +64,8 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     if settling and settling.is_mixture:
         note = reason_without_interval(last)
         peak = peak._replace(value=_peak_forces_text(last, at), interval="", note=note)
-    if penetrations(scene, stages)[at] > SMALL_CONTACT:
+    is_deep = penetrations(scene, stages)[at] > SMALL_CONTACT
+    if is_deep and not has_deep_law(scene, at):
         peak = _with_laws(peak, scene, at, forces[at].mean, ideal)
     return peak
 
@@ -128,10 +134,11 @@ def _with_laws(
     """Return the peak force of a deep contact, N, with the ranges of the elastic laws.
 
     ``ideal`` is the peak that the load prescribes with rigid joints, N. Runs with the
-    laws lie between the range for an impact and that beyond the prescribed force.
+    laws lie between the range for an impact and that beyond the prescribed force. Laws
+    agree on a peak that the load prescribes.
     """
     impact = forces_by_law(scene, joint, force)
-    if not impact:
+    if not impact or force <= PRESCRIBED * ideal:
         return peak
     factor, unit = numbers.unit_scale("N", max(impact.values()))
 

@@ -12,8 +12,10 @@ from two_bodies import force_of, normal_law
 import presswear as pw
 from presswear.linkage.normal_law import (
     StiffnessReading,
+    conforming_stiffness,
     delivered_restitution,
     hertz_stiffness,
+    liu_stiffness,
 )
 from presswear.physics.friction_and_normal import friction_force, friction_record
 
@@ -86,6 +88,23 @@ def test_stiffness_as_printed_and_of_a_pin_in_a_hole(
 ) -> None:
     stiffness = hertz_stiffness(0.015, pin, 2.0 * (1.0 - poisson**2) / modulus, reading)
     assert stiffness == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_deep_pin_of_conforming_stiffness_is_as_stiff_as_by_liu() -> None:
+    """At 1,000 clearances both laws are linear; for small contacts K is 1.2 times Liu's."""
+    width, clearance, compliance = 0.15, 4e-5, 1.3e-11
+    stiffness = conforming_stiffness(width, clearance, compliance)
+    liu = liu_stiffness(width, clearance, compliance)
+    assert stiffness / liu == pytest.approx(8.0 * math.sqrt(2.0) / (3.0 * math.pi))
+    depth = 1000.0 * clearance
+    deep = liu * depth**1.5 / math.sqrt(1.0 + depth / clearance)
+    half = math.acos(1.0 / 1001.0)
+    bed = 0.75 * stiffness * math.sqrt(0.5 * clearance)
+    force = bed * ((clearance + depth) * half - clearance * math.sin(half))
+    assert force == pytest.approx(deep, rel=2e-3)
+    assert deep == pytest.approx(
+        math.pi * width * depth / (2.0 * math.sqrt(2.0) * compliance), rel=2e-3
+    )
 
 
 @given(

@@ -67,7 +67,8 @@ def test_a_press_has_bearings_a_process_and_limits(kind: str, tmp_path: Path) ->
     assert scene.bearings != pw.Bearing()
     assert scene.bearings.pressure_limit
     assert isinstance(scene.process, pw.Blanking)
-    assert scene.conventions == CONVENTIONS["refined"]
+    deep = replace(CONVENTIONS["refined"], stiffness="conforming")
+    assert scene.conventions == deep
     assert pw.Scene.from_dict(scene.as_dict()) == scene
 
 

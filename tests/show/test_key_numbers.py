@@ -280,7 +280,7 @@ def test_the_report_says_what_rigid_joints_with_friction_are() -> None:
 def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:
     """The torque of the motor is not that of gear and crank, which the flywheel gives, too."""
     motor = {"motor.torque": "1 N m", "motor.inertia": "0.1 kg m^2"}
-    scene = pw.changed(pw.scenes.slider_crank(), motor)
+    scene = pw.changed(pw.scenes.slider_crank(drive_torque="on"), motor)
     result = pw.run(
         pw.changed(scene, {"cycles": 3, "replicates": 1, "wear_updates": 0})
     )
