@@ -73,6 +73,7 @@ def _compare(arguments: argparse.Namespace, console: Console) -> int:
 def export(arguments: argparse.Namespace, console: Console) -> int:
     """Write stored results as tables for other programs."""
     from presswear.results.export import (
+        cycles_table,
         life_table,
         strokes_table,
         table_of,
@@ -87,9 +88,9 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.life:
         table = life_table(result)
     else:
-        table = (strokes_table if arguments.strokes else table_of)(
-            result, arguments.stage
-        )
+        of_stage = strokes_table if arguments.strokes else table_of
+        of_stage = cycles_table if arguments.cycles else of_stage
+        table = of_stage(result, arguments.stage)
     write_table(arguments.file, table)
     rows = next(iter(table.values())).size
     print_lines(console, f"{rows} rows of {len(table)} columns in {arguments.file}")

@@ -113,9 +113,10 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
     """Write the rows of a sweep as CSV or Parquet."""
     from presswear.sweeps.sweep import export_table, load_sweep
 
-    if arguments.strokes or arguments.life or arguments.stage:
+    options = ("stage", "strokes", "cycles", "life")
+    if any(getattr(arguments, name) for name in options):
         raise InputError(
-            f"{arguments.folder} is a sweep: --stage, --strokes and --life cannot be used"
+            f"{arguments.folder} is a sweep: --stage, --strokes, --cycles and --life cannot be used"
         )
     table = load_sweep(arguments.folder).table
     export_table(table, arguments.file)

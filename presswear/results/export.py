@@ -18,7 +18,15 @@ from typing import BinaryIO
 import numpy as np
 
 from presswear.linkage.drives import linear_bodies
-from presswear.recording.columns import JOINT_SERIES, SERIES
+from presswear.recording.columns import (
+    CYCLE,
+    FILM_CYCLE,
+    JOINT_CYCLE,
+    JOINT_SERIES,
+    LEADER_CYCLE,
+    SERIES,
+    names_of,
+)
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
 from presswear.results.strokes import Strokes, height_of, process_force
@@ -46,6 +54,12 @@ _LINEAR_DRIVE = {
 }
 _LINEAR_UNITS = {"distance": "m", "drive_force": "N"}
 UNITS = {
+    # First, because names of series end longer names, such as ``load_distance``.
+    **{
+        column.name: column.unit
+        for columns in (CYCLE, LEADER_CYCLE, JOINT_CYCLE, FILM_CYCLE)
+        for column in columns
+    },
     **{column.table_name: column.unit for column in SERIES},
     "clock": "s",  # real time; with a motor ``time`` is the nominal time
     "height": "m",  # of the output over the ideal bottom dead centre
@@ -55,6 +69,7 @@ UNITS = {
     **_LINEAR_UNITS,
     "stretch": "m",  # of an elastic frame, or between the centres of an elastic pin
     "strokes": "1",
+    "replicate": "1",
     **{name: item.unit for name, item in FOLLOWED.items()},
 }
 _MOMENTS = [
@@ -138,6 +153,18 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
         )
     columns = np.hstack([strokes.contact, strokes.fracture, strokes.separation])
     return dict(zip(_MOMENTS, columns.T, strict=True))
+
+
+def cycles_table(result: Result, stage: int) -> dict[str, Array]:
+    """Return the numbers of each cycle of all replicates, one row per cycle."""
+    item = result.stage(stage)
+    columns = {"replicate": item.arrays["cycle_start"].astype(float)}
+    for name in names_of((*CYCLE, *(LEADER_CYCLE if item.has_clock else ()))):
+        columns[name] = item.each_cycle(name)
+    for joint in item.joints.values():
+        for name in names_of(joint.cycle_columns):
+            columns[f"{joint.name}_{name}"] = joint.each_cycle(name)
+    return columns
 
 
 def life_table(result: Result) -> dict[str, Array]:

@@ -82,15 +82,19 @@ class JointResult:
         place = index_of("quantity of a contact", name, CONTACT_COLUMNS)
         return self.arrays["contacts"][:, place]
 
+    @property
+    def cycle_columns(self) -> tuple[Column, ...]:
+        """Columns of ``each_cycle``."""
+        has_film = self.arrays["cycles"].shape[1] > JOINT_CYCLE_COUNT
+        return (*JOINT_CYCLE, *FILM_CYCLE) if has_film else JOINT_CYCLE
+
     def each_cycle(self, name: str) -> Array:
         """Return a quantity of each cycle, shape (cycles,); SI.
 
         Its name is of ``JOINT_CYCLE``, or of ``FILM_CYCLE`` with an oil film in the run.
         """
-        columns: tuple[Column, ...] = JOINT_CYCLE
-        if self.arrays["cycles"].shape[1] > JOINT_CYCLE_COUNT:
-            columns += FILM_CYCLE
-        place = index_of("quantity of a joint's cycle", name, names_of(columns))
+        names = names_of(self.cycle_columns)
+        place = index_of("quantity of a joint's cycle", name, names)
         return self.arrays["cycles"][:, place]
 
     def depth(self, side: str) -> Array:

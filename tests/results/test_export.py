@@ -11,8 +11,10 @@ import pytest
 from four_bar_linkage import FOUR_BAR
 
 import presswear as pw
+from presswear.recording.columns import CYCLE, JOINT_CYCLE
 from presswear.results.export import (
     compare_tables,
+    cycles_table,
     life_table,
     read_table,
     strokes_table,
@@ -196,6 +198,19 @@ def test_moments_of_strokes_are_exported(folder: Path) -> None:
         pw.InputError, match="has no strokes to write: the scene has no process"
     ):
         strokes_table(pw.load(folder), 0)
+
+
+def test_numbers_of_each_cycle_are_exported_with_units(folder: Path) -> None:
+    stage = pw.load(folder).stages[0]
+    table = cycles_table(pw.load(folder), 0)
+    assert len(table) == 1 + len(CYCLE) + len(JOINT_CYCLE) * len(stage.joints)
+    for name, joint in stage.joints.items():
+        for column in JOINT_CYCLE:
+            assert unit_of(f"{name}_{column.name}") == column.unit
+            values = table[f"{name}_{column.name}"]
+            np.testing.assert_array_equal(values, joint.each_cycle(column.name))
+    np.testing.assert_array_equal(table["steps"], stage.each_cycle("steps"))
+    np.testing.assert_array_equal(table["replicate"], stage.arrays["cycle_start"])
 
 
 def test_a_life_is_exported_with_units(tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ def test_a_sweep_is_resumed_extended_reported_and_exported(
     )
     command(f"export {folder} {csv}")
     assert csv.read_text() == table.csv()
-    assert "--strokes and --life cannot be used" in command(
+    assert "--strokes, --cycles and --life cannot be used" in command(
         f"export {folder} {csv} --life", 2
     )
     (folder / "sweep.json").write_text(json.dumps({"schema": 2, "plan": {}}))
