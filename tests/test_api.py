@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.physics.curve_following import motion_of
@@ -13,7 +14,7 @@ def test_a_linkage_without_clearance_follows_its_ideal_motion() -> None:
     run = pw.simulate(FOUR_BAR.linkage(), duration="0.2 s")
     assert (run.status, run.time) == ("completed", 0.2)
     ideal = motion_of(FOUR_BAR).at(np.array([0.2])).position[0]
-    np.testing.assert_allclose(run.end.position, ideal, atol=1e-7)
+    assert_allclose(run.end.position, ideal, atol=1e-7)
 
 
 def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
@@ -24,7 +25,7 @@ def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
     ideal = motion_of(linkage.ideal).at(np.zeros(1))
     start = pw.engines.Start(ideal.position[0], ideal.velocity[0])
     again = pw.simulate(linkage, start)
-    np.testing.assert_array_equal(again.end.position, whole.end.position)
+    assert_array_equal(again.end.position, whole.end.position)
 
 
 def test_a_long_run_has_the_steps_of_its_cycles() -> None:
@@ -33,7 +34,7 @@ def test_a_long_run_has_the_steps_of_its_cycles() -> None:
     time = run.recorder.series("time")
     assert np.diff(time).max() < linkage.period / 490
     ideal = motion_of(FOUR_BAR).at(np.array([5.0 * linkage.period])).position[0]
-    np.testing.assert_allclose(run.end.position, ideal, atol=1e-6)
+    assert_allclose(run.end.position, ideal, atol=1e-6)
 
 
 def test_a_linkage_without_drives_needs_a_duration_and_no_cycle() -> None:
@@ -41,7 +42,7 @@ def test_a_linkage_without_drives_needs_a_duration_and_no_cycle() -> None:
     start = pw.engines.Start(np.zeros(3), np.zeros(3))
     fallen = pw.simulate(bar, start, duration="0.5 s").end.position
     expected = [0.0, -0.5 * 9.81 * 0.5**2, 0.0]
-    np.testing.assert_allclose(fallen, expected, atol=1e-12)
+    assert_allclose(fallen, expected, atol=1e-12)
     with pytest.raises(pw.InputError, match="no drive turns"):
         pw.simulate(bar, start)
 
@@ -50,7 +51,7 @@ def test_engines_agree() -> None:
     linkage = pw.scenes.slider_crank().linkage()
     tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
     own = pw.simulate(linkage, duration=1e-3, engine=pw.engines.InHouse())
-    np.testing.assert_allclose(tree.end.position, own.end.position, atol=1e-8)
+    assert_allclose(tree.end.position, own.end.position, atol=1e-8)
 
 
 @pytest.mark.parametrize(

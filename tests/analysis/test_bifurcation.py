@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.analysis import bifurcation
@@ -21,12 +22,10 @@ CYCLES = bifurcation.Cycles(12, 6, 0)
 
 def test_parameter_is_read_with_its_unit() -> None:
     clearance = bifurcation.Parameter.parse("clearance=0.01:0.05:5 mm", SCENE)
-    np.testing.assert_allclose(clearance.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
+    assert_allclose(clearance.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
     speed = bifurcation.Parameter.parse("speed=2pi:12pi:3 rad/s", SCENE)
     # Values of a range have 12 digits.
-    np.testing.assert_allclose(
-        speed.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12
-    )
+    assert_allclose(speed.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12)
     assert speed.unit == "rad/s"
     assert bifurcation.Parameter.parse("B.friction=0.1:0:2", SCENE).values == (0.0, 0.1)
 
@@ -70,9 +69,9 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
         for each, end in ((previous, run.end), (linkage, start))
     )
     cap = min(1.0, (1.0 - CONTACT_GAP) * 5e-4 / np.hypot(*before))
-    np.testing.assert_allclose(after, 0.8 * cap * before, rtol=1e-6)
+    assert_allclose(after, 0.8 * cap * before, rtol=1e-6)
     scaled = 500.0 / previous.drives[0].speed * run.end.velocity
-    np.testing.assert_allclose(start.velocity, scaled, rtol=0.0, atol=0.3)
+    assert_allclose(start.velocity, scaled, rtol=0.0, atol=0.3)
 
 
 def test_a_stopped_branch_is_resumed(tmp_path: Path) -> None:
@@ -132,7 +131,7 @@ def test_a_failed_run_leaves_a_gap(
     branch = bifurcation.read_branch(file)
     assert np.isnan(branch.pins).all()
     start = start_of(changed(SCENE, {"speed": 100.0}))
-    np.testing.assert_array_equal(branch.end[0], [start.position, start.velocity])
+    assert_array_equal(branch.end[0], [start.position, start.velocity])
     diagram = bifurcation.Diagram(SCENE, parameter, CYCLES, {"up": branch})
     assert diagram.periods("up") == [None]
     assert "1 runs failed" in diagram.summary()[0]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 
 import presswear as pw
 from presswear.analysis.contact_modes import (
@@ -36,7 +37,7 @@ def test_modes_follow_each_other() -> None:
     """The long contact sticks while it slides at less than 0.5 m/s, from 3.5 to 4.5 s."""
     line = made()
     edges = [0.0, 1.0, 1.01, 2.0, 2.01, 3.0, 3.5, 4.5, 5.0, 6.0, 6.01, 7.0, 7.01, 8.0]
-    np.testing.assert_allclose(line.edges, edges, rtol=0.0, atol=1e-12)
+    assert_allclose(line.edges, edges, rtol=0.0, atol=1e-12)
     rest = [SUSTAINED, STICKING, SUSTAINED]
     hits = [FREE, IMPACT]
     assert line.mode.tolist() == [*hits, *hits, FREE, *rest, *hits, *hits, FREE]
@@ -54,17 +55,15 @@ def test_shares_transitions_and_visits() -> None:
     assert counts[FREE, IMPACT] == 4
     assert counts[SUSTAINED, STICKING] == counts[STICKING, SUSTAINED] == 1
     assert np.trace(counts) == 0
-    np.testing.assert_allclose(line.visits("impact"), 0.01, rtol=1e-9)
+    assert_allclose(line.visits("impact"), 0.01, rtol=1e-9)
     # The first and the last flight go on beyond what is known.
-    np.testing.assert_allclose(
-        line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9
-    )
+    assert_allclose(line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9)
 
 
 def test_parts_of_the_cycle() -> None:
     """The first of four bins of a cycle of 4 s holds 0 to 1 s and 4 to 5 s."""
     parts = made().over_phase(4.0, 4)
-    np.testing.assert_allclose(parts.sum(axis=0), 1.0, rtol=1e-12)
+    assert_allclose(parts.sum(axis=0), 1.0, rtol=1e-12)
     expected = {FREE: 0.5, STICKING: 0.25, SUSTAINED: 0.25}
     for mode, part in expected.items():
         assert parts[mode, 0] == pytest.approx(part, rel=1e-9)
@@ -102,10 +101,10 @@ def test_two_joints_together() -> None:
     second = Timeline(np.array([0.0, 2.0, 3.0]), np.array([1, 0]), ("open", "closed"))
     both = combine([first, second])
     assert both.names == ("open + closed", "closed + open", "closed + closed")
-    np.testing.assert_array_equal(both.edges, [0.0, 1.0, 2.0, 3.0])
+    assert_array_equal(both.edges, [0.0, 1.0, 2.0, 3.0])
     assert both.mode.tolist() == [0, 2, 1]
     assert len(combine([first, second] * 20).names) == 3
-    np.testing.assert_array_equal(combine([made()]).mode, made().mode)
+    assert_array_equal(combine([made()]).mode, made().mode)
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +141,7 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
     at = scene.mechanism.period * np.arange(3, 6)
     for axis in range(2):
         found = np.interp(at, stage.time, eccentricity[:, axis])
-        np.testing.assert_allclose(kept[:3, axis], found, rtol=0.0, atol=1e-6)
+        assert_allclose(kept[:3, axis], found, rtol=0.0, atol=1e-6)
     assert period_of(scene, stage).period is None
 
 
@@ -166,8 +165,8 @@ def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> N
     hard = speed > 0.2 * speed.max()
     assert hard.sum() > 5
     apart = abs(found[:, None] - phase)
-    np.testing.assert_array_less(apart.min(axis=0)[hard], 1e-4)
-    np.testing.assert_allclose(speed[hard], rate[apart.argmin(axis=0)][hard], rtol=0.05)
+    assert_array_less(apart.min(axis=0)[hard], 1e-4)
+    assert_allclose(speed[hard], rate[apart.argmin(axis=0)][hard], rtol=0.05)
     # A contact that goes on at the end is not among those kept.
     hard = rate[:-1] > 0.2 * speed.max()
-    np.testing.assert_array_less(apart.min(axis=1)[:-1][hard], 1e-4)
+    assert_array_less(apart.min(axis=1)[:-1][hard], 1e-4)

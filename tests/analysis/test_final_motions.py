@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.analysis import kicks, settle
@@ -127,8 +128,8 @@ def test_shares_of_known_basins() -> None:
     assert (result.failed, result.irregular) == (1, 2)
     assert result.half_life == half_life([5] * 40, [40, 40])
     cycles, share = result.unsettled()
-    np.testing.assert_allclose(share[cycles < 5.0], 1.0)
-    np.testing.assert_allclose(share[cycles >= 5.0], 2 / 42)
+    assert_allclose(share[cycles < 5.0], 1.0)
+    assert_allclose(share[cycles >= 5.0], 2 / 42)
 
 
 def test_starts_fill_the_phase_space_of_the_clearance() -> None:
@@ -149,13 +150,13 @@ def test_starts_fill_the_phase_space_of_the_clearance() -> None:
         (starts.velocity, crossing_speeds(SCENE)[0]),
     ):
         radius = np.hypot(*each[:, 0].T) / most
-        np.testing.assert_allclose(
+        assert_allclose(
             np.quantile(radius**2, [0.25, 0.5, 0.75]), [0.25, 0.5, 0.75], atol=0.02
         )
-        np.testing.assert_allclose(each.mean(axis=0), 0.0, atol=0.02 * most)
-    np.testing.assert_array_equal(spread_starts(SCENE, 8).velocity, starts.velocity[:8])
+        assert_allclose(each.mean(axis=0), 0.0, atol=0.02 * most)
+    assert_array_equal(spread_starts(SCENE, 8).velocity, starts.velocity[:8])
     start = starts.start(3, linkage, ideal)
-    np.testing.assert_allclose(
+    assert_allclose(
         eccentricities(linkage, start.position), starts.eccentricity[3], atol=1e-12
     )
     phi, phi_t, *_ = constraints_of(linkage).evaluate(
@@ -163,7 +164,7 @@ def test_starts_fill_the_phase_space_of_the_clearance() -> None:
     )
     assert np.abs(phi).max() < 1e-12
     assert np.abs(phi_t).max() < 1e-9
-    np.testing.assert_allclose(pin_velocity(start), starts.velocity[3, 0], atol=1e-9)
+    assert_allclose(pin_velocity(start), starts.velocity[3, 0], atol=1e-9)
 
 
 def pin_velocity(start: Start) -> Array:
@@ -185,12 +186,10 @@ def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
     start = spread_starts(SCENE, 1).start(0, SCENE.linkage(), start_of(SCENE))
     change = np.array([[0.03, -0.02]])
     kicked = kick_pins(linkage, start, change)
-    np.testing.assert_allclose(
-        pin_velocity(kicked) - pin_velocity(start), change[0], atol=1e-12
-    )
-    np.testing.assert_array_equal(kicked.position, start.position)
+    assert_allclose(pin_velocity(kicked) - pin_velocity(start), change[0], atol=1e-12)
+    assert_array_equal(kicked.position, start.position)
     crank = 3 * linkage.index("crank")
-    np.testing.assert_allclose(
+    assert_allclose(
         kicked.velocity[crank : crank + 3],
         start.velocity[crank : crank + 3],
         atol=1e-12,

@@ -7,6 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from endurance.sameness import folder_differences
+from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.campaign.campaign import run_stage
@@ -41,8 +42,8 @@ def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
     for k, joint in enumerate(second.joints.values()):
         expected = 1e6 * ran.recorders[0].maps.sampled[k]
         assert expected.max() > 0.0
-        np.testing.assert_allclose(joint.depth("bearing"), expected[0], rtol=1e-14)
-        np.testing.assert_allclose(joint.depth("pin"), expected[1], rtol=1e-14)
+        assert_allclose(joint.depth("bearing"), expected[0], rtol=1e-14)
+        assert_allclose(joint.depth("pin"), expected[1], rtol=1e-14)
     assert not first.joints["A"].depth("bearing").any()
 
 
@@ -56,7 +57,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
     for mine, theirs in zip(memory.stages, disk.stages, strict=True):
         assert mine.arrays.keys() == theirs.arrays.keys()
         for name, array in mine.arrays.items():
-            np.testing.assert_array_equal(array, theirs.arrays[name], err_msg=name)
+            assert_array_equal(array, theirs.arrays[name], err_msg=name)
         assert mine.statistics == theirs.statistics
         assert (
             mine.wear_steps == ()
@@ -65,7 +66,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
         for name in ("time", "position", "joints"):
             one = getattr(mine.film, name)
             other = getattr(theirs.film, name)
-            np.testing.assert_array_equal(one, other, err_msg=name)
+            assert_array_equal(one, other, err_msg=name)
     table = str(memory).splitlines()[1:]
     assert table == str(disk).splitlines()[1:]
     assert [line[:10].strip() for line in table[1:5]] == [

@@ -1,191 +1,46 @@
 """Wear updates: wear laws in closed form under an engine that does nothing else."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
-from io import StringIO
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from rich.console import Console
-from scipy import stats
+from fake_engine import (
+    CLEARANCE,
+    CYCLES,
+    JUMPS,
+    RATE,
+    REPRESENTED,
+    RUN_IN,
+    RUNS_IN,
+    SCENE,
+    SHAPE,
+    Campaign,
+    FakeEngine,
+    added_to,
+    constant,
+    depth_of,
+    exponential,
+    half_of,
+    uneven,
+)
+from numpy.testing import assert_allclose
 
-from presswear.campaign import runs
-from presswear.campaign.campaign import run_campaign
 from presswear.campaign.wear_update import FIRST_REFINEMENT
-from presswear.cli import run_observer
-from presswear.cli.life import announcing
-from presswear.cli.run_observer import RunObserver
-from presswear.cli.terminal import progress_bar
-from presswear.engines.base import Plan, Run, Start, Status, recorder_of
-from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.materials import Materials
-from presswear.linkage.surface import SIDES, bin_centres
-from presswear.physics.running_in import RunningIn
 from presswear.physics.wear import worn_volume
-from presswear.recording.observer import Observer, Progress
-from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
     STARTUP_CYCLES,
     MapBatches,
-    half_width,
     mean_map,
     smoothing_widths,
 )
-from presswear.results.export import life_table
-from presswear.results.joint_result import JointResult
-from presswear.results.life import LifeResult
-from presswear.results.result import load, unfinished
-from presswear.results.stage import StageResult
-from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS
-from presswear.scene.options import Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.show.report import render_report
-from presswear.tools.arrays import Array, named, part
-from presswear.tools.errors import InputError
-
-Law = Callable[[int, Array], Array]
-"""Number of the run, and depth of the surfaces, shape (joints, 2, m): depth of one cycle, m."""
-
-
-@dataclass
-class FakeEngine:
-    """Engine that wears by a law; runs are numbered from 1, and one of them may fail."""
-
-    law: Law
-    fails: int = 0
-    runs: int = 0
-
-    def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
-        self.runs += 1
-        recorder = recorder_of(linkage, start, plan)
-        recorder.records.output["now"] = plan.cycle * plan.cycles
-        if plan.resume is not None:
-            recorder.load(part(plan.resume, "recorder"))
-        status: Status = "completed"
-        for cycle in range(len(recorder.cycles), plan.cycles):
-            recorder.records.nominal["now"] = (cycle + 0.5) * plan.cycle
-            plan.advanced(recorder)
-            recorder.records.cycle[:] = 100.0 * self.runs
-            worn = recorder.surface_depth
-            worn = worn if worn.size else np.zeros(recorder.records.depth.shape)
-            recorder.records.depth[...] = self.law(self.runs, worn)
-            added = recorder.end_cycle()
-            if plan.wear is not None:
-                depth = recorder.surface_depth
-                recorder.wear(plan.wear(cycle + 1, added, depth), lambda: None)
-            state = partial(named, "recorder", recorder.save())
-            if any(observer.on_cycle(recorder, state) for observer in plan.observers):
-                status = "enough" if cycle + 1 < plan.cycles else "completed"
-                break
-        finding = None
-        if self.runs == self.fails:
-            status = "failed"
-            finding = Finding("state", "the solver found no step", 0.1, "", "")
-        solved: dict[str, Any] = {"model": "none", "steps": 1}
-        solved |= {"energy_residual_J": 0.0, "drive_exchange_J": 0.0}
-        return Run(status, finding, recorder, start, plan.cycle * plan.cycles, solved)
-
-
-class Seen(Observer):
-    """Stages, progress and outcome of a campaign."""
-
-    def __init__(self) -> None:
-        self.stages: list[StageResult] = []
-        self.progress: list[Progress] = []
-        self.life: LifeResult | None = None
-        self.status = self.message = ""
-
-    def on_progress(self, progress: Progress) -> None:
-        self.progress.append(progress)
-
-    def on_life(self, life: LifeResult) -> None:
-        self.life = life
-
-    def on_stage(self, stage: StageResult) -> None:
-        self.stages.append(stage)
-
-
-CLEARANCE = 0.8e-3
-CYCLES = 6
-REPRESENTED = 4e6
-RATE = 0.05 * CLEARANCE / REPRESENTED
-"""Depth of one cycle where it is deepest: an update wears a twentieth of the clearance, m."""
-
-SCENE = replace(
-    wear_times(),
-    cycles=CYCLES,
-    wear_updates=2,
-    replicates=2,
-    cycles_per_update=REPRESENTED,
-    extrapolation="steps",
-)
-JUMPS = replace(SCENE, extrapolation="single")
-SHAPE = np.stack(
-    [np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin_centres(360))]
-)
-"""Wear of bearing and pin; its largest value is that of the bearing, near 1."""
-
-
-def constant(run: int, depth: Array) -> Array:
-    return np.stack([RATE * SHAPE, 0.4 * RATE * SHAPE])
-
-
-def uneven(run: int, depth: Array) -> Array:
-    """Return rates that come and go from run to run, as in a chaotic motion."""
-    return constant(run, depth) * (1.0, 0.3, 2.7, 0.9)[run % 4]
-
-
-def exponential(run: int, depth: Array) -> Array:
-    """Return dh/dN = a + b h: the depth grows to a (exp(b N) - 1) / b."""
-    return RATE * SHAPE + depth / REPRESENTED
-
-
-def depth_of(joint: JointResult) -> Array:
-    return np.stack([joint.depth(side) for side in SIDES])
-
-
-def added_to(joint: JointResult) -> Array:
-    return np.stack([joint.wear(side) for side in SIDES])
-
-
-def half_of(*values: float) -> float:
-    return half_width(np.array(values)) or math.nan
-
-
-Campaign = Callable[..., Seen]
-Use = Callable[[FakeEngine], None]
-
-
-@pytest.fixture
-def use(monkeypatch: pytest.MonkeyPatch) -> Use:
-    """Return a function that puts a fake engine in place of any."""
-
-    def replace_all(engine: FakeEngine) -> None:
-        for kind in (ExudynTree, ExudynJoints, InHouse):
-            monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
-
-    return replace_all
-
-
-@pytest.fixture
-def campaign(use: Use) -> Campaign:
-    """Return a function that runs a campaign with a fake engine."""
-
-    def run_with(scene: Scene, engine: FakeEngine, **settings: Any) -> Seen:
-        use(engine)
-        seen = Seen()
-        seen.status, seen.message, _ = run_campaign(replace(scene, **settings), [seen])
-        return seen
-
-    return run_with
+from presswear.tools.arrays import Array
 
 
 @pytest.mark.parametrize("cycles", [1, 2, 7])
@@ -200,11 +55,11 @@ def test_constant_rate_is_exact_in_any_number_of_steps(
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
         expected = REPRESENTED * constant(0, np.zeros(0))
         for (name, joint), added in zip(stage.joints.items(), expected, strict=True):
-            np.testing.assert_allclose(added_to(joint), added, rtol=1e-12)
+            assert_allclose(added_to(joint), added, rtol=1e-12)
             depth = depth_of(seen.stages[stage.index + 1].joints[name])
-            np.testing.assert_allclose(depth, (stage.index + 1.0) * added, rtol=1e-12)
+            assert_allclose(depth, (stage.index + 1.0) * added, rtol=1e-12)
             deepest = list(stage.wear_steps[-1].max_depth[name].values())
-            np.testing.assert_allclose(deepest, depth.max(axis=1), rtol=1e-12)
+            assert_allclose(deepest, depth.max(axis=1), rtol=1e-12)
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
             volume = joint.statistics.wear_volume.mean
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
@@ -255,7 +110,7 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> N
         part = (peak.step_error or 0.0) / peak.depth.mean
         assert peak.depth.high == pytest.approx(peak.depth.mean * math.exp(part))
         assert peak.depth.low == pytest.approx(peak.depth.mean * math.exp(-part))
-    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
+    assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
 
 def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> None:
@@ -351,9 +206,9 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> N
     shares = [0.0, 0.0, 1.5, 1.5, first, second, together, together, *alone]
     assert sorted(seen) == list(range(1, 11))
     for run, share in enumerate(shares, start=1):
-        np.testing.assert_allclose(seen[run][0], share * jump, rtol=1e-12)
+        assert_allclose(seen[run][0], share * jump, rtol=1e-12)
     joint = stages[2].joints["A"]
-    np.testing.assert_allclose(joint.depth("bearing"), together * jump[0], rtol=1e-12)
+    assert_allclose(joint.depth("bearing"), together * jump[0], rtol=1e-12)
     statistics = stages[1].joints["A"].statistics
     volume = worn_volume(wear_times().linkage().clearances[0], jump)
     added = np.array([first + 0.3, second + 2.7]) * volume
@@ -443,7 +298,7 @@ def test_an_update_wears_a_tenth_of_the_clearance_by_default(
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=None)
     assert {stage.cycles_per_update for stage in seen.stages} == {2.0 * REPRESENTED}
     depth = [stage.joints["A"].depth("bearing").max() for stage in seen.stages]
-    np.testing.assert_allclose(depth, CLEARANCE * np.array([0.0, 0.1, 0.2]), rtol=0.01)
+    assert_allclose(depth, CLEARANCE * np.array([0.0, 0.1, 0.2]), rtol=0.01)
 
 
 @pytest.mark.parametrize("cycles", [CYCLES, None])
@@ -488,39 +343,6 @@ def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
     assert words[0].endswith("of 30")
 
 
-LIFE = replace(
-    SCENE,
-    conventions=CONVENTIONS["refined"],
-    life=Life(until="A.depth > 0.3 mm"),
-    wear_updates=1,
-)
-"""Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
-
-
-class Stops(Observer):
-    """Interrupts a life in a refinement."""
-
-    def __init__(self, number: int) -> None:
-        self._word = f"refinement {number}"
-
-    def on_progress(self, progress: Progress) -> None:
-        if self._word in progress.word:
-            raise KeyboardInterrupt
-
-
-def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Scene:
-    """Interrupt a life in a refinement; return its scene."""
-    scene = replace(LIFE, tolerance=tolerance)
-    use(FakeEngine(exponential))
-    with pytest.raises(KeyboardInterrupt):
-        runs.run(scene, path, observers=[Stops(number)], jobs=1)
-    return scene
-
-
-RUNS_IN = RunningIn(30.0, 20e-6)
-RUN_IN = {"running_in": 30.0, "running_in_depth": "20 um"}
-
-
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])
 def test_surfaces_run_in_alike_in_any_number_of_steps(
     campaign: Campaign, scene: Scene
@@ -533,9 +355,9 @@ def test_surfaces_run_in_alike_in_any_number_of_steps(
             for (name, joint), added in worn:
                 before = RUNS_IN.worn(np.zeros(360), stage.index * added)
                 expected = RUNS_IN.worn(before, added)
-                np.testing.assert_allclose(added_to(joint), expected, rtol=1e-9)
+                assert_allclose(added_to(joint), expected, rtol=1e-9)
                 depth = depth_of(seen.stages[stage.index + 1].joints[name])
-                np.testing.assert_allclose(depth, before + expected, rtol=1e-9)
+                assert_allclose(depth, before + expected, rtol=1e-9)
     (default,) = {
         stage.cycles_per_update
         for stage in campaign(
@@ -544,248 +366,3 @@ def test_surfaces_run_in_alike_in_any_number_of_steps(
     }
     tenth = RUNS_IN.archard_depth(np.array(0.1 * CLEARANCE))
     assert default == pytest.approx(float(tenth) / RATE, rel=0.2)
-
-
-@pytest.mark.slow
-def test_life_of_surfaces_that_run_in_again(campaign: Campaign) -> None:
-    """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
-    whole = float(RUNS_IN.archard_depth(np.array(0.3e-3)) / (RATE * SHAPE[0].max()))
-    life = Life(until="A.depth > 0.3 mm", replaced=f"A@{0.5 * whole!r}")
-    scene = replace(changed(LIFE, RUN_IN), life=life)
-    seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
-    assert seen.life is not None
-    assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
-
-
-def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
-    campaign: Campaign,
-) -> None:
-    """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
-    progress = campaign(LIFE, FakeEngine(exponential)).progress
-    watched = [each.whole for each in progress if "does the motion settle" in each.word]
-    assert watched
-    assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
-
-
-def test_a_finished_refinement_gives_a_preliminary_life(
-    use: Use, tmp_path: Path
-) -> None:
-    """It is stored with its state, and reported, while the next refinement runs."""
-    path = tmp_path / "life"
-    scene = interrupted_life(path, use, 2, 0.1)
-    result = load(path)
-    life = result.life
-    assert life is not None
-    assert (life.ended, result.stages, life.step) == ("preliminary", (), None)
-    exact = REPRESENTED * math.log(1.0 + 0.3e-3 / (RATE * REPRESENTED))
-    assert life.strokes == pytest.approx(exact, rel=0.1)
-    state = "refinement 1 is finished and has an error of"
-    assert f"{life}".startswith("preliminary life: ")
-    assert state in f"{life}"
-    assert "an unknown error of the wear steps; refinement 2 runs next" in f"{life}"
-    assert "a preliminary life and 0 of 2 stages are stored" in unfinished(result)
-    page = render_report(result)
-    assert state in page
-    assert "Service life, preliminary" in page
-    with pytest.raises(InputError, match="its life is preliminary, without curves"):
-        life_table(result)
-    finished = runs.run(scene, path, jobs=1).life
-    assert finished is not None
-    assert finished.ended == "limit"
-    # The deviations have the weight of the refinement in each life.
-    first = replace(finished.refinements[0], deviations=life.refinements[0].deviations)
-    assert first == life.refinements[0]
-
-
-def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
-    """Refinements that meet it already give the life at once; a tighter one is refused."""
-    path = tmp_path / "life"
-    scene = interrupted_life(path, use, 3, 2e-3)
-    with pytest.raises(InputError, match=r"tolerance is 0\.002 there and 0\.001 here"):
-        runs.run(replace(scene, tolerance=1e-3), path, jobs=1)
-    words = Seen()
-    result = runs.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
-    assert not any("refinement" in progress.word for progress in words.progress)
-    assert (result.status, result.scene.tolerance) == ("completed", 0.3)
-    assert result.life is not None
-    assert result.life.ended == "limit"
-    assert len(result.life.refinements) == 2
-    assert 2e-3 < (result.life.error or 0.0) < 0.3
-
-
-def test_a_looser_tolerance_completes_a_life_that_was_not_known(
-    use: Use, tmp_path: Path
-) -> None:
-    path = tmp_path / "life"
-    assert LIFE.life is not None
-    scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
-    use(FakeEngine(exponential))
-    assert runs.run(scene, path, jobs=1).status == "unconverged"
-    result = runs.run(replace(scene, tolerance=0.3), path, jobs=1)
-    assert (result.status, result.message, result.scene.tolerance) == (
-        "completed",
-        "",
-        0.3,
-    )
-
-
-@pytest.mark.parametrize("answer", ["y", "n"])
-def test_a_long_life_is_announced_and_confirmed(
-    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    console = Console(file=StringIO(), force_terminal=True, width=200)
-    bar = progress_bar(console)
-    scene = replace(LIFE, tolerance=0.1)
-    use(FakeEngine(exponential))
-    monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
-    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("builtins.input", lambda question: answer)
-    watched = Noted(bar, scene, False)
-    if answer == "n":
-        with pytest.raises(KeyboardInterrupt):
-            runs.run(scene, tmp_path / "life", observers=[watched], jobs=1)
-        assert watched.cycles > 0.0
-        return
-    life = runs.run(scene, observers=[watched], jobs=1).life
-    assert life is not None
-    ran = sum(each.cycles for each in life.refinements)
-    assert 0.5 < watched.cycles / ran < 2.0
-    assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize("answer", ["y", "n"])
-def test_compared_lives_are_announced_and_confirmed_once(
-    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    console = Console(file=StringIO(), force_terminal=True, width=200)
-    scene = replace(LIFE, tolerance=0.1)
-    asked = []
-
-    def answering(question: str) -> str:
-        asked.append(question)
-        return answer
-
-    use(FakeEngine(exponential))
-    monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
-    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("builtins.input", answering)
-    announce = announcing(progress_bar(console), 2.0, False)
-    lives = {"plain": scene, "other": replace(scene, seed=1)}
-    run_lives = partial(
-        runs.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
-    )
-    if answer == "n":
-        with pytest.raises(KeyboardInterrupt):
-            run_lives()
-    else:
-        assert [result.status for result in run_lives().values()] == ["completed"] * 2
-    shown = console.file.getvalue()  # type: ignore[attr-defined]
-    assert len(asked) == 1
-    assert "plain: the life needs about" in shown
-    assert "all lives take about" in shown
-    assert ("other: the life needs about" in shown) == (answer == "y")
-
-
-class Noted(RunObserver):
-    """Keeps the announced cycles."""
-
-    cycles = 0.0
-
-    def on_life_start(self, cycles: float, seconds: float) -> None:
-        self.cycles = cycles
-        super().on_life_start(cycles, seconds)
-
-    def on_stage(self, stage: StageResult) -> None:
-        """Ignore stages, because the fake engine has no statistics of a solver."""
-
-
-def quick(until: str = "A.depth > 0.3 mm", **settings: Any) -> Scene:
-    return replace(
-        LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings
-    )
-
-
-def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
-    """dh/dN = a + b h: up to half of the limit at the rate a, then at the rate a + b h."""
-    use(FakeEngine(exponential))
-    path = tmp_path / "life"
-    result = runs.run(quick(), path, jobs=1)
-    assert (result.status, len(result.stages)) == ("completed", 2)
-    life = load(path).life
-    assert life == result.life
-    assert life is not None
-    assert (life.ended, life.step, life.error, life.refinements) == (
-        "quick",
-        None,
-        None,
-        (),
-    )
-    half = 0.15e-3
-    rate = RATE * SHAPE[0].max()
-    first = half / rate
-    second = half / (rate + half / REPRESENTED)
-    assert life.strokes == pytest.approx(first + second, rel=0.02)
-    by_joint = [rate for rate in life.wear_rates if rate.joint == "A"]
-    assert [rate.surfaces for rate in by_joint] == ["new", "worn once"]
-    assert by_joint[0].until == by_joint[1].since == pytest.approx(first, rel=0.02)
-    growth = 1.0 + half / (rate * REPRESENTED)
-    assert by_joint[1].rate / by_joint[0].rate == pytest.approx(growth, rel=0.02)
-    low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
-    assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
-    assert f"{life}".startswith("quick life: ")
-    page = render_report(result)
-    for text in (f"{life}", page):
-        assert "no error of steps" in text
-    assert "This life is quick, with no error of steps" in page
-    assert "Service life, quick" in page
-    assert "A: worn once" in page
-    with pytest.raises(InputError, match="its life is quick, without curves"):
-        life_table(result)
-
-
-def test_a_quick_life_runs_two_short_stages(use: Use) -> None:
-    use(FakeEngine(exponential))
-    result = runs.run(quick(replicates=3), jobs=1)
-    assert [stage.statistics.cycles for stage in result.stages] == [30, 30]
-
-
-def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
-    class StopsInTheSecondStage(Observer):
-        def on_progress(self, progress: Progress) -> None:
-            if progress.stage == 1:
-                raise KeyboardInterrupt
-
-    use(FakeEngine(exponential))
-    whole = runs.run(quick(), jobs=1).life
-    path = tmp_path / "life"
-    with pytest.raises(KeyboardInterrupt):
-        runs.run(quick(), path, observers=[StopsInTheSecondStage()], jobs=1)
-    assert load(path).life is None
-    assert runs.run(quick(), path, jobs=1).life == whole
-
-
-@pytest.mark.parametrize(
-    ("until", "settings", "message"),
-    [
-        (
-            "bdc_drift > 1 mm",
-            {},
-            "until: bdc_drift: allowed are depth, wear_volume and tilt with",
-        ),
-        (
-            "depth > 0.1 mm",
-            {"wear_updates": 2},
-            "wear_updates = 2: allowed is 1 with life.quick",
-        ),
-        (
-            "depth > 0.1 mm",
-            {"bearings": Bearing(materials=Materials(running_in=30.0))},
-            "running_in = 30: allowed is 1 with life.quick",
-        ),
-    ],
-)
-def test_a_quick_life_of_other_limits_is_refused(
-    until: str, settings: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        quick(until, **settings)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 from runs import run_scene
 
@@ -59,16 +60,14 @@ def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine) -> None:
     coarse_rows, coarse_maps = run_round(COARSE, COARSE)
     assert rows == fine_rows
     assert rows == coarse_rows
-    np.testing.assert_array_equal(maps[0], fine_maps[0])
-    np.testing.assert_array_equal(maps[1, :, :COARSE], coarse_maps[1])
+    assert_array_equal(maps[0], fine_maps[0])
+    assert_array_equal(maps[1, :, :COARSE], coarse_maps[1])
     assert maps[0].max() > 0.0
     assert maps[1].max() > 0.0
     assert not maps[1, :, COARSE:].any()
     # The depth of a coarse bin is the mean over the fine bins in its range of angle.
     means = fine_maps.reshape(2, 2, COARSE, -1).mean(axis=3)
-    np.testing.assert_allclose(
-        maps[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max()
-    )
+    assert_allclose(maps[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max())
 
 
 @each_engine

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from runs import residual, run_scene
 from slotted import (
     BARREL,
@@ -82,7 +83,7 @@ def test_boom_turns_by_the_law_of_cosines(is_reversed: bool) -> None:
     motion, _ = _motion_of(boom(is_reversed=is_reversed))
     levels = motion.position, motion.velocity, motion.acceleration
     for level, expected in zip(levels, _law_of_cosines(motion.time), strict=True):
-        np.testing.assert_allclose(level[:, 8], expected, atol=1e-11 * SPEED**2)
+        assert_allclose(level[:, 8], expected, atol=1e-11 * SPEED**2)
 
 
 @pytest.mark.parametrize("is_reversed", [False, True])
@@ -95,7 +96,7 @@ def test_force_has_the_power_of_the_motion(make: object, is_reversed: bool) -> N
     speed = STROKE * SPEED * np.cos(SPEED * motion.time)
     power = _power(linkage, motion)
     allowed = 1e-9 * np.abs(power).max()
-    np.testing.assert_allclose(force[:, 0] * speed, power, atol=allowed)
+    assert_allclose(force[:, 0] * speed, power, atol=allowed)
 
 
 def test_force_of_a_light_cylinder() -> None:
@@ -109,7 +110,7 @@ def test_force_of_a_light_cylinder() -> None:
     inertia = 1.5 + 20.0 * 0.3**2
     moment = inertia * turning + 20.0 * linkage.gravity * 0.3 * np.cos(angle)
     expected = moment * length / (BOOM * BASE * np.sin(angle))
-    np.testing.assert_allclose(force[:, 0], expected, atol=1e-5)
+    assert_allclose(force[:, 0], expected, atol=1e-5)
 
 
 def test_forces_of_a_table() -> None:
@@ -128,9 +129,9 @@ def test_forces_of_a_table() -> None:
     along_y = np.array([math.cos(turn), math.sin(turn)])
     saddle = np.outer(x, along_x) + np.array([0.0, linkage.gravity])
     on_table = saddle + np.outer(y, along_y)
-    np.testing.assert_allclose(force[:, 1], 25.0 * on_table @ along_y, atol=1e-8)
+    assert_allclose(force[:, 1], 25.0 * on_table @ along_y, atol=1e-8)
     both = 40.0 * saddle + 25.0 * on_table
-    np.testing.assert_allclose(force[:, 0], both @ along_x, atol=1e-8)
+    assert_allclose(force[:, 0], both @ along_x, atol=1e-8)
 
 
 @pytest.mark.parametrize("is_reversed", [False, True])
@@ -162,7 +163,7 @@ def _compare(scene: Scene) -> None:
         assert np.abs(run.end.position - reference.end.position).max() < 1e-8
         assert residual(run) < 1e-9
         torque = run.recorder.records.torque
-        np.testing.assert_allclose(torque, forces, atol=1e-5 * scale)
+        assert_allclose(torque, forces, atol=1e-5 * scale)
     assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
     assert residual(joined) < 1e-5
     works = (float(run.diagnostics["drive_work_J"]) for run in (joined, reference))
@@ -179,7 +180,7 @@ def test_a_sleeve_driven_along_a_rod_is_prescribed() -> None:
     position = ideal.at(time).position.reshape(13, -1, 3)
     distance = np.hypot(*(position[:, 1, :2] - position[:, 3, :2]).T)
     expected = np.abs(0.05 + 0.03 * np.sin(SPEED * time))
-    np.testing.assert_allclose(distance, expected, atol=1e-14)
+    assert_allclose(distance, expected, atol=1e-14)
     _compare(_scene(linkage, joints="E"))
 
 
@@ -208,11 +209,11 @@ def test_results_have_distance_and_force_of_the_cylinder(tmp_path: Path) -> None
     columns = table_of(result, 0)
     phase = SPEED * columns["time"]
     place = 0.15 + STROKE * np.sin(phase)
-    np.testing.assert_allclose(columns["barrel_distance"], place, atol=1e-12)
+    assert_allclose(columns["barrel_distance"], place, atol=1e-12)
     speed = STROKE * SPEED * np.cos(phase)
-    np.testing.assert_allclose(columns["barrel_velocity"], speed, atol=1e-11)
+    assert_allclose(columns["barrel_velocity"], speed, atol=1e-11)
     power = columns["barrel_drive_force"] * speed
-    np.testing.assert_allclose(columns["barrel_power"], power, rtol=1e-9, atol=1e-6)
+    assert_allclose(columns["barrel_power"], power, rtol=1e-9, atol=1e-6)
     assert "Peak drive force" in result.report().read_text(encoding="utf-8")
 
 

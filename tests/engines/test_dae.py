@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from runs import in_all_coordinates, residual, run_scene
 from scipy.linalg import null_space
 
@@ -54,10 +55,8 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     out = np.zeros_like(y)
     assert system.constraints is not None
     evaluate_constrained(system, system.constraints, 0.1, y, out, END)
-    np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
-    np.testing.assert_allclose(
-        system.constraints.multipliers, exact[18:], rtol=1e-9, atol=1e-9
-    )
+    assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
+    assert_allclose(system.constraints.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("joints", ["none", "A", "AC"])
@@ -83,11 +82,11 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
     phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
     free = null_space(jacobian)
     assert np.abs(phi).max() < 1e-13 > 1e-2 * np.abs(phi_t).max()
-    np.testing.assert_allclose(jacobian @ a, gamma, rtol=1e-12, atol=1e-10)
+    assert_allclose(jacobian @ a, gamma, rtol=1e-12, atol=1e-10)
     for level, before in zip((q, v, a), given, strict=True):
         forces = mass * (level - before)
         assert np.abs(free.T @ forces).max(initial=0.0) < 1e-6 * np.abs(forces).max()
-    np.testing.assert_allclose(
+    assert_allclose(
         -jacobian.T @ multipliers, mass * (a - given[2]), rtol=1e-6, atol=1e-12
     )
 
@@ -117,7 +116,7 @@ def test_equal_steps_in_a_contact_are_counted_once() -> None:
     contacts = records.stored_contacts[0][: records.counters[0]["rows"]]
     assert len(contacts) > 1
     duration = contacts["separation"] - contacts["touchdown"]
-    np.testing.assert_allclose(contacts["steps"], duration / step, atol=1.0)
+    assert_allclose(contacts["steps"], duration / step, atol=1.0)
 
 
 def test_projection_holds_the_constraints_without_baumgarte() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from runs import residual, run_scene
 from slotted import SPEED, cylinder
 
@@ -51,11 +52,11 @@ def test_force_on_a_slide(direction: float) -> None:
     motion = ideal.at(time)
     place = 0.2 + 0.04 * np.sin(6.0 * time)
     expected = [0.1 + math.cos(direction) * place, 0.3 + math.sin(direction) * place]
-    np.testing.assert_allclose(motion.position[:, :2].T, expected, atol=1e-15)
+    assert_allclose(motion.position[:, :2].T, expected, atol=1e-15)
     force = needed_torques(linkage, ideal, time)[:, 0]
     inertia = -0.04 * 6.0**2 * np.sin(6.0 * time)
     weight = linkage.gravity * math.sin(direction)
-    np.testing.assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
+    assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
 
 
 def test_force_has_the_power_of_the_motion() -> None:
@@ -77,7 +78,7 @@ def test_force_has_the_power_of_the_motion() -> None:
     speed = SPEED * (0.04 * np.cos(phase) - 0.01 * np.sin(phase))
     speed += 2.0 * SPEED * 0.004 * np.cos(2.0 * phase)
     force = needed_torques(linkage, ideal, time)[:, 0]
-    np.testing.assert_allclose(force * speed, power, atol=1e-9 * np.abs(power).max())
+    assert_allclose(force * speed, power, atol=1e-9 * np.abs(power).max())
 
 
 @pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
@@ -99,7 +100,7 @@ def test_engines_agree_and_keep_the_energy(joints: str) -> None:
         assert np.abs(run.end.position - reference.end.position).max() < 1e-9
         assert residual(run) < 1e-9
         forces = reference.recorder.records.torque
-        np.testing.assert_allclose(run.recorder.records.torque, forces, rtol=1e-6)
+        assert_allclose(run.recorder.records.torque, forces, rtol=1e-6)
     assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
     assert residual(joined) < 1e-5
     work = "drive_work_J"
@@ -116,11 +117,11 @@ def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
     for name, unit in units.items():
         assert unit_of(f"piston_{name}") == unit
     power = table["piston_drive_force"] * table["piston_velocity"]
-    np.testing.assert_allclose(table["piston_power"], power)
+    assert_allclose(table["piston_power"], power)
     phase = SPEED * table["time"]
     place = 0.1 + 0.01 * (np.cos(phase) - 1.0) + 0.04 * np.sin(phase)
     place += 0.004 * np.sin(2.0 * phase)
-    np.testing.assert_allclose(table["piston_distance"], place, atol=1e-12)
+    assert_allclose(table["piston_distance"], place, atol=1e-12)
     report = render_report(result)
     assert "Peak drive force" in report
     assert "force, largest (kN)" in report

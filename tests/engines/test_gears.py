@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from runs import residual, run_scene
 from slotted import RADIUS, SPEED, cylinder, geared_five_bar
 
@@ -64,11 +65,11 @@ def test_torques_of_two_wheels() -> None:
     time = np.linspace(0.0, UNEVEN.period, 37)
     motion = ideal.at(time)
     expected = 0.4 + RATIO * motion.position[:, 2]
-    np.testing.assert_allclose(motion.position[:, 5], expected, atol=1e-12)
+    assert_allclose(motion.position[:, 5], expected, atol=1e-12)
     drive, gears = needed_torques(UNEVEN, ideal, time).T
     acceleration = uneven_acceleration(time)
-    np.testing.assert_allclose(gears, SECOND * RATIO * acceleration, atol=1e-10)
-    np.testing.assert_allclose(drive, REFLECTED * acceleration, atol=1e-10)
+    assert_allclose(gears, SECOND * RATIO * acceleration, atol=1e-10)
+    assert_allclose(drive, REFLECTED * acceleration, atol=1e-10)
 
 
 @pytest.mark.parametrize("engine", [InHouse(), ExudynJoints()], ids=lambda e: e.word)
@@ -76,7 +77,7 @@ def test_a_run_has_these_torques(engine: Engine) -> None:
     run = pw.simulate(UNEVEN, duration=0.1, engine=engine)
     acceleration = uneven_acceleration(run.time)
     expected = [REFLECTED * acceleration, SECOND * RATIO * acceleration]
-    np.testing.assert_allclose(run.recorder.records.torque, expected, rtol=1e-9)
+    assert_allclose(run.recorder.records.torque, expected, rtol=1e-9)
     assert residual(run) < 1e-7
 
 
@@ -94,7 +95,7 @@ def test_a_motor_speeds_up_both_wheels(engine: Engine) -> None:
     assert run.end.velocity[5] == pytest.approx(RATIO * speed, rel=1e-12)
     acceleration = NOMINAL * decay / constant
     expected = [REFLECTED * acceleration, SECOND * RATIO * acceleration]
-    np.testing.assert_allclose(run.recorder.records.torque, expected, rtol=1e-7)
+    assert_allclose(run.recorder.records.torque, expected, rtol=1e-7)
     work = 0.5 * REFLECTED * speed**2
     assert run.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-8)
 
@@ -111,8 +112,8 @@ def test_mirrored_cranks_guide_the_pin_of_their_rods() -> None:
     angle = 0.3 + SPEED * time
     reach = 0.2 - RADIUS * np.cos(angle)
     expected = RADIUS * np.sin(angle) + np.sqrt(0.4**2 - reach**2)
-    np.testing.assert_allclose(x, 0.0, atol=1e-13)
-    np.testing.assert_allclose(y, expected, atol=1e-13)
+    assert_allclose(x, 0.0, atol=1e-13)
+    assert_allclose(y, expected, atol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +132,7 @@ def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints: str) -> 
     for run in runs:
         assert np.abs(run.end.position - reference.end.position).max() < 1e-9
         assert residual(run) < 1e-8
-        np.testing.assert_allclose(run.recorder.records.torque, torques, rtol=1e-6)
+        assert_allclose(run.recorder.records.torque, torques, rtol=1e-6)
     assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
     assert residual(joined) < 3e-5
     work = "drive_work_J"

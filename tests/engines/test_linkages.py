@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
+from numpy.testing import assert_allclose
 from runs import residual, run_scene
 from slotted import driven_rod, shaper, skew_quick_return
 from sub_chains import ARM, PUMP, STEPHENSON
@@ -175,12 +176,12 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     one, other = (
         np.array(touchdowns(run, joints))[: TOUCHES - 1] for run in (reference, ours)
     )
-    np.testing.assert_allclose(one, other, atol=1e-8)
+    assert_allclose(one, other, atol=1e-8)
     assert np.abs(ours.end.position - reference.end.position).max() < 1e-8
     exchanged = float(reference.diagnostics["drive_exchange_J"])
     assert max(residual(reference), residual(ours)) < 1e-7
     torques = reference.recorder.records.torque
-    np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
+    assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
     for work in ("drive_work_J", "load_work_J"):
         expected = pytest.approx(
             float(reference.diagnostics[work]), abs=1e-7 * exchanged
@@ -218,7 +219,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
         run = run_scene(scene, engine, 0.08 * crank.period)
         assert len(run.recorder.stored_contacts(0)) > 0
         ends.append(np.array([run.end.position, run.end.velocity]))
-    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
+    assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
 
 
 def test_a_body_that_can_turn_needs_inertia() -> None:

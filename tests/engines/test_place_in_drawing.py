@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -101,12 +102,8 @@ def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(
         assert (contacts["release_speed"] < 0.0).all()
         # Impacts magnify the round-off of a place, 1e-13 m at 1,000 m, some thousand
         # times.
-        np.testing.assert_allclose(
-            contacts["touchdown"], expected["touchdown"], atol=1e-7
-        )
-        np.testing.assert_allclose(
-            contacts["peak_force"], expected["peak_force"], rtol=1e-4
-        )
+        assert_allclose(contacts["touchdown"], expected["touchdown"], atol=1e-7)
+        assert_allclose(contacts["peak_force"], expected["peak_force"], rtol=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(24))
@@ -154,9 +151,7 @@ def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) 
         contacts = contacts_of(run, k)
         expected = contacts_of(at_origin, k)
         for column, tolerance in (("touchdown", 1e-6), ("closing_speed", 1e-4)):
-            np.testing.assert_allclose(
-                contacts[column][:3], expected[column][:3], rtol=tolerance
-            )
+            assert_allclose(contacts[column][:3], expected[column][:3], rtol=tolerance)
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -6,7 +6,6 @@ equations there.
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,6 @@ from runs import residual, run_scene
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from slotted import (
-    driven_rod,
-    quick_return,
     scotch_yoke,
     shaper,
     sized,
@@ -36,7 +33,6 @@ from presswear.linkage.topology import branches_of
 from presswear.physics.contact import corner_acceleration
 from presswear.physics.packed import pack
 from presswear.physics.wall_wear import bin_centres_of, wall_volume, walls_of
-from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
@@ -396,26 +392,6 @@ def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
     assert residual(run) < 1e-9
 
 
-def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block() -> None:
-    """The crank of 0.1 m turns 0.3 m above the pivot, 0.2 m before the point of the slot."""
-    mechanism = sized(quick_return(), "slot", L, W)
-    scene = pw.Scene(mechanism, joints="slot", bearings=pw.Bearing(clearance=C))
-    walls = {corner.wall for corner in scene.linkage().corners}
-    (wall,) = walls
-    assert wall is not None
-    assert wall.start + 0.5 * wall.length == pytest.approx(0.1, abs=1e-9)
-    assert wall.length == pytest.approx(1.02 * (0.2 + L), rel=1e-6)
-    run = run_scene(scene, InHouse())
-    loads = [run.recorder.each_cycle("load_distance", k).sum() for k in range(4)]
-    sides = walls_of(scene.linkage(), run.recorder.maps.sampled)["slot"]
-    for depth, load in zip(
-        sides, (loads[0] + loads[1], loads[2] + loads[3]), strict=True
-    ):
-        volume = wall_volume(scene.linkage().corners[0], depth)
-        assert volume == pytest.approx(wall.coefficient * load, rel=1e-12)
-        assert volume > 0.0
-
-
 @pytest.mark.parametrize(
     ("engine", "within"),
     [
@@ -468,88 +444,3 @@ def test_the_rate_of_a_corner_is_a_derivative() -> None:
         )
         change = (after[k].rate - before[k].rate) / (2.0 * h)
         assert acceleration == pytest.approx(change, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("sizes", "play", "message"),
-    [
-        ((None, W), {}, "length of slot: a guide with clearance needs it"),
-        ((L, None), {}, "width of slot: a guide with clearance needs it"),
-        (
-            (L, W),
-            {"clearance": 0.021, "bearing_radius": 0.1},
-            "clearance of slot = 21 mm: allowed is up to half the width of the slide, 20 mm",
-        ),
-        (
-            (0.03, W),
-            {"clearance": 0.006, "bearing_radius": 0.1},
-            "clearance of slot = 6 mm: allowed is below 5 mm",
-        ),
-        ((L, W), {"clearance": 0.0}, "slot.clearance = 0 m: a guide without clearance"),
-    ],
-)
-def test_a_slot_that_cannot_have_clearance(
-    sizes: tuple[Any, Any], play: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(pw.InputError, match=message):
-        pw.Scene(
-            sized(scotch_yoke(), "slot", *sizes),
-            joints="slot",
-            bearings=pw.Bearing(**({"clearance": C} | play)),
-        )
-
-
-def test_what_a_slot_cannot_have_is_refused() -> None:
-    with pytest.raises(pw.InputError, match=r"slot: stiffness = 1e\+06 N/m with on"):
-        pw.Guide("slot", "block", on="yoke", stiffness=1e6)
-    rod = sized(driven_rod(), "bore", L, W)
-    play = pw.Bearing(clearance=C)
-    with pytest.raises(pw.InputError, match="bearings of bore: rod has a drive"):
-        pw.Scene(rod, joints="bore", bearings=play)
-    # The ways of the yoke let the block turn, which has no inertia.
-    yoke = sized(scotch_yoke(), "ways", 0.2, 0.1)
-    with pytest.raises(pw.InputError, match=r"inertia of block = 0 kg m\^2: must"):
-        pw.Scene(yoke, joints="ways", bearings=play).linkage()
-    yoke = sized(scotch_yoke(), "slot", L, W).changed(output="block")
-    moved = pw.Scene(yoke, joints="slot", bearings=play)
-    work = {"process": "coining", "process.offset": "10 mm"}
-    with pytest.raises(pw.InputError, match=r"process.offset = 10 mm: .* is on yoke"):
-        changed(moved, work).check()
-
-
-QUICK_RETURN = """
-[mechanism]
-kind = "linkage"
-output = "rocker"
-gravity = "0 m/s^2"
-guess = {rocker = "60 deg"}
-bodies = [
-    {name = "crank", length = "100 mm", mass = "1 kg"},
-    {name = "block", mass = "0.5 kg", inertia = "1e-3 kg m^2"},
-    {name = "rocker", mass = "2 kg", inertia = "0.1 kg m^2", points.pivot = ["-200 mm", 0.0]},
-]
-joints = [
-    {name = "O2", first = [0.0, "300 mm"], second = "crank.tail"},
-    {name = "A", first = "crank.head", second = "block"},
-    {name = "O4", first = [0.0, 0.0], second = "rocker.pivot"},
-    {name = "slot", body = "block", on = "rocker", length = "60 mm", width = "40 mm"},
-]
-drives = [{body = "crank", speed = "300 rpm"}]
-
-[bearings]
-joints = "slot"
-
-[bearings.slot]
-clearance = "0.2 mm"
-"""
-
-
-def test_a_file_has_a_slot_with_clearance(tmp_path: Path) -> None:
-    file = tmp_path / "slot.toml"
-    file.write_text(QUICK_RETURN)
-    scene = pw.scene_from(file)
-    play = pw.Bearing(clearance=0.2e-3)
-    same = pw.Scene(sized(quick_return(), "slot", L, W), bearings={"slot": play})
-    assert scene.linkage().corners == same.linkage().corners
-    wider = changed(scene, {"slot.clearance": "0.3 mm"})
-    assert {corner.clearance for corner in wider.linkage().corners} == {0.3e-3}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import BPoly, CubicSpline
 
 import presswear as pw
@@ -52,7 +53,7 @@ def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
     )
     x = np.linspace(0.0, 1.0, 4001)
     value, slope, bend = pieces.at(begin + (end - begin) * x)
-    np.testing.assert_allclose(value, by * closed_form(law, x), atol=1e-15)
+    assert_allclose(value, by * closed_form(law, x), atol=1e-15)
     unit = by / (end - begin)
     largest = np.abs(slope / unit).max(), np.abs(bend / unit).max() * (end - begin)
     assert largest == pytest.approx(FACTORS[law], rel=1e-6)
@@ -60,7 +61,7 @@ def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
     for level in (slope, bend):
         assert np.abs(level[[0, -1]]).max() < 1e-14
     dwell = pieces.at(np.linspace(end, 4.0, 20))
-    np.testing.assert_allclose(dwell[0], by, rtol=1e-15)
+    assert_allclose(dwell[0], by, rtol=1e-15)
     assert np.abs(dwell[1:]).max() < 1e-15
 
 
@@ -94,7 +95,7 @@ def test_rises_join_smoothly_around_the_cycle(
     shortest = min(rise.end - rise.start for rise in result)
     for level, (one, other) in enumerate(zip(before, after, strict=True)):
         jerk = 200.0 / shortest ** (level + 1)
-        np.testing.assert_allclose(one, other, atol=1e-13 + 2.0 * h * jerk * 2.0)
+        assert_allclose(one, other, atol=1e-13 + 2.0 * h * jerk * 2.0)
     assert abs(pieces.at(np.zeros(1))[0][0]) < 1e-15
 
 
@@ -139,9 +140,9 @@ def test_rows_of_four_are_joined_by_polynomials_of_degree_five() -> None:
     times = np.linspace(0.2, 0.2 + TURN, 100, endpoint=False)
     value, slope, bend = pieces.at(times)
     shift = float(exact(TURN)[0])
-    np.testing.assert_allclose(value + shift, exact(times)[:, 0], atol=1e-14)
-    np.testing.assert_allclose(slope, exact.derivative()(times)[:, 0], atol=1e-13)
-    np.testing.assert_allclose(bend, exact.derivative(2)(times)[:, 0], atol=1e-12)
+    assert_allclose(value + shift, exact(times)[:, 0], atol=1e-14)
+    assert_allclose(slope, exact.derivative()(times)[:, 0], atol=1e-13)
+    assert_allclose(bend, exact.derivative(2)(times)[:, 0], atol=1e-12)
 
 
 def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
@@ -153,7 +154,7 @@ def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
     cycle = TURN / 8.0
     dwell = np.array([0.7, 1.7, 2.7, 3.7, 4.7]) * cycle
     angle, speed, faster = drive.motion(dwell)
-    np.testing.assert_allclose(angle, 0.3 + 0.25 * TURN * np.arange(1, 6), rtol=1e-15)
+    assert_allclose(angle, 0.3 + 0.25 * TURN * np.arange(1, 6), rtol=1e-15)
     assert np.abs(speed).max() < 1e-14
     assert np.abs(faster).max() < 1e-13
 
@@ -168,9 +169,9 @@ def test_a_run_up_is_smooth_and_ends_in_step() -> None:
     )
     for level in (0, 1):
         slope = (up[level] - down[level]) / (2.0 * h)
-        np.testing.assert_allclose(slope, levels[level + 1], atol=1e-9)
+        assert_allclose(slope, levels[level + 1], atol=1e-9)
     late = time > 4.0
-    np.testing.assert_array_equal(levels[0][late], time[late] - 2.0)
+    assert_array_equal(levels[0][late], time[late] - 2.0)
     assert run_up_motion(4.0, 0.0) == (0.0, 0.0, 0.0)
 
 
@@ -200,7 +201,7 @@ def test_slider_dwells_as_requested(
     away = np.abs((W * ideal.times - dwell.bottom + math.pi) % TURN - math.pi) / math.pi
     rise = np.clip((away - part) / (1.0 - part), 0.0, 1.0)
     exact = bottom + stroke * closed_form(law, rise)
-    np.testing.assert_allclose(whole, exact, rtol=0.0, atol=2e-9 * stroke)
+    assert_allclose(whole, exact, rtol=0.0, atol=2e-9 * stroke)
     crank = ideal.at(ideal.times).position[:, 3 * press.linkage().index("crank 7") + 2]
     assert np.ptp(crank) < math.pi
 
@@ -225,4 +226,4 @@ def test_the_speed_is_constant_in_the_work(
     )
     whole = ideal.at(ideal.times).output(press.linkage())[:, 0]
     time = (ideal.times - forming.bottom / W + half) % (2.0 * half) - half
-    np.testing.assert_allclose(whole - whole.min(), curve(time), rtol=0.0, atol=1e-8)
+    assert_allclose(whole - whole.min(), curve(time), rtol=0.0, atol=1e-8)

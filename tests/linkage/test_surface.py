@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.testing import assert_allclose, assert_array_equal
 
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
 from presswear.physics.worn_map import BEARING, bin_of, pack_rows, parts_of
@@ -40,10 +41,10 @@ def test_passes_through_the_bin_centres(depth: Array) -> None:
     # A centre is a rounded angle: its position within the bin is off by an ulp of the
     # turn.
     tolerance = depth.max() * count * ROUND_OFF
-    np.testing.assert_allclose(surface(centres), depth, rtol=0.0, atol=tolerance)
+    assert_allclose(surface(centres), depth, rtol=0.0, atol=tolerance)
     slopes = [profile(surface, float(angle))[1] for angle in centres]
     tolerance *= 12.0 * count / TURN
-    np.testing.assert_allclose(slopes, surface.slope, rtol=0.0, atol=tolerance)
+    assert_allclose(slopes, surface.slope, rtol=0.0, atol=tolerance)
 
 
 @given(depths, st.floats(-50.0, 50.0))
@@ -80,7 +81,7 @@ def test_slope_and_curvature_are_derivatives_inside_an_interval() -> None:
 def test_halfway_up_a_step_and_at_an_extremum_by_hand() -> None:
     # Secants 1 and 2 per bin: harmonic mean 4/3.
     slopes = monotone_slopes(np.array([0.0, 1.0, 3.0, 3.0, 0.0, 0.0])) * TURN / 6.0
-    np.testing.assert_allclose(slopes, [0.0, 4.0 / 3.0, 0.0, 0.0, 0.0, 0.0], rtol=1e-14)
+    assert_allclose(slopes, [0.0, 4.0 / 3.0, 0.0, 0.0, 0.0, 0.0], rtol=1e-14)
     # Halfway up a symmetric step between flats: half the height, slope 3/2 per bin.
     surface = Surface(np.array([0.0, 0.0, 2.0, 2.0]))
     value, slope, _ = profile(surface, math.pi)
@@ -108,7 +109,7 @@ def test_surfaces_are_read_only_copies() -> None:
     surface = Surface(depth)
     assert surface == Surface(depth) != Surface()
     depth[:] = 5.0
-    np.testing.assert_array_equal(surface.depth, [1e-6, 0.0, 2e-6])
+    assert_array_equal(surface.depth, [1e-6, 0.0, 2e-6])
     for stored in (surface.depth, surface.slope):
         with pytest.raises(ValueError, match="read-only"):
             stored[0] = 1.0

@@ -7,6 +7,7 @@ import pytest
 from closed_form import press_motion, slider_crank_motion
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
@@ -59,13 +60,9 @@ def four_bar(
 def assert_equal_motions(result: Motion, exact: Motion, speed: float) -> None:
     """Compare two motions of a mechanism with a crank speed, rad/s."""
     largest = np.abs(exact.acceleration).max()
-    np.testing.assert_allclose(result.position, exact.position, atol=1e-12)
-    np.testing.assert_allclose(
-        result.velocity / speed, exact.velocity / speed, atol=1e-11
-    )
-    np.testing.assert_allclose(
-        result.acceleration, exact.acceleration, atol=1e-10 * largest
-    )
+    assert_allclose(result.position, exact.position, atol=1e-12)
+    assert_allclose(result.velocity / speed, exact.velocity / speed, atol=1e-11)
+    assert_allclose(result.acceleration, exact.acceleration, atol=1e-10 * largest)
 
 
 @given(
@@ -110,9 +107,9 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
     k2 = BASE / ROCKER
     k3 = (CRANK**2 - COUPLER**2 + ROCKER**2 + BASE**2) / (2.0 * CRANK * ROCKER)
     left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
-    np.testing.assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
+    assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
     tip = CRANK * np.exp(1j * crank) + COUPLER * np.exp(1j * coupler)
-    np.testing.assert_allclose(tip, BASE + ROCKER * np.exp(1j * rocker), atol=1e-13)
+    assert_allclose(tip, BASE + ROCKER * np.exp(1j * rocker), atol=1e-13)
 
 
 def test_rows_are_those_of_the_engines() -> None:
@@ -132,10 +129,10 @@ def test_rows_are_those_of_the_engines() -> None:
                 float(t), q[k].ravel(), v[k].ravel()
             )
             phi_tt = dense @ a[k].ravel() - gamma
-            np.testing.assert_allclose(errors[k], phi, atol=1e-12)
-            np.testing.assert_allclose(rates[k], phi_t, atol=1e-12)
-            np.testing.assert_allclose(accelerations[k], phi_tt, atol=1e-12)
-            np.testing.assert_allclose(jacobian[k], dense, atol=1e-15)
+            assert_allclose(errors[k], phi, atol=1e-12)
+            assert_allclose(rates[k], phi_t, atol=1e-12)
+            assert_allclose(accelerations[k], phi_tt, atol=1e-12)
+            assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
 def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
@@ -164,7 +161,7 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     expected = ideal_motion(four_bar(), PERIOD).at(time).position[:, 8]
     position = ideal.at(time).position
     for k in range(12):
-        np.testing.assert_allclose(position[:, 6 * k + 5], expected, atol=1e-12)
+        assert_allclose(position[:, 6 * k + 5], expected, atol=1e-12)
     sizes = [len(rows) for rows, _ in ideal.rows.groups]
     assert sum(sizes) == 81
     assert max(sizes) < 40
@@ -172,7 +169,7 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     right = np.random.default_rng(1).normal(size=(len(time), 81))
     exact = np.linalg.solve(ideal.rows.jacobian(q), right[..., np.newaxis])[..., 0]
     result = ideal.rows.solve(q, right).reshape(len(time), -1)
-    np.testing.assert_allclose(result, exact, atol=1e-9 * np.abs(exact).max())
+    assert_allclose(result, exact, atol=1e-9 * np.abs(exact).max())
 
 
 def test_the_guess_selects_the_assembly_branch() -> None:
@@ -239,7 +236,7 @@ def test_a_truss_stands_still_or_is_refused() -> None:
         )
 
     motion = motion_of(truss(0.2)).at(np.linspace(0.0, 2.0, 7))
-    np.testing.assert_allclose(motion.position[:, 2], math.pi / 3.0, rtol=1e-13)
+    assert_allclose(motion.position[:, 2], math.pi / 3.0, rtol=1e-13)
     assert not motion.velocity.any()
     for base in (0.4, 0.5):
         with pytest.raises(

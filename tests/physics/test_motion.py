@@ -10,6 +10,7 @@ from four_bar_linkage import FOUR_BAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from listeners import Keeps
+from numpy.testing import assert_allclose, assert_array_equal
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
@@ -69,7 +70,7 @@ def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> 
         )
         assert one == pytest.approx(other, abs=bound)
     result = np.ravel(drive.motion(np.array([t]))) - np.array([drive.angle, 0.0, 0.0])
-    np.testing.assert_allclose(result, compiled, rtol=1e-12, atol=1e-9)
+    assert_allclose(result, compiled, rtol=1e-12, atol=1e-9)
     assert is_steady(FOUR_BAR, drive) == (not drive.harmonics)
     assert not is_steady(FOUR_BAR.changed(run_up=1), drive)
 
@@ -86,9 +87,9 @@ def test_the_slider_follows_a_crank_that_rocks() -> None:
     motion = ideal_of(ROCKING).at(time)
     turning = ROCKING.drives[0].motion(time)
     exact = slider_crank_motion(CRANK, time, (turning[0], turning[1], turning[2]))
-    np.testing.assert_allclose(motion.position, exact.position, atol=1e-14)
-    np.testing.assert_allclose(motion.velocity, exact.velocity, atol=1e-12)
-    np.testing.assert_allclose(motion.acceleration, exact.acceleration, atol=1e-10)
+    assert_allclose(motion.position, exact.position, atol=1e-14)
+    assert_allclose(motion.velocity, exact.velocity, atol=1e-12)
+    assert_allclose(motion.acceleration, exact.acceleration, atol=1e-10)
 
 
 INDEXING = Drive(
@@ -195,7 +196,7 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
         exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
         result = [state[level][2] for level in "qva"]
         # Round-off of the accelerations of the free bodies is in that of the drive.
-        np.testing.assert_allclose(result, np.ravel(exact), rtol=1e-12)
+        assert_allclose(result, np.ravel(exact), rtol=1e-12)
     assert len(states) == 3
 
 
@@ -301,8 +302,8 @@ def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
     again = engine.simulate(
         linkage, start, replace(plan, observers=(), resume=states[0])
     )
-    np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
-    np.testing.assert_array_equal(again.end.position, run.end.position)
+    assert_array_equal(again.recorder.cycles, run.recorder.cycles)
+    assert_array_equal(again.end.position, run.end.position)
 
 
 @st.composite

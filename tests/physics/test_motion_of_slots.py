@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from slotted import (
     HEIGHT,
     RADIUS,
@@ -65,8 +66,8 @@ def test_rocker_of_a_quick_return() -> None:
         strict=True,
     ):
         scale = np.abs(expected).max()
-        np.testing.assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
-        np.testing.assert_allclose(level[:, 5], expected, atol=1e-13 * scale)
+        assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
+        assert_allclose(level[:, 5], expected, atol=1e-13 * scale)
 
 
 def test_ratio_of_times_of_a_quick_return() -> None:
@@ -89,12 +90,12 @@ def test_scotch_yoke() -> None:
         (levels.position, levels.velocity, levels.acceleration), x, strict=True
     ):
         scale = np.abs(expected).max()
-        np.testing.assert_allclose(level[:, 6], expected, atol=1e-13 * scale)
+        assert_allclose(level[:, 6], expected, atol=1e-13 * scale)
     ideal = ideal_motion(linkage, linkage.period)
     torque = needed_torques(linkage, ideal, TIME)[:, 0]
     cosine, sine = np.cos(SPEED * TIME), np.sin(SPEED * TIME)
     peak = YOKE_MASS * SPEED**2 * RADIUS**2
-    np.testing.assert_allclose(torque, peak * sine * cosine, atol=1e-12 * peak)
+    assert_allclose(torque, peak * sine * cosine, atol=1e-12 * peak)
 
 
 def test_force_of_a_slot() -> None:
@@ -105,8 +106,8 @@ def test_force_of_a_slot() -> None:
     first = ideal.rows.names.index("slot")
     peak = YOKE_MASS * SPEED**2 * RADIUS
     expected = -peak * np.cos(SPEED * TIME)
-    np.testing.assert_allclose(forces[:, first], expected, atol=1e-12 * peak)
-    np.testing.assert_allclose(forces[:, first + 1], 0.0, atol=1e-12 * peak)
+    assert_allclose(forces[:, first], expected, atol=1e-12 * peak)
+    assert_allclose(forces[:, first + 1], 0.0, atol=1e-12 * peak)
 
 
 def test_rod_in_a_swinging_block() -> None:
@@ -120,7 +121,7 @@ def test_rod_in_a_swinging_block() -> None:
         strict=True,
     ):
         scale = np.abs(expected).max()
-        np.testing.assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
+        assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
 
 
 @pytest.mark.parametrize("linkage", [skew_quick_return(), shaper()], ids=str)
@@ -139,7 +140,7 @@ def test_torque_has_the_power_of_the_motion(linkage: Linkage) -> None:
     power += (v[..., 2] * a[..., 2]) @ inertias + v[..., 1] @ weights
     torque = needed_torques(linkage, ideal, TIME)[:, 0]
     scale = np.abs(power).max()
-    np.testing.assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
+    assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
 
 
 def test_rows_of_kernels_are_those_of_numpy() -> None:
@@ -152,10 +153,10 @@ def test_rows_of_kernels_are_those_of_numpy() -> None:
     ):
         phi, phi_t, gamma, jacobian = constraints.evaluate(0.0, q, v)
         expected = rows.jacobian(q.reshape(1, -1, 3))[0]
-        np.testing.assert_allclose(jacobian, expected, atol=1e-15)
-        np.testing.assert_allclose(phi[:-1], 0.0, atol=1e-14)
-        np.testing.assert_allclose(phi_t, 0.0, atol=1e-12)
-        np.testing.assert_allclose(jacobian @ a, gamma, atol=1e-9)
+        assert_allclose(jacobian, expected, atol=1e-15)
+        assert_allclose(phi[:-1], 0.0, atol=1e-14)
+        assert_allclose(phi_t, 0.0, atol=1e-12)
+        assert_allclose(jacobian @ a, gamma, atol=1e-9)
 
 
 def test_an_imprecise_guess_of_the_rocker_turns_its_block() -> None:
@@ -192,7 +193,7 @@ def test_a_guide_in_a_body_at_rest_is_one_on_the_frame() -> None:
         expected = getattr(on_frame, name)
         scale = np.abs(expected).max()
         result = getattr(on_bed, name)[:, :size]
-        np.testing.assert_allclose(result, expected, atol=1e-12 * scale)
+        assert_allclose(result, expected, atol=1e-12 * scale)
 
 
 def test_derivatives_off_the_constraints() -> None:
@@ -208,13 +209,13 @@ def test_derivatives_off_the_constraints() -> None:
     _, first, second = (level[0] for level in rows.errors(np.zeros(1), q, v, a))
     slope = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) @ phi / (12.0 * step)
     curvature = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) @ phi / (12.0 * step**2)
-    np.testing.assert_allclose(first, slope, atol=1e-9)
-    np.testing.assert_allclose(second, curvature, atol=1e-5)
+    assert_allclose(first, slope, atol=1e-9)
+    assert_allclose(second, curvature, atol=1e-5)
     kernels = constraints_of(linkage).evaluate(0.0, q.ravel(), v.ravel())
-    np.testing.assert_allclose(kernels[0], phi[2], atol=1e-14)
-    np.testing.assert_allclose(kernels[1], slope, atol=1e-9)
+    assert_allclose(kernels[0], phi[2], atol=1e-14)
+    assert_allclose(kernels[1], slope, atol=1e-9)
     acceleration = kernels[3] @ a.ravel() - kernels[2]
-    np.testing.assert_allclose(acceleration, curvature, atol=1e-5)
+    assert_allclose(acceleration, curvature, atol=1e-5)
 
 
 def test_close_returns_to_the_slot() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bush import COEFFICIENT, bush, worn
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
 from two_bodies import JOINT, placed, worn_joint
 
@@ -79,8 +80,8 @@ def test_a_constant_law_is_archards_to_the_bit() -> None:
     archard = np.random.default_rng(1).uniform(0.0, 1e-4, (3, 2, 50))
     depth = np.random.default_rng(2).uniform(-1e-6, 1e-4, archard.shape)
     for name in ("constant", "steady"):
-        np.testing.assert_array_equal(user_wear(name).worn(depth, archard), archard)
-        np.testing.assert_array_equal(user_wear(name).archard_depth(depth), depth)
+        assert_array_equal(user_wear(name).worn(depth, archard), archard)
+        assert_array_equal(user_wear(name).archard_depth(depth), depth)
 
 
 def test_a_law_of_the_depth_is_the_built_in_one() -> None:
@@ -89,11 +90,11 @@ def test_a_law_of_the_depth_is_the_built_in_one() -> None:
     archard = both_sides(*np.geomspace(1e-12, 1e-3, 20))
     for before in (-1e-6, 0.0, 1e-7, 2e-6):
         depth = np.full_like(archard, before)
-        np.testing.assert_allclose(
+        assert_allclose(
             ours.worn(depth, archard), built_in.worn(depth, archard), rtol=1e-12
         )
     depth = both_sides(*np.geomspace(1e-9, 1e-4, 20))
-    np.testing.assert_allclose(
+    assert_allclose(
         ours.archard_depth(depth), built_in.archard_depth(depth), rtol=1e-12
     )
     assert ours.ratio == pytest.approx(30.0, rel=1e-15)
@@ -126,14 +127,14 @@ def test_depth_is_the_solution_in_any_number_of_blocks(name: str, share: float) 
         depth = np.zeros((2, 1))
         for _ in range(blocks):
             depth = depth + ours.worn(depth, archard / blocks)
-        np.testing.assert_allclose(depth, expected, rtol=bound)
-        np.testing.assert_allclose(ours.archard_depth(depth), archard, rtol=1e-9)
+        assert_allclose(depth, expected, rtol=bound)
+        assert_allclose(ours.archard_depth(depth), archard, rtol=1e-9)
 
 
 def test_a_law_that_jumps_has_its_closed_form() -> None:
     """Twice as fast to 1 um, then half as fast."""
     depth = user_wear("jumps").worn(np.zeros((2, 1)), both_sides(3e-6))
-    np.testing.assert_allclose(depth, 1e-6 + 0.5 * 2.5e-6, rtol=1e-10)
+    assert_allclose(depth, 1e-6 + 0.5 * 2.5e-6, rtol=1e-10)
 
 
 @pytest.mark.parametrize("joint", [JOINT, worn_joint("body", 360, 2e-6)])
@@ -155,7 +156,7 @@ def test_a_law_of_the_pressure_visits_the_bins_in_contact(
     if penetration > 0.0:
         archard[:, far] = np.nan
     deposit_by_law(depth, *places, 2.0, 1e-3, shares, archard)
-    np.testing.assert_allclose(depth, expected, rtol=1e-14)
+    assert_allclose(depth, expected, rtol=1e-14)
     assert not archard[:, ~far].any()
 
 
@@ -172,7 +173,7 @@ def test_a_bush_wears_by_a_law_of_the_pressure(engine: str) -> None:
         return np.concatenate([run.bush[-1], run.pin[-1]])
 
     archard = depth()
-    np.testing.assert_allclose(depth(wear_law=law("steady")), archard, rtol=1e-14)
+    assert_allclose(depth(wear_law=law("steady")), archard, rtol=1e-14)
     for name, exponent, reference in (("square", 2.0, 1e5), ("power", 1.7, 10e6)):
         by_power = replace(
             pair, pressure_exponent=exponent, pressure_reference=reference

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 from two_bodies import JOINT, Pair, placed, worn_joint
 from worn_depths import depths
 
@@ -132,9 +133,7 @@ def test_one_bin_gets_all_of_equation_29(
     expected = np.zeros((2, count))
     bins = (places % TURN * count / TURN).astype(int)
     expected[(0, 1), bins] = COEFFICIENT * load_distance / area * np.array([0.3, 0.7])
-    np.testing.assert_allclose(
-        _deposited(pair, count, load_distance), expected, rtol=1e-12
-    )
+    assert_allclose(_deposited(pair, count, load_distance), expected, rtol=1e-12)
 
 
 def test_wear_rates_follow_the_law_of_slip() -> None:
@@ -223,9 +222,7 @@ def test_bins_hold_the_integral_of_the_overlap(
         parts = depth / depth.sum(axis=1, keepdims=True)
         # The grid's own error: kinks of the pressure inside a step of a four hundredth
         # bin.
-        np.testing.assert_allclose(
-            parts, _fine(pair, count), rtol=0.0, atol=2e-5 * parts.max()
-        )
+        assert_allclose(parts, _fine(pair, count), rtol=0.0, atol=2e-5 * parts.max())
 
 
 @pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
@@ -246,7 +243,7 @@ def test_bins_beyond_the_arc_are_not_visited(
     visited = ~np.isnan(shares)
     deposit_over_arc(depth, packed, pair.packed.surfaces[0], contact, 1.0, shares)
     assert worn_volume(pair.joint, depth) == pytest.approx(COEFFICIENT, rel=1e-12)
-    np.testing.assert_array_equal(np.isnan(shares), ~visited)
+    assert_array_equal(np.isnan(shares), ~visited)
     assert not shares[visited].any()
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
+from numpy.testing import assert_array_equal
 
 import presswear as pw
 from presswear.recording.columns import CYCLE, JOINT_CYCLE
@@ -57,7 +58,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
     assert path.read_text().splitlines()[1] == "# units: time s,A_normal_force N"
     rows = np.genfromtxt(path, delimiter=",", names=True)
     assert rows.dtype.names == ("time", "A_normal_force")
-    np.testing.assert_array_equal(rows["A_normal_force"], [1.0, 2.0])
+    assert_array_equal(rows["A_normal_force"], [1.0, 2.0])
     units = {
         "slider_depth": "m",
         "rod 3_wear_volume_low": "m^3",
@@ -138,13 +139,9 @@ def test_an_exported_run_agrees_with_itself(
     command(f"export {folder} {file}")
     table = read_table(file)
     with np.load(folder / "stage-0.npz") as stored:
-        np.testing.assert_array_equal(table["velocity"], stored["slider"][:, 1])
-        np.testing.assert_array_equal(
-            table["C_eccentricity_y"], stored["C_eccentricity"][:, 1]
-        )
-        np.testing.assert_array_equal(
-            table["A_tangential_force"], stored["A_force"][:, 1]
-        )
+        assert_array_equal(table["velocity"], stored["slider"][:, 1])
+        assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
+        assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
     assert len(table) == 21
     assert "MISS" not in command(
         f"crosscheck {folder} --against {file} --tolerance 1e-12"
@@ -208,9 +205,9 @@ def test_numbers_of_each_cycle_are_exported_with_units(folder: Path) -> None:
         for column in JOINT_CYCLE:
             assert unit_of(f"{name}_{column.name}") == column.unit
             values = table[f"{name}_{column.name}"]
-            np.testing.assert_array_equal(values, joint.each_cycle(column.name))
-    np.testing.assert_array_equal(table["steps"], stage.each_cycle("steps"))
-    np.testing.assert_array_equal(table["replicate"], stage.arrays["cycle_start"])
+            assert_array_equal(values, joint.each_cycle(column.name))
+    assert_array_equal(table["steps"], stage.each_cycle("steps"))
+    assert_array_equal(table["replicate"], stage.arrays["cycle_start"])
 
 
 def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
@@ -226,7 +223,7 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     low, high = (f"A_depth_{end}" for end in ("low", "high"))
     assert list(table)[:4] == ["strokes", "A_depth", low, high]
     columns = [table["A_depth"], table[low], table[high]]
-    np.testing.assert_array_equal(np.transpose(columns), depth)
+    assert_array_equal(np.transpose(columns), depth)
     assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
     write_table(tmp_path / "life.csv", table)
     assert (

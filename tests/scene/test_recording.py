@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.results.export import table_of
@@ -29,11 +30,11 @@ def test_sections_are_states_of_the_series(engine: str) -> None:
     with pytest.raises(pw.InputError, match=r"'B\.norml'; did you mean B\.normal"):
         stage.section("norml", "B")
     seen = stage.section("place").ravel()[:-1]
-    np.testing.assert_allclose(np.diff(seen), np.diff(place), rtol=0.0, atol=1e-6)
+    assert_allclose(np.diff(seen), np.diff(place), rtol=0.0, atol=1e-6)
     for name, column in zip("xy", stage.joints["B"].eccentricity.T, strict=True):
         expected = np.interp(at.ravel()[:-1], stage.time, column)
         seen = stage.section(f"eccentricity_{name}", "B").ravel()[:-1]
-        np.testing.assert_allclose(seen, expected, rtol=0.0, atol=1e-6)
+        assert_allclose(seen, expected, rtol=0.0, atol=1e-6)
 
 
 def test_sections_end_no_cycle_elsewhere() -> None:
@@ -61,14 +62,14 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
         1, 300, "all", "single", 4, 0.5 * math.pi
     )
     for name, item in read.stages[0].arrays.items():
-        np.testing.assert_array_equal(item, result.stages[0].arrays[name])
+        assert_array_equal(item, result.stages[0].arrays[name])
     stage = read.stages[0]
     full = pw.run(SCENE, engine="dae").stages[0]
     period = SCENE.mechanism.period
     assert stage.time[-1] <= 1.01 * period
     assert 300 <= stage.time.size < np.searchsorted(full.time, period)
     force = stage.joints["B"].force
-    np.testing.assert_array_equal(force, force.astype(np.float32))
+    assert_array_equal(force, force.astype(np.float32))
     assert not np.array_equal(
         full.joints["B"].force, full.joints["B"].force.astype(np.float32)
     )
@@ -87,7 +88,7 @@ def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
     }
     assert stage.arrays.keys() - item.arrays.keys() == left_out
     for name, values in item.arrays.items():
-        np.testing.assert_array_equal(values, stage.arrays[name])
+        assert_array_equal(values, stage.arrays[name])
     with pytest.raises(
         pw.InputError, match="joint B: its force was not stored; use series = all"
     ):

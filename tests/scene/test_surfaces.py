@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 from presswear.linkage.guide_corner import WALL_BINS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
@@ -36,7 +37,7 @@ def test_depths_on_the_scenes_own_bins_are_taken_as_they_are() -> None:
     turned = np.roll(points, 77, axis=0) + np.array([TURN, 0.0])
     for side in (depth, Surface(depth), depth.tolist(), points, turned):
         (bearing, pin) = on(side).surfaces["A"]
-        np.testing.assert_allclose(bearing.depth, depth, rtol=0.0, atol=0.0)
+        assert_allclose(bearing.depth, depth, rtol=0.0, atol=0.0)
         assert pin == Surface()
     joint = on(None, depth).linkage().clearances[0]
     assert (joint.bearing_surface, joint.pin_surface) == (Surface(), Surface(depth))
@@ -169,10 +170,8 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
         (tmp_path / name).write_text(text)
         result.append(wear_times(surfaces=read_profiles(tmp_path / name)).surfaces["A"])
     for one, other in zip(*result, strict=True):
-        np.testing.assert_allclose(one.depth, other.depth, rtol=1e-12)
-        np.testing.assert_allclose(
-            one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8
-        )
+        assert_allclose(one.depth, other.depth, rtol=1e-12)
+        assert_allclose(one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +219,7 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
     text = 'mechanism = "press"\nsurfaces = "worn.csv"\n[settings]\njoints = "AC"\n'
     file.write_text(text)
     scene = scene_from(file)
-    np.testing.assert_allclose(scene.surfaces["C"][0].depth, 3e-6, rtol=1e-12)
+    assert_allclose(scene.surfaces["C"][0].depth, 3e-6, rtol=1e-12)
     assert scene.origins["surfaces"] == "worn.csv"
     for wrong, says in (
         (

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -61,9 +62,9 @@ def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run) -> None:
 
 def test_the_wear_maps_are_equal(loop: Outcome, engine: Run) -> None:
     (maps,) = engine.recorder.maps.sampled.reshape(-1, *loop.maps.shape)
-    np.testing.assert_allclose(loop.maps.sum(axis=2), maps.sum(axis=2), rtol=ERROR)
+    assert_allclose(loop.maps.sum(axis=2), maps.sum(axis=2), rtol=ERROR)
     # Steps of another length divide the wear between two bins at other places.
-    np.testing.assert_allclose(loop.maps, maps, rtol=0.0, atol=3e-4 * maps.max())
+    assert_allclose(loop.maps, maps, rtol=0.0, atol=3e-4 * maps.max())
 
 
 def test_the_balance_of_energy_closes(loop: Outcome, engine: Run) -> None:
@@ -84,7 +85,7 @@ def test_the_drives_are_equal(loop: Outcome, engine: Run) -> None:
     for k, row in enumerate(drives):
         ours = loop.states[0, DRIVES + 4 * k : DRIVES + 4 * k + 4]
         expected = row[[TORQUE, TORQUE_SQUARE, POWER_SQUARE]]
-        np.testing.assert_allclose(ours[[0, 1, 3]], expected, rtol=ERROR)
+        assert_allclose(ours[[0, 1, 3]], expected, rtol=ERROR)
 
 
 def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run) -> None:
@@ -98,7 +99,7 @@ def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run) -> None:
         # Between frames of the engine, whose cubic is not drawn: 1.2e-3 s apart at
         # most.
         position = np.interp(ours[between], theirs, recorder.film.position[:, body])
-        np.testing.assert_allclose(film[between, 1 + body], position, atol=3e-5)
+        assert_allclose(film[between, 1 + body], position, atol=3e-5)
     series = loop.accounts.series[:rows]
     force = recorder.series("normal", 0)
     assert series[:, 3 + 4].max() == pytest.approx(force.max(), rel=5e-3)
