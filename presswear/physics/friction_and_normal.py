@@ -15,7 +15,7 @@ from presswear.linkage.friction_law import FRICTION_PARAMETERS, FrictionLaw, has
 from presswear.linkage.normal_law import NORMAL_PARAMETERS, NormalLaw
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, call, compiled, floats, inlined
-from presswear.tools.user_function import compile_function
+from presswear.tools.compiled_law import compile_function
 
 # Numbers of laws that are part of the kernels, in place of addresses. INLINE is the
 # power law, and the ramp of friction.

@@ -37,7 +37,7 @@ from presswear.physics.worn_map import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, floats, inlined
-from presswear.tools.user_function import compile_function
+from presswear.tools.compiled_law import compile_function
 
 # Least closing speed in the damping law of the corners of a slide, m/s. They touch down
 # slowly and stay closed under load: with a lower speed the damping would exceed the

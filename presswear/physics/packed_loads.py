@@ -27,7 +27,8 @@ from presswear.physics.loads import (
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, address_of, compiled
-from presswear.tools.user_function import UserFunction, compile_function
+from presswear.tools.compiled_law import compile_function
+from presswear.tools.user_function import UserFunction
 
 
 @compiled

@@ -34,6 +34,7 @@ from presswear.linkage.surface import Surface
 from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw, check_wear
 from presswear.scene.bearing import AUTO, Bearing
 from presswear.scene.conventions import Conventions
+from presswear.tools.compiled_law import check_compiles
 from presswear.tools.user_function import UserFunction
 
 
@@ -91,11 +92,11 @@ def check_user_laws(bearing: Bearing, joint: str, conventions: Conventions) -> N
             name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")
         }
         check_normal(key, law, {**state, "clearance": bearing.clearance})
-        law.check_compiles(key, NORMAL_PARAMETERS)
+        check_compiles(law, key, NORMAL_PARAMETERS)
     if isinstance(law := bearing.wear_law, UserFunction):
         key = f"{joint}.wear_law"
         check_wear(key, law, bearing.materials.wear_coefficient)
-        law.check_compiles(key, WEAR_PARAMETERS)
+        check_compiles(law, key, WEAR_PARAMETERS)
     check_user_friction(bearing, joint)
 
 
@@ -106,8 +107,8 @@ def check_user_friction(bearing: Bearing, joint: str) -> None:
         ramp = {"lower_speed": bearing.lower_speed, "upper_speed": bearing.upper_speed}
         check_friction(key, law, {"coefficient": bearing.friction, **ramp})
         if has_state(law):
-            rate_of(law).check_compiles(key, RATE_PARAMETERS)
-        law.check_compiles(key, STATE_PARAMETERS)
+            check_compiles(rate_of(law), key, RATE_PARAMETERS)
+        check_compiles(law, key, STATE_PARAMETERS)
 
 
 def rigid_joint(bearing: Bearing, revolute: Revolute) -> Revolute:

@@ -36,6 +36,7 @@ from presswear.scene.run_checks import (
     check_torque_limits,
 )
 from presswear.scene.stage_names import stage_name
+from presswear.tools.compiled_law import check_compiles
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.fields import choice, count, named_set, one_of, quantity
 from presswear.tools.quantities import written
@@ -330,7 +331,7 @@ class Scene(LoadedLinkage, Checked):
         for key, law in self.user_laws.items():
             if key.startswith(("loads[", "drives[")):
                 check_load(key, law)
-                law.check_compiles(key, LOAD_PARAMETERS)
+                check_compiles(law, key, LOAD_PARAMETERS)
 
     @property
     def user_laws(self) -> dict[str, UserFunction]:

@@ -17,12 +17,11 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
 from presswear.tools.law_numbers import LawNumber, numbers_of
-from presswear.tools.processes import signals_held
 
 _JUMP_WIDTH = 1e-9  # m/s or rad/s; a change that is as narrow is a jump
 _JUMP_SIZE = 1e-4  # smallest jump, part of the greatest value
@@ -146,7 +145,7 @@ class UserFunction:
             function.parameters(key, parameters)
         return function
 
-    def _arguments(self, key: str) -> ast.arguments:
+    def arguments(self, key: str) -> ast.arguments:
         """Return the arguments of the function; InputError for text that does not define it."""
         try:
             tree = ast.parse(self.source)
@@ -175,7 +174,7 @@ class UserFunction:
         Numbers of the law are none of them. InputError for text that does not define
         the function, and for a parameter that is not allowed.
         """
-        names = tuple(argument.arg for argument in self._arguments(key).args)
+        names = tuple(argument.arg for argument in self.arguments(key).args)
         numbers = {number.name for number in self.numbers(key, allowed)}
         for name in names:
             if name not in allowed and name not in numbers:
@@ -184,7 +183,7 @@ class UserFunction:
 
     def numbers(self, key: str, allowed: tuple[str, ...]) -> tuple[LawNumber, ...]:
         """Return the numbers of the law: parameters with a default that are not allowed ones."""
-        return numbers_of(key, self.name, self._arguments(key), allowed)
+        return numbers_of(key, self.name, self.arguments(key), allowed)
 
     def settings(
         self, key: str, allowed: tuple[str, ...]
@@ -304,12 +303,10 @@ class UserFunction:
                 return round(low, 8) + 0.0, below, beyond  # no negative zero
         return None
 
-    def check_compiles(self, key: str, allowed: tuple[str, ...]) -> None:
-        """Raise InputError with the key for a function that fails or cannot be compiled.
+    def check_runs(self, key: str, allowed: tuple[str, ...]) -> None:
+        """Raise InputError with the key for a function that fails at one of twenty points.
 
-        It runs at twenty points in Python before, because compiled code cannot be
-        stopped by Ctrl-C. Arithmetic errors are allowed: a point may lie outside of the
-        range of the law.
+        Arithmetic errors are allowed: a point may lie outside of the range of the law.
         """
         self.check_trusted(key)
         names = self.parameters(key, allowed)
@@ -333,55 +330,11 @@ class UserFunction:
                 raise InputError(
                     f"{key}: {self.name} fails: {self._failure(error)}"
                 ) from None
-        try:
-            compile_function(self, allowed)
-        except InputError as error:
-            raise InputError(f"{key}: {error}") from None
 
 
 @cache
 def _in_python(function: UserFunction) -> Callable[..., Any]:
     return partial(function.namespace()[function.name], **dict(function.values))
-
-
-@cache
-def compile_function(
-    function: UserFunction, parameters: tuple[str, ...]
-) -> Callable[..., float]:
-    """Compile a user function of these parameters, in order; InputError if numba cannot."""
-    import numba  # slow to import
-
-    from presswear.tools.compile_errors import reason, statement_of
-
-    compiler = numba.njit(error_model="numpy", _nrt=False)
-    namespace = function.namespace()
-    for name, value in namespace.items():
-        if inspect.isfunction(value):
-            namespace[name] = compiler(value)
-    values = {
-        number.name: repr(value)
-        for number, value in function.settings(function.name, parameters)
-    }
-    names = [one.arg for one in function._arguments(function.name).args]
-    used = ", ".join(values.get(name, name) for name in names)
-    call = f"float({function.name}({used}))"
-    exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
-    kernel: Any = compiler(namespace["kernel"])
-    if numba.config.DISABLE_JIT:
-        return cast(Callable[..., float], kernel)
-    try:
-        with signals_held():  # as ``kernel_compiler`` does
-            kernel.compile((numba.float64,) * len(parameters))
-    # The text may be any Python. Numba has no common base for its errors: what it does
-    # not support shows as TypeError, ValueError, KeyError, NotImplementedError or
-    # AssertionError, too.
-    except Exception as error:
-        line, statement = statement_of(namespace[function.name].py_func, f"{error}")
-        place = f'line {line}, "{statement}"'
-        raise InputError(
-            f"{function.name} cannot be compiled: {place}: {reason(f'{error}')}"
-        ) from None
-    return cast(Callable[..., float], kernel)
 
 
 def _unpickled(data: dict[str, Any], is_trusted: bool, file: str) -> UserFunction:

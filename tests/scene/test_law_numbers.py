@@ -11,9 +11,10 @@ from presswear.scene.setting_keys import setting_of
 from presswear.scene.setting_list import settings_of, used_settings_of
 from presswear.scene.settings import changed
 from presswear.sweeps.parameters import parse_group
+from presswear.tools.compiled_law import compile_function
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity
-from presswear.tools.user_function import UserFunction, compile_function
+from presswear.tools.user_function import UserFunction
 
 LAWS = """
 import math

@@ -196,7 +196,8 @@ def test_compiling_is_reported_and_loading_is_not() -> None:
 BEYOND = """
 import numpy
 from presswear.tools.compile import address_of, call, compiled, lazily_compiled
-from presswear.tools.user_function import UserFunction, compile_function
+from presswear.tools.compiled_law import compile_function
+from presswear.tools.user_function import UserFunction
 
 @compiled
 def element(numbers, i):
@@ -228,10 +229,10 @@ for kernel, of in (outer, numpy.ones(3)), (outer_of_rare, numpy.ones(3)), (law_a
         print(type(error).__name__, error)
 """
 BEYOND_PLACES = """\
-KernelError {0}:8: element
+KernelError {0}:9: element
     return numbers[i]
 index is out of bounds
-KernelError {0}:12: rare_element
+KernelError {0}:13: rare_element
     return numbers[int(x)]
 index is out of bounds
 InputError user law fails: law, line 4, law: "return TABLE[int(x)]": index is out of bounds

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from presswear.tools.compile import address_of, call, compiled
+from presswear.tools.compiled_law import check_compiles, compile_function
 from presswear.tools.errors import InputError
-from presswear.tools.user_function import UserFunction, compile_function
+from presswear.tools.user_function import UserFunction
 
 KNOWN = ("a", "b", "c")
 
@@ -122,7 +123,7 @@ def test_unreadable_function_is_refused(value: object) -> None:
 )
 def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
     function = UserFunction("law", text).trusted()
-    function.check_compiles("F1", KNOWN)
+    check_compiles(function, "F1", KNOWN)
     assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == pytest.approx(value)
 
 
@@ -144,7 +145,7 @@ def test_a_law_that_cannot_be_compiled_is_refused_by_name(
     body: str, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        law(body).check_compiles("F1", KNOWN)
+        check_compiles(law(body), "F1", KNOWN)
 
 
 def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
@@ -157,7 +158,7 @@ def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
     function = UserFunction("law", text).trusted()
     for value in range(50):
         assert function.number("F1", KNOWN, {"a": value}) == value
-    function.check_compiles("F1", KNOWN)
+    check_compiles(function, "F1", KNOWN)
     compile_function(function, KNOWN)
     assert log.read_text() == "xx"
 
@@ -170,4 +171,4 @@ def test_a_law_file_that_fails_is_refused_by_name() -> None:
         InputError,
         match=r"^F1: law fails: line 1, \"import not_there\": No module named 'not_there'",
     ):
-        function.check_compiles("F1", KNOWN)
+        check_compiles(function, "F1", KNOWN)

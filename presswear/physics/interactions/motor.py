@@ -20,7 +20,7 @@ from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 from presswear.tools.compile import address_of, inlined
-from presswear.tools.user_function import compile_function
+from presswear.tools.compiled_law import compile_function
 
 
 @inlined

@@ -21,7 +21,8 @@ from presswear.physics.equations.layout import State
 from presswear.physics.interactions.page import Page
 from presswear.tools.arrays import Array
 from presswear.tools.compile import address_of
-from presswear.tools.user_function import UserFunction, compile_function
+from presswear.tools.compiled_law import compile_function
+from presswear.tools.user_function import UserFunction
 
 
 @dataclass
