@@ -1,9 +1,12 @@
 """Words of a linkage: without a guide there is no slide, no stroke and no dead centre."""
 
 import re
+from typing import TYPE_CHECKING
 
 from presswear.scene.scene import Scene
-from presswear.show.page import KeyNumber
+
+if TYPE_CHECKING:
+    from presswear.show.page import KeyNumber
 
 # Words of a press, and those of a linkage without a guide
 _OF_CYCLES = {
@@ -32,7 +35,7 @@ def in_words_of(scene: Scene, text: str) -> str:
     return _WORDS.sub(lambda match: _OF_CYCLES[match[0]], text)
 
 
-def number_in_words_of(scene: Scene, number: KeyNumber) -> KeyNumber:
+def number_in_words_of(scene: Scene, number: "KeyNumber") -> "KeyNumber":
     """Return a key number in the words of the linkage of a scene."""
     return number._replace(
         name=in_words_of(scene, number.name),

@@ -58,8 +58,22 @@ OTHER_NAMES = {
     ("fit", *(f"h{grade}" for grade in range(6, 12))): (
         "a fit is a clearance, such as clearance = 110 H8/f7"
     ),
-    ("spring", "rubber", "balancer"): (
+    ("spring", "rubber"): (
         "a spring is in mechanism.springs of a mechanism of bodies; presswear new points"
+    ),
+    ("balancer", "counterbalance", "counterweight", "balance"): (
+        "a slide on balancers has gravity = 0; their force is a spring or a load of a mechanism "
+        "of bodies; presswear new points"
+    ),
+    ("bush", "bushing", "liner", "shell"): (
+        "a bushing is a bearing: [bearings.JOINT] has its diameter, width, fit and materials"
+    ),
+    ("stroke", "strokes"): (
+        "the stroke follows from the lengths, as twice the crank_length of an eccentric press"
+    ),
+    ("spm", "rpm"): "strokes a minute are the speed, such as speed = 50 spm",
+    ("shim", "preload"): (
+        "shims change the clearance at a count of strokes; presswear life --replace JOINT@STROKES"
     ),
     ("cylinder", "actuator"): (
         "a cylinder is a drive of a mechanism of bodies with along = the guide of its body"

@@ -30,6 +30,7 @@ from presswear.show.figures.style import (
     Stages,
 )
 from presswear.show.figures.window import Window, mark_moments, sampled
+from presswear.show.words import in_words_of
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
@@ -210,7 +211,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
         last = max(float(number[-1]) for number, _ in replicates if number.size)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel("strokes since the start")
+        axes.set_xlabel(in_words_of(scene, "strokes since the start"))
     row[0].set_ylabel(f"lowest position of {scene.output}\nminus ideal ({unit})")
     return style.finished("bottom", sheet, [stage.pen for stage in shown], scene=scene)
 
