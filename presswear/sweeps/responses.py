@@ -253,6 +253,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "settled": ("stage", _settled),
     "life": ("result", _life),
 }
+OF_WORN = ("depth", "wear_volume")
 OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
 OF_FRAMES = ("frame_stretch", "reverse_force")
 OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
@@ -326,6 +327,7 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         if at and int(stage) > scene.wear_updates:
             allowed = f"0 to wear_updates = {scene.wear_updates}"
             raise InputError(f"response {item}: the stage must be {allowed}")
+        _check_wear(scene, name)
         key = f"{name}@{int(stage)}" if at else name
         columns.append(Column(key, definition.unit, definition.text))
         if definition.optional and name not in optional:
@@ -335,6 +337,16 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
             raise InputError(f"response {name} is repeated")
     extra = digest_of(optional, functions)
     return Requested(tuple(columns), tuple(optional), tuple(functions), extra)
+
+
+def _check_wear(scene: Scene, name: str) -> None:
+    """Raise InputError for the wear of surfaces that stay new, which would be 0 in all rows."""
+    joint, _, quantity = name.rpartition(".")
+    if quantity in OF_WORN and scene.wear_updates == 0 and not scene.surfaces:
+        raise InputError(
+            f"response {name} is 0 without a wear update: request {joint}.wear_rate, the volume "
+            "that a stroke wears, or set wear_updates = 1 with cycles_per_update"
+        )
 
 
 def freedom_of(scene: Scene, key: str) -> float:

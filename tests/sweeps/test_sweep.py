@@ -291,6 +291,7 @@ BAD_INPUT = r"""
 --vary clearance=1mm --response B.depth | unknown response 'B.depth'
 --vary clearance=1mm --response A.depth@3 | the stage must be 0 to wear_updates = 2
 --vary clearance=1mm --response A.depth@x | NAME@STAGE
+--vary clearance=1mm --set wear_updates=0 --response A.depth | request A.wear_rate, the volume
 --vary clearance=1mm --response A.depth,A.depth | is repeated
 --vary clearance=1mm --limit 'bdc_error<1mm' | expected RESPONSE>=VALUE or RESPONSE<=VALUE
 --vary clearance=1mm --limit 'bdc_eror>=1mm' | did you mean bdc_
