@@ -1,5 +1,6 @@
 """Pin joints and guides without clearance."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -150,6 +151,36 @@ class Guide(Checked):
 
 
 Joint = Revolute | Guide
+
+
+def closing_guides(joints: Iterable[Joint]) -> dict[str, float]:
+    """Return guides on bodies that close a loop of guides alone, as the face of a wedge.
+
+    The other guides hold the angle of such a body on its carrier already: the value is
+    this angle by the name of the guide, rad.
+    """
+    closing = {}
+    # The bodies that guides connect, with their angles from one of them, by body
+    groups: dict[str, dict[str, float]] = {}
+    guides = [joint for joint in joints if isinstance(joint, Guide)]
+    for guide in sorted(guides, key=lambda guide: guide.is_moving):
+        carriers = groups.setdefault(guide.on, {guide.on: 0.0})
+        slides = groups.setdefault(guide.body, {guide.body: 0.0})
+        if slides is carriers:
+            if guide.is_moving:
+                closing[guide.name] = slides[guide.body] - slides[guide.on]
+            continue
+        turn = carriers[guide.on] + guide.angle - slides[guide.body]
+        for body, turned in slides.items():
+            carriers[body] = turned + turn
+            groups[body] = carriers
+    return closing
+
+
+def rows_of_joints(joints: Sequence[Joint]) -> list[int]:
+    """Return the numbers of constraint equations; a guide that closes a loop holds no angle."""
+    closing = closing_guides(joints)
+    return [joint.rows - (joint.name in closing) for joint in joints]
 
 
 def ends_of(joint: Joint) -> tuple[Attachment, Attachment]:

@@ -6,7 +6,7 @@ from itertools import chain, permutations
 
 from presswear.linkage.bodies import MIN_INERTIA, Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive, leader_of
-from presswear.linkage.joints import Guide, Joint, ends_of
+from presswear.linkage.joints import Guide, Joint, closing_guides, ends_of
 from presswear.linkage.points import GROUND, Attachment
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
@@ -113,19 +113,18 @@ def _check_motors(drives: Sequence[Drive]) -> None:
 
 
 def _check_guides(guides: Sequence[Guide]) -> None:
-    """Raise InputError where guides alone, some of them on bodies, close a loop."""
-    connected = {guide.body: {guide.body} for guide in guides}
-    connected |= {guide.on: {guide.on} for guide in guides}
-    for guide in sorted(guides, key=lambda guide: guide.is_moving):
-        group = connected[guide.body]
-        if guide.is_moving and guide.on in group:
-            raise InputError(
-                f"guide {guide.name}: guides alone connect {guide.body} and {guide.on} already; "
-                "a loop of bodies needs a pin joint"
+    """Raise InputError where guides that close a loop do not agree on the angles of bodies."""
+    held = closing_guides(guides)
+    for guide in guides:
+        angle = held.get(guide.name, guide.angle)
+        if abs(math.remainder(guide.angle - angle, 2.0 * math.pi)) > DRAWING_TOL:
+            text, allowed = (
+                f"{math.degrees(one):.6g} deg" for one in (guide.angle, angle)
             )
-        group |= connected[guide.on]
-        for body in group:
-            connected[body] = group
+            raise InputError(
+                f"guide {guide.name}: angle = {text}: other guides hold {guide.body} at {allowed} "
+                f"on {guide.on}; allowed is {allowed}"
+            )
 
 
 def start_angles(

@@ -5,7 +5,14 @@ from typing import NamedTuple
 
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.joints import Guide, Joint, Revolute, ends_of
+from presswear.linkage.joints import (
+    Guide,
+    Joint,
+    Revolute,
+    closing_guides,
+    ends_of,
+    rows_of_joints,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
 
@@ -59,8 +66,9 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     equations of a linkage are independent.
     """
     rows = list[set[str]]()
-    for joint in linkage.joints:
-        rows += [bodies_of(joint)] * joint.rows
+    counts = rows_of_joints(linkage.joints)
+    for joint, count in zip(linkage.joints, counts, strict=True):
+        rows += [bodies_of(joint)] * count
     rows += [bodies_of_drive(linkage, drive) for drive in linkage.prescribed_drives]
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
     for row in rows:
@@ -182,6 +190,8 @@ def free_branches(linkage: Linkage) -> tuple[Branch, ...] | str:
         is_linear = isinstance(drive, LinearDrive)
         if is_linear and not bodies_of_drive(linkage, drive) <= prescribed:
             return _on_free_body(drive)
+    for name in closing_guides(linkage.joints):
+        return f"joint {name} closes a loop of guides"
     joints: list[Joint] = [*linkage.revolutes, *linkage.guides]
     joints = [joint for joint in joints if not bodies_of(joint) <= prescribed]
     branches, closing, _ = _tree_of(joints, (GROUND, *prescribed), linkage.bodies)

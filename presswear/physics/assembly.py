@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from presswear.linkage.drives import LinearDrive, linear_bodies
-from presswear.linkage.joints import ends_of
+from presswear.linkage.joints import closing_guides, ends_of, rows_of_joints
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.part_checks import start_angles
 from presswear.linkage.points import GROUND, Attachment
@@ -74,9 +74,8 @@ def _guessed(linkage: Linkage) -> Array:
 
 def _free_coordinates(linkage: Linkage) -> int:
     """Return the coordinates less the constraint rows; below zero where rows are repeated."""
-    constrained = sum(joint.rows for joint in linkage.joints) + len(
-        linkage.prescribed_drives
-    )
+    constrained = sum(rows_of_joints(linkage.joints))
+    constrained += len(linkage.prescribed_drives)
     return 3 * len(linkage.bodies) - constrained
 
 
@@ -84,8 +83,11 @@ def _count(linkage: Linkage) -> str:
     """Return the numbers of coordinates and of constraint rows in words."""
     coordinates = 3 * len(linkage.bodies)
     constrained = coordinates - _free_coordinates(linkage)
+    rows = "".join(
+        ["2 each", *(f", {name} 1" for name in closing_guides(linkage.guides))]
+    )
     return (
-        f"{len(linkage.bodies)} bodies have {coordinates} coordinates; pins and guides (2 each) "
+        f"{len(linkage.bodies)} bodies have {coordinates} coordinates; pins and guides ({rows}) "
         f"and drives (1 each) hold {constrained}"
     )
 

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.joints import Guide, Revolute, ends_of
+from presswear.linkage.joints import Guide, Revolute, closing_guides, ends_of
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment, OutputPoint
 
@@ -27,13 +27,15 @@ def rows_of(linkage: Linkage) -> list[Row]:
     """Return the constraint rows of a linkage.
 
     They are two for each pin joint, two for each guide, a third for a guide with a
-    spring, and one for each drive that prescribes a motion.
+    spring, one for a guide that closes a loop of guides, and one for each drive that
+    prescribes a motion.
     """
     rows = []
     for joint in linkage.revolutes:
         rows += _rows_of_pin(joint)
+    closing = closing_guides(linkage.guides)
     for guide in linkage.guides:
-        rows += _rows_of_guide(guide)
+        rows += _rows_of_guide(guide, guide.name not in closing)
     for drive in linkage.prescribed_drives:
         rows.append(_row_of_drive(linkage, drive))
     return rows
@@ -46,17 +48,16 @@ def _rows_of_pin(joint: Revolute) -> list[Row]:
     ]
 
 
-def _rows_of_guide(guide: Guide) -> list[Row]:
+def _rows_of_guide(guide: Guide, holds_angle: bool) -> list[Row]:
     """Return the rows of the distance from the line, of the angle and of a spring."""
     point, centre = ends_of(guide)
     cosine = math.cos(guide.direction)
     sine = math.sin(guide.direction)
     carrier = Attachment(guide.on, 0.0, 0.0)
     across = (-sine, cosine)
-    rows = [
-        Row(guide.name, centre, point, across, is_turning=guide.is_moving),
-        Row(guide.name, centre, carrier, turn=1.0, target=guide.angle),
-    ]
+    rows = [Row(guide.name, centre, point, across, is_turning=guide.is_moving)]
+    if holds_angle:
+        rows.append(Row(guide.name, centre, carrier, turn=1.0, target=guide.angle))
     if guide.stiffness is not None:
         rows.append(Row(guide.name, centre, point, (cosine, sine)))
     return rows

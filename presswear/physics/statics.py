@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.joints import rows_of_joints
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraint_rows import ROUND_OFF
 from presswear.physics.constraints import constraints_of, lever
@@ -125,8 +126,9 @@ def _offset_rows(linkage: Linkage) -> NDArray[np.int64]:
     pins = len(linkage.clearances) + len(linkage.elastic_pins)
     rows = [[first + 2 * k, first + 2 * k + 1] for k in range(pins)]
     end = first + 2 * pins
-    for guide in linkage.ideal.guides:
-        end += guide.rows
+    guides = linkage.ideal.guides
+    for guide, count in zip(guides, rows_of_joints(guides), strict=True):
+        end += count
         if guide.stiffness is not None:
             rows.append([end - 1, -1])
     return np.array(rows, np.int64).reshape(-1, 2)

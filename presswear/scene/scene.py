@@ -13,7 +13,7 @@ from presswear.engines.settings import (
     Purpose,
 )
 from presswear.linkage.guide_corner import largest_tilt
-from presswear.linkage.joints import Guide
+from presswear.linkage.joints import Guide, closing_guides
 from presswear.linkage.load_laws import LOAD_PARAMETERS, check_load
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, check_reach
@@ -237,7 +237,14 @@ class Scene(LoadedLinkage, Checked):
     def _check_guide(self, guide: Guide) -> None:
         """Raise InputError if a guide cannot have its clearance."""
         check_guide(self.bearing(guide.name), guide)
-        for drive in self.mechanism.linkage().drives:
+        linkage = self.mechanism.linkage()
+        others = [joint for joint in linkage.joints if joint.name != guide.name]
+        if len(closing_guides(others)) < len(closing_guides(linkage.joints)):
+            raise InputError(
+                f"bearings of {guide.name}: guides alone close a loop with it; allowed is a guide "
+                "outside of such a loop"
+            )
+        for drive in linkage.drives:
             if drive.body == guide.body:
                 raise InputError(
                     f"bearings of {guide.name}: {guide.body} has a drive, which holds its angle; "

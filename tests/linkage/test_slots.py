@@ -96,17 +96,3 @@ def test_wrong_slots_are_refused_by_name(changes: dict[str, Any], message: str) 
         linkage.changed(
             joints=[*linkage.revolutes, make("joints[3]", Guide, SLOT | changes)]
         )
-
-
-def test_a_loop_of_guides_is_refused() -> None:
-    """A wedge between two slides has no pin in its loop."""
-    with pytest.raises(InputError, match="guide face: guides alone connect"):
-        assemble(
-            bodies=[Body("wedge", 1.0), Body("slide", 1.0)],
-            joints=[
-                Guide("level", "wedge"),
-                Guide("upright", "slide", direction=0.5 * math.pi),
-                Guide("face", "slide", direction=0.2, on="wedge"),
-            ],
-            cycle=1.0,
-        )

@@ -9,7 +9,13 @@ import numpy as np
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
-from presswear.linkage.joints import Guide, Revolute, ends_of
+from presswear.linkage.joints import (
+    Guide,
+    Joint,
+    Revolute,
+    closing_guides,
+    ends_of,
+)
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load
 from presswear.linkage.points import GROUND, Attachment
@@ -21,12 +27,16 @@ from presswear.tools.compile import Records
 def left_out(linkage: Linkage) -> frozenset[str]:
     """Return the prescribed bodies that only clearance joints connect to the others.
 
-    Joints with friction stay, because the friction needs their forces.
+    Joints with friction stay, because the friction needs their forces, and loops of
+    guides, because only pins close the loops of prescribed bodies.
     """
     omitted = prescribed_of(linkage)
     if len(omitted) == len(linkage.bodies):
         return frozenset()
-    omitted -= frozenset[str]().union(*map(bodies_of, linkage.rubbing_pins))
+    closing = closing_guides(linkage.guides)
+    retained: list[Joint] = [*linkage.rubbing_pins]
+    retained += [guide for guide in linkage.guides if guide.name in closing]
+    omitted -= frozenset[str]().union(*map(bodies_of, retained))
     while True:
         joined = [bodies_of(joint) for joint in linkage.joints]
         joined += [gear.coupled_bodies for gear in linkage.gears]
@@ -162,7 +172,7 @@ class _Model:
             markerNumbers=[self._marker_at(point) for point in ends_of(guide)],
             axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
             normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
-            constrainRotation=True,
+            constrainRotation=guide.name not in closing_guides(self.linkage.guides),
         )
 
     def add_drive(self, drive: Drive, motion: Records) -> Any:

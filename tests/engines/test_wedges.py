@@ -1,0 +1,163 @@
+"""Loops of guides alone, as of a wedge: closed forms, energy, engines and messages."""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from runs import residual, run_scene
+from slotted import RADIUS, SPEED
+
+import presswear as pw
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.bodies import Bar, Body
+from presswear.linkage.drives import Drive, LinearDrive
+from presswear.linkage.joints import Guide, Pin
+from presswear.linkage.linkage import Linkage, assemble
+from presswear.linkage.topology import prescribed_of
+from presswear.physics.ideal import ideal_motion
+from presswear.physics.inverse_dynamics import needed_torques
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+SLOPE = 0.3  # of the face of the wedge, rad
+WEDGE, SLIDE = 4.0, 9.0  # masses, kg
+STROKE = 0.05  # amplitude of the wedge, m
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+DURATION = 0.014  # s, some touchdowns
+_scene = partial(Scene, bearings=BEARING, wear_updates=0)
+
+BODIES = [Body("wedge", WEDGE), Body("slide", SLIDE)]
+GUIDES = [
+    Guide("level", "wedge"),
+    Guide("upright", "slide", direction=0.5 * math.pi),
+    Guide("face", "slide", y=0.1, direction=SLOPE, on="wedge"),
+]
+ALONG = LinearDrive("wedge", along="level", frequency=SPEED, harmonics=[(0.0, STROKE)])
+
+
+def wedge() -> Linkage:
+    """Return a wedge that a cylinder moves, a slide on it, and a driven arm on the slide."""
+    return assemble(
+        bodies=[*BODIES, Bar("arm", 0.2, 1.0)],
+        joints=[*GUIDES, Pin("E", "slide", "arm.tail")],
+        drives=[ALONG, Drive("arm", 2.0 * SPEED)],
+        output="slide",
+        name="wedge",
+    )
+
+
+def wedge_on_crank() -> Linkage:
+    """Return a wedge that a crank moves, with a slide on it."""
+    return assemble(
+        bodies=[*BODIES, Bar("crank", RADIUS, 1.0), Bar("rod", 0.4, 1.5)],
+        joints=[
+            *GUIDES,
+            Pin("O", (-0.5, 0.0), "crank.tail"),
+            Pin("A", "crank.head", "rod.tail"),
+            Pin("B", "rod.head", "wedge"),
+        ],
+        drives=[Drive("crank", SPEED, 0.5)],
+        output="slide",
+        name="wedge on a crank",
+    )
+
+
+def turning_wedge() -> Linkage:
+    """Return a wedge and a slide in guides on a crank that turns."""
+    return assemble(
+        bodies=[
+            Bar("crank", 0.5, 3.0),
+            *(Body(one.name, one.mass, 0.01) for one in BODIES),
+        ],
+        joints=[
+            Pin("O", (0.0, 0.0), "crank.tail"),
+            Guide("level", "wedge", y=0.02, direction=0.1, on="crank"),
+            Guide("upright", "slide", direction=0.5 * math.pi, on="crank"),
+            GUIDES[2],
+        ],
+        drives=[Drive("crank", SPEED), ALONG],
+        output="slide",
+        name="turning wedge",
+    )
+
+
+def test_wedge_lifts_its_slide() -> None:
+    """The slide sinks by x tan a; the force is (m_w + m_s tan^2 a) x'' - m_s g tan a."""
+    linkage = assemble(bodies=BODIES, joints=GUIDES, drives=[ALONG], output="slide")
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 37)
+    place = STROKE * np.sin(SPEED * time)
+    tangent = math.tan(SLOPE)
+    height = ideal.at(time).output(linkage)[:, 0]
+    np.testing.assert_allclose(height, 0.1 - place * tangent, atol=1e-14)
+    force = needed_torques(linkage, ideal, time)[:, 0]
+    inertia = -(WEDGE + SLIDE * tangent**2) * SPEED**2 * place
+    weight = SLIDE * linkage.gravity * tangent
+    np.testing.assert_allclose(force, inertia - weight, atol=1e-8)
+
+
+def test_wedge_turns_with_its_carrier() -> None:
+    """In the axes of the crank the slide is where its line meets the face."""
+    linkage = turning_wedge()
+    assert prescribed_of(linkage) == {"crank", "wedge", "slide"}
+    ideal = ideal_motion(linkage, linkage.period)
+    time = np.linspace(0.0, linkage.period, 37)
+    motion = ideal.at(time)
+    distance = STROKE * np.sin(SPEED * time)
+    across = distance * math.cos(0.1)
+    above = 0.02 + distance * math.sin(0.1) + 0.1 - across * math.tan(SLOPE)
+    position = motion.position.reshape(37, 3, 3)
+    angle = position[:, 0, 2]
+    gap = position[:, 2, :2] - position[:, 0, :2]
+    along = gap[:, 0] * np.cos(angle) + gap[:, 1] * np.sin(angle)
+    np.testing.assert_allclose(along, 0.0, atol=1e-14)
+    beside = gap[:, 1] * np.cos(angle) - gap[:, 0] * np.sin(angle)
+    np.testing.assert_allclose(beside, above, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("linkage", "joints"),
+    [
+        (wedge(), "E"),
+        (wedge_on_crank(), "A"),
+        (wedge_on_crank(), "none"),
+        (turning_wedge(), "none"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.name,
+)
+def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints: str) -> None:
+    scene = _scene(linkage, joints=joints)
+    ours = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
+    joined = run_scene(scene, ExudynJoints(steps_per_contact=320), DURATION)
+    assert np.abs(joined.end.position - ours.end.position).max() < 3e-6
+    assert residual(ours) < 1e-9
+    assert residual(joined) < 1e-5
+    torques = ours.recorder.records.torque
+    allowed = 1e-4 * np.abs(torques).max()
+    np.testing.assert_allclose(joined.recorder.records.torque, torques, atol=allowed)
+
+
+def test_angles_that_do_not_fit_are_refused() -> None:
+    level = Guide("level", "wedge", angle=0.05)
+    upright = Guide("upright", "slide", direction=0.5 * math.pi, angle=0.2)
+    face = Guide("face", "slide", direction=SLOPE, angle=0.1, on="wedge")
+    others = level, upright, *wedge().revolutes
+    message = (
+        r"guide face: angle = 5\.72958 deg: other guides hold slide at 8\.59437 deg on "
+        r"wedge; allowed is 8\.59437 deg"
+    )
+    with pytest.raises(InputError, match=message):
+        wedge().changed(joints=[*others, face])
+    fitting = replace(face, angle=0.15)
+    assert len(wedge().changed(joints=[*others, fitting]).guides) == 3
+
+
+def test_clearance_in_a_loop_of_guides_is_refused() -> None:
+    upright = Guide("upright", "slide", direction=0.5 * math.pi, length=0.2, width=0.1)
+    linkage = wedge()
+    joints = [GUIDES[0], upright, GUIDES[2], *linkage.revolutes]
+    with pytest.raises(InputError, match="bearings of upright: guides alone close"):
+        pw.Scene(linkage.changed(joints=joints), joints="upright", bearings=BEARING)
