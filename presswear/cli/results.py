@@ -93,7 +93,11 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
         table = of_stage(result, arguments.stage)
     write_table(arguments.file, table)
     rows = next(iter(table.values())).size
-    print_lines(console, f"{rows} rows of {len(table)} columns in {arguments.file}")
+    source = (
+        "service life" if arguments.life else f"{result.stage_name(arguments.stage)}"
+    )
+    text = f"{source}: {rows} rows of {len(table)} columns in {arguments.file}"
+    print_lines(console, text)
     return 0
 
 

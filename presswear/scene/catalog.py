@@ -278,8 +278,7 @@ def title_of(scene: Scene) -> str:
 
     Without a title it is the name of the scene, or else of its mechanism.
     """
-    is_named = scene.name != Scene.name
-    title = scene.title or (scene.name if is_named else scene.mechanism.linkage().name)
+    title = scene.title or _unchanged_name(scene)
     titles = [entry.title for entry in SCENES.values()]
     if named_scene(scene) is not None and title not in titles:
         return title  # the user has replaced the title of the named scene
@@ -287,13 +286,19 @@ def title_of(scene: Scene) -> str:
 
 
 def name_of(scene: Scene) -> str:
-    """Return the name of a scene, followed by its changes as in ``title_of``."""
-    return _with_changes(scene.name, scene)
+    """Return the name of a scene, else of its mechanism, and its changes as in ``title_of``."""
+    return _with_changes(_unchanged_name(scene), scene)
 
 
 def short_name_of(scene: Scene) -> str:
     """Return the name of a scene, and whether it was changed."""
-    return scene.name if name_of(scene) == scene.name else f"{scene.name}, changed"
+    name = _unchanged_name(scene)
+    return name if name_of(scene) == name else f"{name}, changed"
+
+
+def _unchanged_name(scene: Scene) -> str:
+    is_named = scene.name != Scene.name
+    return scene.name if is_named else scene.mechanism.linkage().name
 
 
 def _with_changes(first: str, scene: Scene) -> str:

@@ -167,4 +167,4 @@ def _add_figure(pages: PdfPages, drawing: Drawing, number: int) -> None:
     sheet.draw_without_rendering()
     sheet.set_layout_engine("none")  # the caption moves nothing
     sheet.text(0.0, below, text, va="top", fontsize=8.0, linespacing=1.25)
-    pages.savefig(sheet, bbox_inches="tight", pad_inches=0.2)
+    pages.savefig(sheet, bbox_inches="tight", pad_inches=0.0)

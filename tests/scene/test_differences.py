@@ -32,6 +32,12 @@ def test_a_named_scene_keeps_its_title(name: str) -> None:
     )
 
 
+def test_a_scene_without_a_name_has_that_of_its_mechanism() -> None:
+    scene = pw.Scene(pw.FourBar())
+    assert (title_of(scene), name_of(scene)) == ("four-bar", "four-bar")
+    assert short_name_of(scene) == "four-bar"
+
+
 def test_the_title_lists_changes_and_counts_the_last() -> None:
     scene = pw.scenes.wear_times(clearance="0.5 mm", wear_updates=1)
     assert described(scene) == {
