@@ -204,9 +204,10 @@ def _depends_on_onset(law: Any) -> bool:
     """Return whether a normal force depends on the closing speed at touchdown."""
     depth = 1e-3 * law["clearance"]
     elastic, _ = elastic_of(law, depth)
-    low_onset_speed, high_onset_speed = 1.0, 2.0
-    slow = normal_force(law, elastic, depth, 1.0, low_onset_speed)
-    fast = normal_force(law, elastic, depth, 1.0, high_onset_speed)
+    rate = 1.0  # m/s
+    # The last argument is the closing speed at touchdown, m/s.
+    slow = normal_force(law, elastic, depth, rate, 1.0)
+    fast = normal_force(law, elastic, depth, rate, 2.0)
     return bool(slow != fast)
 
 

@@ -160,7 +160,8 @@ class _Cycles:
 
     def _cycle(self) -> Finding | None:
         """Run one cycle; return what went wrong, if anything."""
-        plan, recorder = self.plan, self.recorder
+        plan = self.plan
+        recorder = self.recorder
         done = len(recorder.cycles)
         for phase in plan.sections:
             if phase < 1.0:
@@ -189,7 +190,8 @@ class _Cycles:
 
         Returns what went wrong, if anything.
         """
-        running, recorder = self.running, self.recorder
+        running = self.running
+        recorder = self.recorder
         finding = self._integrate(end)
         if finding is not None:
             return finding

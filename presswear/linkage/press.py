@@ -44,7 +44,8 @@ from presswear.tools.serialize import Checked
 
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
-BELOW, ABOVE = -1.0, 1.0
+BELOW = -1.0  # sides of a point on which the slider lies
+ABOVE = 1.0
 _side = partial(length_field, "paper, reading chosen")
 
 
@@ -85,7 +86,7 @@ class Geometry(Checked):
             raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
-# they meet the two printed peaks about equally well
+# Each has nearly the two peak values that the paper prints.
 GEOMETRIES: dict[str, Geometry] = {
     "standard": Geometry(),
     "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
@@ -184,20 +185,24 @@ class Press(Mechanism):
 
     def plate_corners(self) -> dict[str, Attachment]:
         """Return B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""
-        bd, bc, cd = self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd
+        bd = self.geometry.side_bd
+        bc = self.geometry.side_bc
+        cd = self.geometry.side_cd
         along = (bd**2 + cd**2 - bc**2) / (2.0 * bd)
         across = self.geometry.side_c * math.sqrt(cd**2 - along**2)
-        x, y = (bd + along) / 3.0, across / 3.0
+        centroid_x = (bd + along) / 3.0
+        centroid_y = across / 3.0
         corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
         return {
-            name: Attachment("plate 4", a - x, b - y)
-            for name, (a, b) in corners.items()
+            name: Attachment("plate 4", x - centroid_x, y - centroid_y)
+            for name, (x, y) in corners.items()
         }
 
     def _assemble(self) -> Linkage:
         # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14;
         # the slider's angle of 90 degrees there is the direction of its guide.
-        geometry, corner = self.geometry, self.plate_corners()
+        geometry = self.geometry
+        corner = self.plate_corners()
         pivots = {"O2": (geometry.hx, geometry.hy), "O7": (0.0, 0.0)}
         crown = self._crown(0.5 * math.pi, pivots)
         return assemble(

@@ -295,3 +295,13 @@ def corner_acceleration(
         _, _, curvature = wall_profile(joint, surfaces, c.place)
         result -= curvature * c.sliding * c.sliding
     return result
+
+
+@inlined
+def acceleration_in_gap(
+    joint: Records, surfaces: Array, contact: Records, a: Array
+) -> float:
+    """Return the second time derivative of the penetration of a pin or of a corner, m/s^2."""
+    if joint.is_flat:
+        return corner_acceleration(joint, surfaces, contact, a)
+    return penetration_acceleration(joint, surfaces, contact, a)

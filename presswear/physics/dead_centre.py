@@ -49,7 +49,8 @@ class Bottom:
 def bottom_of(ideal: IdealMotion) -> Bottom | None:
     """Return the bottom dead centre of an ideal motion; None where the output point stands.
 
-    Of several bottoms in a cycle the lowest, and of those that are alike the first.
+    It is the lowest bottom of a cycle. If several have the same height, it is the first
+    of them.
     """
     place = _places(ideal)
     period = ideal.period
@@ -61,24 +62,27 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
-    above = np.flatnonzero(
-        np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place))
-    )
-    end = (lowest + int(above[0])) * step
-    # The stroke is filed in the cycle in which its window ends.
-    back = period * math.ceil(end / period - 1.0)
+    range_of_place = float(np.ptp(place))
+    middle = place.min() + 0.5 * range_of_place
+    above = np.flatnonzero(np.roll(place, -lowest) > middle)
+    # Nodes between which the lower half of the stroke lies
     first = lowest + int(above[-1]) - nodes
-    window = first * step - back, end - back
     last = lowest + int(above[0])
-    minima = [
-        _lowest(ideal, first + k, nodes, 1.0)
-        for k in _minima(
-            place[np.arange(first, last + 1) % nodes], DEPTH * float(np.ptp(place))
-        )
-    ]
-    shifted = tuple((time - back, height) for time, height in minima)
+    # The stroke belongs to the cycle in which its window ends.
+    shift = period * math.ceil(last * step / period - 1.0)
+    window_places = place[np.arange(first, last + 1) % nodes]
+    minima = []
+    for k in _minima(window_places, DEPTH * range_of_place):
+        minimum_time, minimum_height = _lowest(ideal, first + k, nodes, 1.0)
+        minima.append((minimum_time - shift, minimum_height))
     return Bottom(
-        time - back, height, -negative - height, top - back, window, period, shifted
+        time=time - shift,
+        height=height,
+        stroke=-negative - height,
+        top=top - shift,
+        window=(first * step - shift, last * step - shift),
+        period=period,
+        minima=tuple(minima),
     )
 
 
@@ -104,7 +108,7 @@ def _places(ideal: IdealMotion) -> Array:
 
 
 def _first_lowest(ideal: IdealMotion, place: Array) -> int:
-    """Return the node of the lowest place; of places that are alike the first."""
+    """Return the node of the lowest place, the first of several equal places."""
     return int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
 
 
@@ -114,12 +118,14 @@ def _minima(place: Array, depth: float) -> list[int]:
     inner = np.arange(1, len(place) - 1)
     is_minimum = (place[inner] < place[inner - 1]) & (place[inner] <= place[inner + 1])
     for k in map(int, inner[is_minimum]):
-        if (
-            not result
-            or place[result[-1] : k].max() - place[[result[-1], k]].max() > depth
-        ):
+        if not result:
             result.append(k)
-        elif place[k] < place[result[-1]]:
+            continue
+        last = result[-1]
+        rise = place[last:k].max() - place[[last, k]].max()
+        if rise > depth:
+            result.append(k)
+        elif place[k] < place[last]:
             result[-1] = k
     return result
 
@@ -135,17 +141,20 @@ def _lowest(
     high = (node + 1) * step
     time = node * step
 
-    def moved(time: float) -> list[float]:
-        # Behind a run-up, and a cycle on: a time may lie before the first.
-        at = np.array([linkage.run_up_time + period + time])
-        return list(map(float, sign * ideal.at(at).output(linkage)[0]))
+    def motion_at(time: float) -> list[float]:
+        # A cycle after the run-up, because a time may be before the first cycle.
+        instant = np.array([linkage.run_up_time + period + time])
+        return list(map(float, sign * ideal.at(instant).output(linkage)[0]))
 
     for _ in range(_STEPS):
-        _, speed, acceleration = moved(time)
-        low, high = (time, high) if speed < 0.0 else (low, time)
+        _, speed, acceleration = motion_at(time)
+        if speed < 0.0:
+            low = time
+        else:
+            high = time
         new = time - speed / acceleration if acceleration > 0.0 else low
         new = new if low <= new <= high else 0.5 * (low + high)
         if abs(new - time) < 1e-15 * period:
             break
         time = new
-    return time, moved(time)[0]
+    return time, motion_at(time)[0]

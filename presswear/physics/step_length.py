@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from presswear.physics.contact import corner_acceleration, penetration_acceleration
+from presswear.physics.contact import acceleration_in_gap
 from presswear.physics.event_time import step_to_event, time_across, time_to_event
 from presswear.physics.load_transitions import count_transitions
 from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, load_crossing
@@ -51,6 +51,15 @@ EVENT_TOL = 1e-9
 OILED_DEPTH = 0.05
 # Time between a change of a load's law and the end of the step, in shortest steps
 EVENT_MARGIN = 2.0
+
+
+@inlined
+def bin_time(joint: Records, last: Records) -> float:
+    """Return the time in which a pin crosses a bin of a worn surface, s; infinite far from it."""
+    is_near = last.penetration > -joint.relief
+    if joint.surface_bins > 0 and last.sweep > 0.0 and is_near:
+        return 2.0 * math.pi / joint.surface_bins / last.sweep
+    return math.inf
 
 
 @compiled
@@ -226,79 +235,89 @@ def longest_step(records: Any, longest: float, parts: float) -> float:
         if records.onset[k] > 0.0 and last.steps < 2.0 * needed:
             impact_step = contact_step(joint, 0.0, records.onset[k], needed)
             longest = min(longest, impact_step, last.longest_step)
-        if (
-            joint.surface_bins > 0
-            and last.sweep > 0.0
-            and last.penetration > -joint.relief
-        ):
-            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
-            longest = min(longest, bins / SKIM_STEPS)
+        longest = min(longest, bin_time(joint, last) / SKIM_STEPS)
     return longest
 
 
 @compiled
 def next_step(records: Any, steps: Records, a: Array) -> float:
     """Return the next step, s, after the state of contact has been settled."""
-    packed = records.packed
-    free = steps[0].free
-    parts = steps[0].per_contact
-    chosen = free
+    chosen = steps[0].free
     for k in range(records.memory.shape[0]):
-        joint = packed.joints[k]
+        joint = records.packed.joints[k]
         last = records.memory[k]
-        is_closed = records.onset[k] > 0.0
-        depth = last.penetration
-        rate = last.rate
         if joint.always_closed:
             # A force that passes through zero can grow again within the step.
-            depth = max(depth, OILED_DEPTH * joint.clearance)
+            depth = max(last.penetration, OILED_DEPTH * joint.clearance)
             wanted = contact_step(joint, depth, 0.0, steps[0].sustained)
-            chosen = min(chosen, max(wanted, steps[0].least))
-            continue
-        if joint.is_flat:
-            acceleration = corner_acceleration(
-                joint, packed.surfaces[k], records.contacts[k], a
-            )
         else:
-            acceleration = penetration_acceleration(
-                joint, packed.surfaces[k], records.contacts[k], a
-            )
-        wanted = math.inf
-        if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
-            # A bump of the profile acts like an impact and has as many steps.
-            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
-            wanted = bins / (0.5 * parts if is_closed else FLIGHT_STEPS_PER_BIN)
-        if is_closed:
-            impact_step = contact_step(joint, depth, rate, parts)
-            contact_limit = step_in_contact(last, steps[0], impact_step, acceleration)
-            wanted = min(wanted, contact_limit)
-            last.acceleration = acceleration
-            # After a separation a step ends inside the bore, before the pin is closed
-            # on the other side.
-            departure, leaving, _ = time_to_event(-depth, -rate, -acceleration, 0.0)
-            if departure < math.inf:
-                wanted = min(
-                    wanted, departure + BORE_FRACTION * joint.clearance / leaving
+            surfaces = records.packed.surfaces[k]
+            contact = records.contacts[k]
+            acceleration = acceleration_in_gap(joint, surfaces, contact, a)
+            if records.onset[k] > 0.0:
+                wanted = step_while_closed(joint, last, steps, acceleration)
+            else:
+                longest = chosen
+                wanted = step_while_open(
+                    joint, last, contact, steps, acceleration, longest
                 )
-        else:
-            # Limits are a fraction of the time in which the pin would cross the clearance
-            # from rest, and the time of the next touchdown.
-            if acceleration != 0.0:
-                flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
-                wanted = min(wanted, flight / STEPS_PER_FLIGHT)
-            arrival, closing, uncertainty = time_to_event(
-                depth, rate, acceleration, 0.0
-            )
-            if not joint.is_flat:
-                across, speed_across = time_across(records.contacts[k], joint.clearance)
-                if across < arrival:
-                    arrival = across
-                    closing = speed_across
-            if arrival < min(chosen, max(wanted, steps[0].least)):
-                behind = min(LANDING * contact_step(joint, 0.0, closing, parts), free)
-                landing = step_to_event(
-                    arrival, uncertainty, True, behind, joint.normal.abrupt
-                )
-                wanted = min(wanted, landing)
         chosen = min(chosen, max(wanted, steps[0].least))
     return chosen
+
+
+@compiled
+def step_while_closed(
+    joint: Records, last: Records, steps: Records, acceleration: float
+) -> float:
+    """Return the next step, s, of a closed joint."""
+    depth = last.penetration
+    rate = last.rate
+    parts = steps[0].per_contact
+    # A bump of the profile acts like an impact and has as many steps.
+    wanted = bin_time(joint, last) / (0.5 * parts)
+    impact_step = contact_step(joint, depth, rate, parts)
+    contact_limit = step_in_contact(last, steps[0], impact_step, acceleration)
+    wanted = min(wanted, contact_limit)
+    last.acceleration = acceleration
+    # After a separation a step ends inside the bore, before the pin is closed on the
+    # opposite side.
+    departure, leaving, _ = time_to_event(-depth, -rate, -acceleration, 0.0)
+    if departure < math.inf:
+        flight = BORE_FRACTION * joint.clearance / leaving
+        wanted = min(wanted, departure + flight)
+    return wanted
+
+
+@compiled
+def step_while_open(
+    joint: Records,
+    last: Records,
+    contact: Records,
+    steps: Records,
+    acceleration: float,
+    longest: float,
+) -> float:
+    """Return the next step, s, of an open joint; ``longest`` limits the search of a touchdown.
+
+    Limits are a fraction of the time in which the pin would cross the clearance from
+    rest, and the time of the next touchdown.
+    """
+    parts = steps[0].per_contact
+    wanted = bin_time(joint, last) / FLIGHT_STEPS_PER_BIN
+    if acceleration != 0.0:
+        flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
+        wanted = min(wanted, flight / STEPS_PER_FLIGHT)
+    arrival, closing, uncertainty = time_to_event(
+        last.penetration, last.rate, acceleration, 0.0
+    )
+    if not joint.is_flat:
+        across, speed_across = time_across(contact, joint.clearance)
+        if across < arrival:
+            arrival = across
+            closing = speed_across
+    if arrival < min(longest, max(wanted, steps[0].least)):
+        margin = LANDING * contact_step(joint, 0.0, closing, parts)
+        margin = min(margin, steps[0].free)
+        landing = step_to_event(arrival, uncertainty, True, margin, joint.normal.abrupt)
+        wanted = min(wanted, landing)
+    return wanted

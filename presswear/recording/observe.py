@@ -151,29 +151,27 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
         deposit_on_wall(depths, k, joint, records.contacts[k], integrals.work, h)
         return
     depth = records.depth[k, :, : joint.map_bins]
-    if joint.over_arc:
-        surfaces = records.packed.surfaces[k]
-        shares = records.shares[:2, : joint.map_bins]
-        contact = records.contacts[k]
-        if joint.wear_address != 0:
-            deposit_by_law(
-                depth,
-                joint,
-                surfaces,
-                contact,
-                integrals.work,
-                integrals.pressure,
-                shares,
-                records.shares[2:, : joint.map_bins],
-            )
-        elif joint.pressure_exponent != 1.0:
-            deposit_by_pressure(
-                depth, joint, surfaces, contact, integrals.pressure, shares
-            )
-        else:
-            deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
+    contact = records.contacts[k]
+    if not joint.over_arc:
+        deposit_in_bins(depth, joint, contact, integrals.pressure, h)
+        return
+    surfaces = records.packed.surfaces[k]
+    shares = records.shares[:2, : joint.map_bins]
+    if joint.wear_address != 0:
+        deposit_by_law(
+            depth,
+            joint,
+            surfaces,
+            contact,
+            integrals.work,
+            integrals.pressure,
+            shares,
+            records.shares[2:, : joint.map_bins],
+        )
+    elif joint.pressure_exponent != 1.0:
+        deposit_by_pressure(depth, joint, surfaces, contact, integrals.pressure, shares)
     else:
-        deposit_in_bins(depth, joint, records.contacts[k], integrals.pressure, h)
+        deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
 
 
 @inlined

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.physics.contact import corner_acceleration, penetration_acceleration
+from presswear.physics.contact import acceleration_in_gap
 from presswear.physics.dormand_prince import DOPRI5
 from presswear.physics.drive_motion import step_to_break
 from presswear.physics.equations.function import (
@@ -193,57 +193,57 @@ def step_to_contacts(records: RecorderState, system: TreeSystem, h: float) -> fl
 
     Fills ``expected`` with the closing speeds that the stages of this step use.
     """
-    pace = system.pace[0]
-    a = system.state[2]
     for k in range(records.memory.shape[0]):
-        joint = records.packed.joints[k]
-        last = records.memory[k]
-        is_closed = records.onset[k] > 0.0
-        if joint.always_closed:
-            system.expected[k] = records.onset[k]
-            continue
-        if joint.is_flat:
-            acceleration = corner_acceleration(
-                joint, records.packed.surfaces[k], records.contacts[k], a
-            )
-        else:
-            acceleration = penetration_acceleration(
-                joint, records.packed.surfaces[k], records.contacts[k], a
-            )
-        jerk = (
-            (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
-        )
-        last.acceleration = acceleration
-        if is_closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
-            last.longest_step = 2.0 * last.rate / -acceleration / pace.parts
-            h = min(h, last.longest_step)
-        system.expected[k] = records.onset[k]
-        sign = -1.0 if is_closed else 1.0
-        jerk = sign * jerk if pace.smooth else 0.0
-        if sign * last.penetration >= 0.0:
-            continue
-        arrival, speed, uncertainty = time_to_event(
-            sign * last.penetration, sign * last.rate, sign * acceleration, jerk
-        )
-        if not (is_closed or joint.is_flat):
-            across, closing = time_across(records.contacts[k], joint.clearance)
-            if across < arrival:
-                arrival = across
-                speed = closing
-                uncertainty = PREDICTION_TOL * across
-        if not arrival < 2.0 * h:
-            continue
-        if not is_closed:
-            system.expected[k] = max(speed, 0.0)
-        if arrival <= h and speed > 0.0:
-            if not pace.smooth:
-                uncertainty = max(uncertainty, PREDICTION_TOL * arrival)
-            is_near = uncertainty * speed <= LANDING_DEPTH
-            duration = contact_step(joint, 0.0, speed, 1.0)
-            behind = min(LANDING_DEPTH / speed, LANDING_FRACTION * duration)
-            is_abrupt = joint.normal.abrupt and not is_closed
-            h = min(h, step_to_event(arrival, uncertainty, is_near, behind, is_abrupt))
-    return max(h, pace.shortest)
+        h = step_to_contact(records, system, k, h)
+    return max(h, system.pace[0].shortest)
+
+
+@inlined
+def step_to_contact(
+    records: RecorderState, system: TreeSystem, k: int, h: float
+) -> float:
+    """Return the step, s, no longer than ``h``, that ends on the next event of joint ``k``."""
+    pace = system.pace[0]
+    joint = records.packed.joints[k]
+    last = records.memory[k]
+    contact = records.contacts[k]
+    is_closed = records.onset[k] > 0.0
+    system.expected[k] = records.onset[k]
+    if joint.always_closed:
+        return h
+    acceleration = acceleration_in_gap(
+        joint, records.packed.surfaces[k], contact, system.state[2]
+    )
+    jerk = 0.0
+    if last.step > 0.0 and pace.smooth:
+        jerk = (acceleration - last.acceleration) / last.step
+    last.acceleration = acceleration
+    if is_closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
+        last.longest_step = 2.0 * last.rate / -acceleration / pace.parts
+        h = min(h, last.longest_step)
+    sign = -1.0 if is_closed else 1.0
+    if sign * last.penetration >= 0.0:
+        return h
+    arrival, speed, uncertainty = time_to_event(
+        sign * last.penetration, sign * last.rate, sign * acceleration, sign * jerk
+    )
+    if not (is_closed or joint.is_flat):
+        across, closing = time_across(contact, joint.clearance)
+        if across < arrival:
+            arrival = across
+            speed = closing
+            uncertainty = PREDICTION_TOL * across
+    if arrival < 2.0 * h and not is_closed:
+        system.expected[k] = max(speed, 0.0)
+    if arrival > h or speed <= 0.0:
+        return h
+    if not pace.smooth:
+        uncertainty = max(uncertainty, PREDICTION_TOL * arrival)
+    is_near = uncertainty * speed <= LANDING_DEPTH
+    duration = contact_step(joint, 0.0, speed, 1.0)
+    margin = min(LANDING_DEPTH / speed, LANDING_FRACTION * duration)
+    is_abrupt = joint.normal.abrupt and not is_closed
+    return min(h, step_to_event(arrival, uncertainty, is_near, margin, is_abrupt))
 
 
 @compiled

@@ -38,7 +38,8 @@ class BodyForces:
         self._arguments = pack_arguments(self._model)
         self._function = function_of(equations.text)
         layout = equations.layout
-        self._y, self._rates = np.zeros((2, layout.size))
+        self._y = np.zeros(layout.size)
+        self._rates = np.zeros(layout.size)
         self.states = self._y[layout.first_state : layout.first_energy]
         self.energies = self._rates[layout.first_energy : layout.first_dose]
         self.doses = self._rates[layout.first_dose : layout.first_torque].reshape(

@@ -33,7 +33,7 @@ class Estimate:
     def symmetric(
         mean: float, half_width: float | None, samples: int = 0
     ) -> "Estimate":
-        """Return an estimate whose interval reaches as far to both sides."""
+        """Return an estimate with an interval that is symmetric about the mean."""
         if half_width is None:
             return Estimate(mean, samples=samples)
         return Estimate(mean, mean - half_width, mean + half_width, samples)
@@ -62,10 +62,10 @@ class Estimate:
 
     @property
     def has_interval(self) -> bool:
-        """True if the interval tells something.
+        """True if there is an interval that is not too wide.
 
-        One of a positive quantity over more than ``MAX_FACTOR`` squared says no more
-        than too few cycles.
+        The ends of the interval of a positive quantity may differ by the square of
+        ``MAX_FACTOR``.
         """
         if self.low is None or self.high is None:
             return False
@@ -77,7 +77,7 @@ class Estimate:
         return Estimate(self.mean, samples=self.samples)
 
     def __str__(self) -> str:
-        """Return the mean with its interval; ``±`` where both ends are about as far away."""
+        """Return the mean with its interval; ``±`` if the interval is nearly symmetric."""
         if self.low is None and self.samples >= MIN_SAMPLES:
             # of different motions, or too wide
             return f"{readable(self.mean)} (no interval)"

@@ -11,10 +11,11 @@ from presswear.recording.statistics.correlated_samples import STARTUP_CYCLES
 from presswear.recording.statistics.estimate import MIN_SAMPLES
 from presswear.tools.arrays import Array, State
 
-MAX_BATCHES = 32  # of wear maps; then each two neighbours are added to one batch
-MIN_WIDTH = 0.1  # bins, standard deviation of a Gaussian that leaves a map as it is
-MAX_WIDTH = 0.1  # of a turn, of the widest Gaussian that smooths a map
-WIDTHS = 64  # of Gaussians to choose from
+MAX_BATCHES = 32  # number of batches at which two neighbours become one batch
+# Smallest standard deviation of a Gaussian, bins, which leaves a map as it is
+MIN_WIDTH = 0.1
+MAX_WIDTH = 0.1  # largest standard deviation of a Gaussian, turns
+WIDTHS = 64  # number of Gaussians to choose from
 
 
 @dataclass
@@ -74,15 +75,14 @@ class MapBatches:
 
     def save(self) -> State:
         """Return copies of the arrays that change."""
-        filed = np.array([self.cycles, self.size])
-        return {"filed": filed, "last": self._last.copy(), "sums": self._sums.copy()}
+        counts = np.array([self.cycles, self.size])
+        return {"filed": counts, "last": self._last.copy(), "sums": self._sums.copy()}
 
     @staticmethod
     def load(state: State) -> "MapBatches":
-        """Return the maps that ``save`` gave."""
-        maps = MapBatches(
-            state["last"].shape, *(int(number) for number in state["filed"])
-        )
+        """Return the maps of a state that ``save`` has returned."""
+        cycles, size = state["filed"].tolist()
+        maps = MapBatches(state["last"].shape, cycles, size)
         maps._last[...] = state["last"]
         maps._sums[...] = state["sums"]
         return maps
@@ -168,17 +168,18 @@ def smoothing_widths(
     share = weights / weights.sum()
     mean = np.tensordot(share, maps, 1)
     volume = maps.sum(axis=-1, keepdims=True)
-    whole = mean.sum(axis=-1, keepdims=True)
+    mean_volume = mean.sum(axis=-1, keepdims=True)
     # Smoothing conserves the volume of a map, so that only noise of its shape counts.
-    off = maps - mean * np.divide(
-        volume, whole, out=np.zeros_like(volume), where=whole > 0.0
-    )
+    zeros = np.zeros_like(volume)
+    ratio = np.divide(volume, mean_volume, out=zeros, where=mean_volume > 0.0)
+    deviations = maps - mean * ratio
     scale = weights.sum() / (len(maps) - 1) / cycles
     for k, count in enumerate(bins):
         widths, response = _smoothings(count)
         for side in range(2):
             power = np.abs(np.fft.fft(depth[k, side, :count])) ** 2
-            noise = scale * share @ np.abs(np.fft.fft(off[:, k, side, :count])) ** 2
+            spectra = np.abs(np.fft.fft(deviations[:, k, side, :count])) ** 2
+            noise = scale * share @ spectra
             error = (1.0 - response) ** 2 @ power + 2.0 * response @ noise
             result[k, side] = max(math.sqrt(0.5) * widths[error.argmin()], MIN_WIDTH)
     return result
@@ -223,5 +224,7 @@ def map_errors(maps: Array, weights: Array) -> Array:
     share = weights / weights.sum()
     mean = np.tensordot(share, maps, 1)
     variance = np.tensordot(share, (maps - mean) ** 2, 1) / (len(maps) - 1)
-    size, noise = (np.sum(part, axis=(1, 2)) for part in (mean**2, variance))
-    return np.sqrt(np.divide(noise, size, out=np.zeros(len(size)), where=size > 0.0))
+    square = np.sum(mean**2, axis=(1, 2))
+    noise = np.sum(variance, axis=(1, 2))
+    zeros = np.zeros(len(square))
+    return np.sqrt(np.divide(noise, square, out=zeros, where=square > 0.0))
