@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from fake_engine import Campaign, FakeEngine, Seen, Use
 
+from campaign.fake_engine import Campaign, FakeEngine, Seen, Use
 from presswear.campaign.campaign import run_campaign
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.scene.scene import Scene

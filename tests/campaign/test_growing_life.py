@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_engine import (
+from rich.console import Console
+from scipy import stats
+
+from campaign.fake_engine import (
     RATE,
     REPRESENTED,
     RUN_IN,
@@ -23,9 +26,6 @@ from fake_engine import (
     constant,
     exponential,
 )
-from rich.console import Console
-from scipy import stats
-
 from presswear.campaign import runs
 from presswear.cli import run_observer
 from presswear.cli.life import announcing

@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_engine import (
+from numpy.testing import assert_allclose
+
+from campaign.fake_engine import (
     CLEARANCE,
     CYCLES,
     JUMPS,
@@ -24,8 +26,6 @@ from fake_engine import (
     half_of,
     uneven,
 )
-from numpy.testing import assert_allclose
-
 from presswear.campaign.wear_update import FIRST_REFINEMENT
 from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.linkage import Linkage

@@ -14,13 +14,13 @@ import pytest
 from bush import CLEARANCE as GAP
 from bush import COEFFICIENT, bush
 from endurance.sameness import folder_differences
-from known_wear import (
+
+import presswear as pw
+from campaign.known_wear import (
     DEPTH,
     load_block,
     problem,
 )
-
-import presswear as pw
 from presswear.campaign import replicates
 from presswear.campaign.life_result import life_by_rate
 from presswear.campaign.refinement import Refinement, Refinements

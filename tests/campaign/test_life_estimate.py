@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from known_wear import (
+from scipy import stats
+
+import presswear as pw
+from campaign.known_wear import (
     CLEARANCE,
     DEPTH,
     DRIFT,
@@ -19,9 +22,6 @@ from known_wear import (
     load_block,
     problem,
 )
-from scipy import stats
-
-import presswear as pw
 from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
 from presswear.campaign.life_estimate import estimate_life
 from presswear.campaign.life_result import life_result

@@ -155,16 +155,16 @@ def test_a_press_that_gives_way_does_not_break_its_sheet() -> None:
     with 1.6 mm it breaks it.
     """
     mechanism = pw.SliderCrank(
-        crank_length="50 mm",
-        rod_length="300 mm",
-        slide_angle="-90 deg",
+        crank_length=0.05,
+        rod_length=0.3,
+        slide_angle=-0.5 * math.pi,
         gravity=0.0,
-        speed="5 spm",
+        speed=5.0 * math.pi / 30.0,
         frame_mass=100.0,
         frame_stiffness=1e6,
         frame_damping=0.5,
     )
-    process = pw.Blanking(force="1 kN", height="1.3 mm")
+    process = pw.Blanking(force=1e3, height=1.3e-3)
     scene = pw.Scene(
         mechanism, joints="none", process=process, cycles=3, wear_updates=0
     )

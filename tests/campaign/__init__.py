@@ -1,0 +1,1 @@
+"""Campaigns: replicates, wear updates and service lives."""
