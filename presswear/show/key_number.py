@@ -38,8 +38,9 @@ def measured(
         return KeyNumber(name, value, UNKNOWN, meaning, note=note, estimate=single)
     digits = 3 if high - low < 0.2 * abs(mean) else 2
     texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
-    interval = f"{texts[1]} to {texts[2]} {shown}" if texts[1] != texts[2] else ""
-    value = f"{texts[0]} {shown}"
+    span = f"{texts[1]} to {texts[2]} {shown}".rstrip()
+    interval = span if texts[1] != texts[2] else ""
+    value = f"{texts[0]} {shown}".rstrip()
     return KeyNumber(name, value, interval, meaning, note=note, estimate=estimate)
 
 

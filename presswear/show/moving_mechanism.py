@@ -78,7 +78,7 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
         "names": [window.phase, *(linkage.clearances[k].name for k in joints)],
     }
     stage_name = result.stage_name(stage.index)
-    text = f"One stroke of the stage “{stage_name}”; the control below moves it."
+    text = f"One stroke of the stage “{stage_name}”; its control moves it."
     if joints:
         gaps = ", ".join(
             f"{linkage.clearances[k].name} {quantity_text(linkage.clearances[k].clearance, 'm')}"

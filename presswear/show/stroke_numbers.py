@@ -32,8 +32,8 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         text = "Prescribed by the drives."
         return [*result, exact("Strokes a minute", rate, "", text)]
     text = f"Reached by the motor, on average; nominal: {nominal}."
-    reached = measured("Strokes a minute", speed.stroke_rate.scaled(60.0), "", text)
-    return [*result, reached._replace(value=reached.value.rstrip())]
+    rate = speed.stroke_rate.scaled(60.0)
+    return [*result, measured("Strokes a minute", rate, "", text)]
 
 
 def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:

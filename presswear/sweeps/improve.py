@@ -41,7 +41,9 @@ DROP = "drop of the speed by the work"
 REVERSE = "reverse force of the frame over its greatest force"
 PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
-NARROW = 0.1  # least range on both sides of 1, so that a per cent is not a long bar
+LEAST_RANGE = (
+    0.1  # least range on both sides of 1, so that a per cent is not a long bar
+)
 BAR = 0.28  # height of a bar with its gap, inches
 
 
@@ -110,7 +112,7 @@ class Improvement:
                             color="black",
                         )
                 low, high = axes.get_xlim()
-                axes.set_xlim(min(low, 1.0 - NARROW), max(high, 1.0 + NARROW))
+                axes.set_xlim(min(low, 1.0 - LEAST_RANGE), max(high, 1.0 + LEAST_RANGE))
                 axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
                 axes.set_yticks(range(len(shown)), [one.change for one in shown])
                 axes.invert_yaxis()

@@ -288,3 +288,8 @@ def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:
     assert "Peak drive torque" not in numbers
     assert "delivers this mean" not in numbers["Peak motor power"].meaning
     assert "gear and crank bear" in numbers["Peak motor torque"].meaning
+
+
+def test_a_number_without_a_unit_has_no_space_behind_it() -> None:
+    rate = measured("Strokes a minute", Estimate(48.0, 47.9, 48.2, 30), "", "")
+    assert (rate.value, rate.interval) == ("48.0", "47.9 to 48.2")

@@ -34,6 +34,13 @@ from presswear.show.replay.shapes import (
     two_digits,
 )
 from presswear.tools.arrays import Array
+from presswear.tools.errors import NARROW
+from presswear.tools.numbers import quantity_text
+
+
+def force_text(force: float) -> str:
+    """Return a force, N, in letters that Exudyn's renderer draws."""
+    return quantity_text(force, "N").replace(NARROW, " ")
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class EnlargedJoint:
         return (
             f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}",
             *worn,
-            f"arrow: sqrt(F), up to {self.max_force:.0f} N",
+            f"arrow: sqrt(F), up to {force_text(self.max_force)}",
         )
 
     def bodies(self) -> list[list[Shape]]:

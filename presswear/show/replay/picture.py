@@ -13,7 +13,7 @@ from presswear.linkage.points import GROUND
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
 from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
-from presswear.show.replay.enlarged_joint import EnlargedJoint
+from presswear.show.replay.enlarged_joint import EnlargedJoint, force_text
 from presswear.show.replay.shapes import FORCE, INK, STEEL, Shape, points_of
 from presswear.tools.arrays import Array
 from presswear.tools.exudyn import exudyn_module
@@ -245,7 +245,8 @@ class Picture:
     def _joint_text(
         self, joint: EnlargedJoint, row: Array, peak: float
     ) -> list[dict[str, Any]]:
-        force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        normal = force_text(float(row[NORMAL]))
+        force = f"{joint.joint.name}: normal {normal}, peak {force_text(peak)}"
         letter = LETTER_WIDTH * FONT / 640.0 * self.layout.height
         size = min(1.0, 3.0 * joint.radius / (letter * len(force)))
         above, below = (

@@ -10,7 +10,7 @@ from synthetic_clip import FRAMES, synthetic_clip
 
 import presswear as pw
 from presswear.show.replay.clip import Chapter, equal_limits
-from presswear.show.replay.enlarged_joint import EnlargedJoint
+from presswear.show.replay.enlarged_joint import EnlargedJoint, force_text
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.shapes import BODY_COLOURS, FORCE, attachments, points_of
 from presswear.tools.arrays import Array
@@ -132,7 +132,8 @@ def test_arrow_length_is_the_root_of_the_force() -> None:
 def test_image_and_text(picture: Picture) -> None:
     state = CLIP.snapshot(20, 10)
     picture.show([state], 0.3, "slowed 18 times")
-    force = f"A: normal {state.joints[0, 0]:.0f} N, peak {state.peaks[0]:.0f} N"
+    normal, peak = (force_text(force) for force in (state.joints[0, 0], state.peaks[0]))
+    force = f"A: normal {normal}, peak {peak}"
     parts = [
         "title, first wear",
         f"t = {state.time:.4f} s",
