@@ -47,7 +47,7 @@ def start_march(address: PackedArguments) -> None:
         for k in range(records.torque.shape[0]):
             base = system.layout.first_torque + TORQUE_INTEGRALS * k
             records.torque[k] = motion.slopes[0, base + TORQUE]
-        q, v, a, _, _ = system.state
+        q, v, a = system.q, system.v, system.a
         copy_contacts(records.contacts, system.contacts)
         settle(records, 0.0, LEAST_STEPS)
         observe(records, 0.0, 0.0, q, v, a)
@@ -126,7 +126,7 @@ def finish_step(
     copy_contacts(run.records.contacts, system.contacts)
     empty_doses(address, t)
     empty_drives(address)
-    q, v, a, _, _ = system.state
+    q, v, a = system.q, system.v, system.a
     observe(run.records, t, h, q, v, a)
     state.time = t
     state.steps += 1

@@ -21,7 +21,14 @@ from presswear.physics.constraints import (
     multipliers_of,
 )
 from presswear.physics.drive_motion import drive_motion
-from presswear.physics.equations.function import RATES, Model, Written, fill, written
+from presswear.physics.equations.function import (
+    FORCE,
+    RATES,
+    Model,
+    Written,
+    fill,
+    written,
+)
 from presswear.physics.equations.layout import (
     DRIVE_EXCHANGE,
     DRIVE_WORK,
@@ -47,9 +54,11 @@ class System(NamedTuple):
     constraints: ConstraintSystem | None  # in all coordinates
     equations: Written  # with constraints only the forces on all bodies
     layout: Layout  # places of the parts of the state
-    # Rows POSITION to FORCE: q, v, a, applied generalized forces, and room; (5, 3
-    # bodies)
-    state: Array
+    # Coordinates, rates, accelerations and applied forces of all bodies, each (3 bodies,)
+    q: Array
+    v: Array
+    a: Array
+    force: Array
     contacts: Records
     has_abrupt: bool  # the force of a joint begins with a jump
     alpha: float  # Baumgarte's coefficients, 1/s
@@ -74,7 +83,10 @@ def system_of(
         constraints=None if constraints is None else constraints.system(packed.mass),
         equations=written(equations, model),
         layout=equations.layout,
-        state=model.bodies,
+        q=model.bodies[0],
+        v=model.bodies[1],
+        a=model.bodies[2],
+        force=model.bodies[FORCE],
         contacts=model.contact_records,
         has_abrupt=bool(packed.joints["normal"]["abrupt"].any()),
         alpha=alpha,
@@ -104,7 +116,7 @@ def evaluate(
 @inlined
 def place_held(system: System, t: float, y: Array, out: Array, level: int) -> None:
     """Fill coordinates, rates, forces and contacts of a linkage with constraints."""
-    q, v, _, _, _ = system.state
+    q, v = system.q, system.v
     n = system.layout.coordinates
     copy_to(q, y[:n])
     copy_to(v, y[n : 2 * n])
@@ -127,13 +139,10 @@ def evaluate_constrained(
     # Without friction in contacts and without motors nothing else fills these rates.
     energies[FRICTION_LOSS] = energies[DRIVE_WORK] = energies[DRIVE_EXCHANGE] = 0.0
     place_held(system, t, y, out, level)
-    _, v, a, force, _ = system.state
+    v, a, force = system.v, system.a, system.force
     for i in range(n):
         force[i] += packed.weight[i]
-    coefficients = system.alpha, system.beta
-    power, heat = solve_multipliers(
-        constraints, packed.rubbing, *coefficients, system.state, t, out
-    )
+    power, heat = solve_multipliers(system, constraints, packed.rubbing, t, out)
     copy_to(out[:n], v)
     copy_to(a, out[n : 2 * n])
     if level >= RATES:
@@ -154,11 +163,9 @@ def evaluate_constrained(
 
 @compiled
 def solve_multipliers(
+    system: System,
     constraints: ConstraintSystem,
     rubbing: Records | None,
-    alpha: float,
-    beta: float,
-    state: Array,
     t: float,
     slopes: Array,
 ) -> tuple[float, float]:
@@ -167,9 +174,10 @@ def solve_multipliers(
     Returns the power of the drives and that which friction in rigid joints turns into
     heat, W.
     """
-    q, v, _, force, _ = state
+    q, v = system.q, system.v
+    alpha, beta = system.alpha, system.beta
     out = slopes[v.shape[0] : 2 * v.shape[0]]
-    copy_to(out, force)
+    copy_to(out, system.force)
     evaluate_constraints(constraints, t, q, v)
     factor(constraints)
     multipliers_of(constraints, alpha, beta, out)

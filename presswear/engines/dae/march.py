@@ -163,7 +163,7 @@ def accept_step(address: PackedArguments, end: float) -> None:
     state.ignores_corners = False
     t = end if state.reaches_end and event < 0 else state.time + h
     copy_to(motion.y, motion.trial)
-    q, v, a, _, _ = system.state
+    q, v, a = system.q, system.v, system.a
     changes = settle_loads(system.packed.loads, t, q, v, a)
     changes += settle_joints(address, event, t)
     if state.projected or event >= 0 or changes > 0:
@@ -226,7 +226,7 @@ def accept_fixed_step(address: PackedArguments, t: float, h: float) -> None:
     system = run.system
     records = run.records
     motion = run.motion
-    q, v, a, _, _ = system.state
+    q, v, a = system.q, system.v, system.a
     if system.constraints is None:
         rates(address, t, motion.y, SPARE)
     else:

@@ -172,7 +172,7 @@ def kinetic_energy(system: System) -> float:
     """Return the kinetic energy of the motion that was evaluated last, J."""
     energy = 0.0
     for i in range(system.packed.mass.shape[0]):
-        energy += 0.5 * system.packed.mass[i] * system.state[1, i] * system.state[1, i]
+        energy += 0.5 * system.packed.mass[i] * system.v[i] * system.v[i]
     return energy
 
 

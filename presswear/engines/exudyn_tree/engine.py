@@ -211,9 +211,9 @@ class _Tree:
 
         If the last step has failed, they are those before the step.
         """
-        if not np.isfinite(self.tree.state[:2]).all():
+        if not np.isfinite([self.tree.q, self.tree.v]).all():
             self._fill_start(self.solver.time)
-        return self.solver.time, self.tree.state[0].copy(), self.tree.state[1].copy()
+        return self.solver.time, self.tree.q.copy(), self.tree.v.copy()
 
     def place(self) -> None:
         """Fill the contacts of the present state."""
@@ -225,17 +225,18 @@ class _Tree:
 
     def _stored(self) -> float:
         records = self.records
-        q = self.tree.state[0]
-        v = self.tree.state[1]
+        q = self.tree.q
+        v = self.tree.v
         elastic = records.memory["energy"]
         return stored_energy(self.linkage, records.packed, elastic, q, v)
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
-        names = ("expected", "pace", "state", "start", "start_states")
+        names = ("expected", "pace", "start", "start_states")
         return {
             **{name: np.asarray(array) for name, array in self.live.items()},
             **{name: getattr(self.tree, name) for name in names},
+            "state": self.model.bodies,
             "prescribed": self.model.prescribed.work,
         }
 
@@ -298,7 +299,9 @@ def _tree_system(
         force=force,
         expected=model.onset,
         pace=pace,
-        state=model.bodies,
+        q=model.bodies[0],
+        v=model.bodies[1],
+        a=model.bodies[2],
         y=np.zeros(layout.size),
         stages=np.zeros((STAGES, width)),
         out=np.zeros(width),

@@ -97,7 +97,9 @@ class TreeSystem(NamedTuple):
     # closing speeds at touchdown in the next step, m/s; predicted for open joints
     expected: Array
     pace: Records  # one of PACE
-    state: Array  # ``Model.bodies``, (5, 3 bodies)
+    q: Array  # coordinates, rates and accelerations of all bodies, (3 bodies,)
+    v: Array
+    a: Array
     y: Array  # state vector of the equations, (m,)
     # rates of the state vector in the stages, then forces on the coordinates, (7, m +
     # coordinates)
@@ -212,7 +214,7 @@ def step_to_contact(
     if joint.always_closed:
         return h
     acceleration = acceleration_in_gap(
-        joint, records.packed.surfaces[k], contact, system.state[2]
+        joint, records.packed.surfaces[k], contact, system.a
     )
     jerk = 0.0
     if last.step > 0.0 and pace.smooth:
@@ -362,7 +364,7 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     copy_to(system.start[0], x)
     copy_to(system.start[1], u)
     copy_to(system.start_states, system.states)
-    q, v, a, _, _ = system.state
+    q, v, a = system.q, system.v, system.a
     events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
     if events > 0:
         copy_to(system.expected, records.onset)
