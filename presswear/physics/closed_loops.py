@@ -9,14 +9,18 @@ parts close the loops.
 
 import math
 
+import numpy as np
+
 from presswear.physics.drive_motion import drive_motion
 from presswear.physics.prescribed import (
     ACCELERATION,
+    CLOSING,
     COORDINATE,
     DETERMINANT,
     FORCE,
     HEAD,
     LAST,
+    PART,
     RATE,
     RATIO,
     RIGHT,
@@ -26,7 +30,7 @@ from presswear.physics.prescribed import (
 )
 from presswear.physics.rotation import arm
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 MOST_NEWTON = 30  # largest number of Newton steps; two are usual
 # Largest sum of the Newton steps from the expected position, rad or m. After a larger
@@ -34,6 +38,8 @@ MOST_NEWTON = 30  # largest number of Newton steps; two are usual
 JUMP = 0.05
 # Newton step after which loops count as closed, rad or m
 CLOSED = 1e-12
+# Parameters of kernels that few linkages need: parts, closings and working space
+_LOOPS = np.zeros(0, PART), np.zeros(0, CLOSING), np.zeros((1, 1))
 
 
 @compiled
@@ -72,12 +78,14 @@ def _close_loops(
     prescribed: Prescribed, q: Array, v: Array, a: Array, axes: Array
 ) -> bool:
     """Compute the motion that closes the loops; return whether they can be closed."""
+    parts = prescribed.parts
+    closings = prescribed.closings
     work = prescribed.work
     before = work[LAST, DETERMINANT]
     last = math.inf
     moved = 0.0
     for _ in range(MOST_NEWTON):
-        step = _newton_step(prescribed, q, axes)
+        step = _newton_step(parts, closings, work, q, axes)
         # Near a dead point round-off keeps the steps above this limit. They are then
         # small and no longer decrease.
         is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
@@ -88,7 +96,7 @@ def _close_loops(
         if is_closed:
             if before * work[LAST, DETERMINANT] < 0.0:
                 return False
-            _follow(prescribed)
+            _follow(parts, closings, work)
         place_parts(prescribed, q, v, a, axes)
         if is_closed:
             return True
@@ -96,14 +104,12 @@ def _close_loops(
 
 
 @compiled
-def _solve(prescribed: Prescribed, row: int) -> float:
+def _solve(parts: Records, closings: Records, work: Array, row: int) -> float:
     """Solve for the right-hand side and subtract the solution from a row of ``work``.
 
     Returns the largest absolute value of the solution, and stores the determinant.
     """
-    parts = prescribed.parts
-    work = prescribed.work
-    count = 2 * prescribed.closings.shape[0]
+    count = 2 * closings.shape[0]
     matrix = work[HEAD + count :]
     right = work[RIGHT]
     column = 0
@@ -161,12 +167,11 @@ def line_of(part: Records, axes: Array) -> tuple[float, float]:
     return arm(part.cosine, part.sine, axes, part.before)
 
 
-@compiled
-def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
+@lazily_compiled(0, *_LOOPS, 1, 1)
+def _newton_step(
+    parts: Records, closings: Records, work: Array, q: Array, axes: Array
+) -> float:
     """Make a Newton step towards closed loops; return its size, and store the Jacobian."""
-    parts = prescribed.parts
-    closings = prescribed.closings
-    work = prescribed.work
     work[RIGHT] = 0.0
     work[HEAD : HEAD + 2 * closings.shape[0]] = 0.0
     for row in range(0, 2 * closings.shape[0], 2):
@@ -202,15 +207,12 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
                 px = hx
                 py = hy
                 i = part.parent
-    return _solve(prescribed, COORDINATE)
+    return _solve(parts, closings, work, COORDINATE)
 
 
-@compiled
-def _follow(prescribed: Prescribed) -> None:
+@lazily_compiled(None, *_LOOPS)
+def _follow(parts: Records, closings: Records, work: Array) -> None:
     """Fill rates and accelerations of parts without a drive, with all loops closed."""
-    parts = prescribed.parts
-    closings = prescribed.closings
-    work = prescribed.work
     right = work[RIGHT]
     for level in (RATE, ACCELERATION):
         for i in range(parts.shape[0]):
@@ -232,7 +234,7 @@ def _follow(prescribed: Prescribed) -> None:
                     gap_y += square * across[i]
             right[2 * c] = gap_x
             right[2 * c + 1] = gap_y
-        _solve(prescribed, level)
+        _solve(parts, closings, work, level)
 
 
 @compiled
@@ -275,22 +277,19 @@ def drive_torques(
         work[FORCE, i] = force[b + 2] + moment
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
-            force_on_part = work[FORCE, i] + _force_of_others(prescribed, i)
+            force_on_part = work[FORCE, i]
+            if prescribed.closings.shape[0] > 0:
+                force_on_part += _force_of_others(parts, prescribed.closings, work, i)
             torque[parts[i].drive] = -parts[i].sense * force_on_part
 
 
-@compiled
-def _force_of_others(prescribed: Prescribed, i: int) -> float:
+@lazily_compiled(0, *_LOOPS, np.int64(0))
+def _force_of_others(parts: Records, closings: Records, work: Array, i: int) -> float:
     """Return the moment at the drive of part ``i`` of the forces on parts without a drive, N m."""
-    parts = prescribed.parts
-    closings = prescribed.closings
-    work = prescribed.work
-    if closings.shape[0] == 0:
-        return 0.0
     for r in range(2 * closings.shape[0]):
         work[RIGHT, r] = work[HEAD + r, i]
     work[RATIO] = 0.0
-    _solve(prescribed, RATIO)
+    _solve(parts, closings, work, RATIO)
     moment = 0.0
     for k in range(parts.shape[0]):
         moment += work[FORCE, k] * work[RATIO, k]

@@ -180,7 +180,7 @@ def end_acceleration(
     return ax, a[body + 1] + spin_t * lever_x - square * lever_y, spin_t
 
 
-@compiled
+@lazily_compiled(0, JOINT, SURFACES, CONTACT, 0, 0, 0, 0)
 def deepest_acceleration(
     joint: Records,
     surfaces: Array,
@@ -272,7 +272,7 @@ def penetration_acceleration(
     return result
 
 
-@compiled
+@lazily_compiled(0, JOINT, SURFACES, CONTACT, 1)
 def corner_acceleration(
     joint: Records, surfaces: Array, contact: Records, a: Array
 ) -> float:

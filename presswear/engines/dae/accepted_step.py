@@ -47,7 +47,9 @@ def start_march(address: PackedArguments) -> None:
         for k in range(records.torque.shape[0]):
             base = system.layout.first_torque + TORQUE_INTEGRALS * k
             records.torque[k] = motion.slopes[0, base + TORQUE]
-        q, v, a = system.q, system.v, system.a
+        q = system.q
+        v = system.v
+        a = system.a
         copy_contacts(records.contacts, system.contacts)
         settle(records, 0.0, LEAST_STEPS)
         observe(records, 0.0, 0.0, q, v, a)
@@ -126,7 +128,9 @@ def finish_step(
     copy_contacts(run.records.contacts, system.contacts)
     empty_doses(address, t)
     empty_drives(address)
-    q, v, a = system.q, system.v, system.a
+    q = system.q
+    v = system.v
+    a = system.a
     observe(run.records, t, h, q, v, a)
     state.time = t
     state.steps += 1

@@ -116,7 +116,8 @@ def evaluate(
 @inlined
 def place_held(system: System, t: float, y: Array, out: Array, level: int) -> None:
     """Fill coordinates, rates, forces and contacts of a linkage with constraints."""
-    q, v = system.q, system.v
+    q = system.q
+    v = system.v
     n = system.layout.coordinates
     copy_to(q, y[:n])
     copy_to(v, y[n : 2 * n])
@@ -133,13 +134,16 @@ def evaluate_constrained(
     level: int,
 ) -> None:
     """Fill dy/dt, the motion and the contacts of a linkage with constraints."""
-    packed, layout = system.packed, system.layout
+    packed = system.packed
+    layout = system.layout
     n = layout.coordinates
     energies = out[layout.first_energy : layout.first_dose]
     # Without friction in contacts and without motors nothing else fills these rates.
     energies[FRICTION_LOSS] = energies[DRIVE_WORK] = energies[DRIVE_EXCHANGE] = 0.0
     place_held(system, t, y, out, level)
-    v, a, force = system.v, system.a, system.force
+    v = system.v
+    a = system.a
+    force = system.force
     for i in range(n):
         force[i] += packed.weight[i]
     power, heat = solve_multipliers(system, constraints, packed.rubbing, t, out)
@@ -174,8 +178,10 @@ def solve_multipliers(
     Returns the power of the drives and that which friction in rigid joints turns into
     heat, W.
     """
-    q, v = system.q, system.v
-    alpha, beta = system.alpha, system.beta
+    q = system.q
+    v = system.v
+    alpha = system.alpha
+    beta = system.beta
     out = slopes[v.shape[0] : 2 * v.shape[0]]
     copy_to(out, system.force)
     evaluate_constraints(constraints, t, q, v)

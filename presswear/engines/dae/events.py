@@ -57,11 +57,14 @@ def event_value(
         return joint_value(address, event)
     if event < first_corner:
         reach_end(address, classical, t, h)
-        q, v, a = system.q, system.v, system.a
+        q = system.q
+        v = system.v
+        a = system.a
         return transition_value(system.packed.loads, event - joints, q, v, a)
     if event == first_corner + 2 * joints:
         reach_end(address, classical, t, h)
-        q, v = system.q, system.v
+        q = system.q
+        v = system.v
         return section_value(run.records.nominal, q, v)
     return corner_value(address, event - first_corner, h)
 
@@ -190,7 +193,9 @@ def first_of_loads(
     joints = system.contacts.shape[0]
     transitions = count_transitions(loads)
     section = joints + transitions + 2 * joints
-    q, v, a = system.q, system.v, system.a
+    q = system.q
+    v = system.v
+    a = system.a
     event = -1
     fraction = latest
     if nominal[0].column >= 0 and excluded != section:

@@ -163,7 +163,9 @@ def accept_step(address: PackedArguments, end: float) -> None:
     state.ignores_corners = False
     t = end if state.reaches_end and event < 0 else state.time + h
     copy_to(motion.y, motion.trial)
-    q, v, a = system.q, system.v, system.a
+    q = system.q
+    v = system.v
+    a = system.a
     changes = settle_loads(system.packed.loads, t, q, v, a)
     changes += settle_joints(address, event, t)
     if state.projected or event >= 0 or changes > 0:
@@ -226,7 +228,9 @@ def accept_fixed_step(address: PackedArguments, t: float, h: float) -> None:
     system = run.system
     records = run.records
     motion = run.motion
-    q, v, a = system.q, system.v, system.a
+    q = system.q
+    v = system.v
+    a = system.a
     if system.constraints is None:
         rates(address, t, motion.y, SPARE)
     else:

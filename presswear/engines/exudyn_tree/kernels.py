@@ -354,7 +354,8 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     """
     system, records = unpack(address)
     system.pace[0].accepted = system.pace[0].evaluations
-    x, u = system.x, system.u
+    x = system.x
+    u = system.u
     if not all_finite(x, u) or not all_finite(u, system.u_t):
         return math.nan
     h = t - records.output[0].now
@@ -364,7 +365,9 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
     copy_to(system.start[0], x)
     copy_to(system.start[1], u)
     copy_to(system.start_states, system.states)
-    q, v, a = system.q, system.v, system.a
+    q = system.q
+    v = system.v
+    a = system.a
     events = settle(records, t, int(RESOLVED * system.pace[0].parts + 0.5))
     if events > 0:
         copy_to(system.expected, records.onset)
