@@ -32,8 +32,8 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
         text = "Prescribed by the drives."
         return [*result, exact("Strokes a minute", rate, "", text)]
     text = f"Reached by the motor, on average; nominal: {nominal}."
-    rate = speed.stroke_rate.scaled(60.0)
-    return [*result, measured("Strokes a minute", rate, "", text)]
+    reached = speed.stroke_rate.scaled(60.0)
+    return [*result, measured("Strokes a minute", reached, "", text)]
 
 
 def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
