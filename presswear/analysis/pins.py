@@ -64,9 +64,9 @@ def move_pins(
     """
     rows, pins, guides = _rows(linkage)
     moved = position.copy()
-    rest = np.zeros_like(position)
+    at_rest = np.zeros_like(position)
     for _ in range(NEWTON_STEPS):
-        phi, _, _, jacobian = rows.evaluate(0.0, moved, rest)
+        phi, _, _, jacobian = rows.evaluate(0.0, moved, at_rest)
         phi[pins] += eccentricity.ravel()
         if places is not None:
             phi[guides] -= places.ravel()

@@ -83,18 +83,21 @@ class Pieces(NamedTuple):
 
     def at(self, phase: Array) -> tuple[Array, Array, Array]:
         """Return the value and its first and second derivative by the phase at phases, rad."""
-        within = phase - TURN * np.floor(phase / TURN)
-        place = np.searchsorted(self.start, within, side="right") - 1
-        x = np.where(place < 0, within + TURN, within) - self.start[place]
+        angle = phase - TURN * np.floor(phase / TURN)  # in the turn, 0 to 2 pi
+        place = np.searchsorted(self.start, angle, side="right") - 1
+        x = np.where(place < 0, angle + TURN, angle) - self.start[place]
         value, slope, curvature = np.zeros((3, *x.shape))
         for power in range(DEGREE, -1, -1):
             curvature = curvature * x + 2.0 * slope
             slope = slope * x + value
             value = value * x + self.polynomial[place, power]
         amplitude, w, first = self.wave[place].T
-        sine, cosine = np.sin(w * x + first), np.cos(w * x + first)
-        value, slope = value + amplitude * sine, slope + amplitude * w * cosine
-        return value, slope, curvature - amplitude * w * w * sine
+        sine = np.sin(w * x + first)
+        cosine = np.cos(w * x + first)
+        value = value + amplitude * sine
+        slope = slope + amplitude * w * cosine
+        curvature = curvature - amplitude * w * w * sine
+        return value, slope, curvature
 
 
 NO_PIECES = Pieces(np.zeros(0), np.zeros((0, DEGREE + 1)), np.zeros((0, 3)), 0.0)

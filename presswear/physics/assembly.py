@@ -105,11 +105,44 @@ def _closed(rows: Rows, time: Array, q: Array) -> Levels:
         step = -_solved(rows, time, q, rows.errors(time, q)[0])
         # No body turns by more than half a radian at once: the guess says on which side
         # it is.
-        part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
-        while part > 1e-3 and error_of(q + part * step) > error:
-            part *= 0.5
-        q = q + part * step
+        fraction = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
+        while fraction > 1e-3 and error_of(q + fraction * step) > error:
+            fraction *= 0.5
+        q = q + fraction * step
     return close(rows, time, q)
+
+
+def _check_freedom(linkage: Linkage) -> None:
+    """Raise AssemblyError if joints, guides and drives hold too few coordinates."""
+    free = _free_coordinates(linkage)
+    if free <= 0:
+        return
+    held_bodies = []
+    for joint in linkage.joints:
+        held_bodies += [end.body for end in ends_of(joint)]
+    hint = ""
+    for body in linkage.bodies:
+        joints = held_bodies.count(body.name)
+        if joints < 2:
+            holds = "only one joint holds it" if joints else "no joint holds it"
+            hint += f"; body {body.name} can move freely, {holds}"
+    raise AssemblyError(
+        f"the linkage is free to move: {_count(linkage)}{hint}; add joints, guides or drives "
+        f"that hold {free} more"
+    )
+
+
+def _hint_at_guess(linkage: Linkage, prescribed: set[str]) -> str:
+    """Return the bodies without an angle in the guess, and the lines of the guides."""
+    guided = {guide.body for guide in linkage.guides}
+    bodies = {body.name for body in linkage.bodies} - guided - prescribed
+    bodies -= dict(linkage.guess).keys()
+    hint = f"; guess has no angle of {', '.join(sorted(bodies))}" if bodies else ""
+    for guide in linkage.guides:
+        where = f"({1e3 * guide.x:.6g}, {1e3 * guide.y:.6g}) mm"
+        where += f" of {guide.on}" if guide.is_moving else ""
+        hint += f"; the line of {guide.name} goes through {where}"
+    return hint
 
 
 def assembled(linkage: Linkage) -> Array:
@@ -118,48 +151,24 @@ def assembled(linkage: Linkage) -> Array:
     Raises
     ------
     AssemblyError
-        Unless joints, guides and drives hold each body; where it does not close, also
-        where rows that repeat others do not fit them, or closes more than a right angle
-        from what was guessed.
+        If a body is free to move, if the linkage does not close, if repeated rows
+        contradict each other, or if an angle is more than a right angle from its guess.
     """
-    # What follows a curve stands where its drive has it.
+    # A point that follows a curve begins at the place to which its drive moves it.
     linkage = linkage.changed(
         drives=[replace(drive, follow=None) for drive in linkage.drives]
     )
-    if (free := _free_coordinates(linkage)) > 0:
-        held_bodies = [
-            end.body for one in linkage.revolutes for end in (one.first, one.second)
-        ]
-        held_bodies += [end.body for one in linkage.guides for end in ends_of(one)]
-        single = [one.name for one in linkage.bodies if held_bodies.count(one.name) < 2]
-        hint = "".join(
-            f"; body {name} can move freely, "
-            f"{'only one joint holds' if name in held_bodies else 'no joint holds'} it"
-            for name in single
-        )
-        raise AssemblyError(
-            f"the linkage is free to move: {_count(linkage)}{hint}; add joints, guides or drives "
-            f"that hold {free} more"
-        )
+    _check_freedom(linkage)
     rows = Rows(linkage)
-    start = np.zeros(1)
-    q = _guessed(linkage)[np.newaxis]
     guess = dict(linkage.guess)
     angles = start_angles(linkage.guides, linkage.drives, guess)
     prescribed = {drive.body for drive in linkage.drives}
     prescribed -= set(linear_bodies(linkage.drives))
     prescribed |= {guide.body for guide in linkage.guides if not guide.is_moving}
     try:
-        q = _closed(rows, start, q).q[0]
+        q = _closed(rows, np.zeros(1), _guessed(linkage)[np.newaxis]).q[0]
     except AssemblyError as error:
-        guided = {guide.body for guide in linkage.guides}
-        bodies = {body.name for body in linkage.bodies} - guided - prescribed
-        bodies -= guess.keys()
-        hint = f"; guess has no angle of {', '.join(sorted(bodies))}" if bodies else ""
-        for guide in linkage.guides:
-            where = f"({1e3 * guide.x:.6g}, {1e3 * guide.y:.6g}) mm"
-            where += f" of {guide.on}" if guide.is_moving else ""
-            hint += f"; the line of {guide.name} goes through {where}"
+        hint = _hint_at_guess(linkage, prescribed)
         raise AssemblyError(f"{error}{hint}") from None
     for place, body in enumerate(linkage.bodies):
         if body.name not in prescribed:
@@ -254,13 +263,13 @@ def _place_of_drive(rows: Rows, time: float) -> str:
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
     where = _place_of_drive(rows, time)
-    refused = next(
-        (one.name for one in rows.linkage.drives if one.follow is not None), None
-    )
-    if refused is not None:
+    following = [
+        drive.name for drive in rows.linkage.drives if drive.follow is not None
+    ]
+    if following:
         return AssemblyError(
-            f"{refused} cannot make its point follow the curve: {where}({time:.6g} s after the "
-            "start) the point is out of reach, or the drive at a dead point"
+            f"{following[0]} cannot make its point follow the curve: {where}({time:.6g} s after "
+            "the start) the point is out of reach, or the drive at a dead point"
         )
     return AssemblyError(
         f"the linkage cannot be assembled over the cycle: {where}joint {joint} does not close or "

@@ -266,14 +266,16 @@ class Rows:
         result = np.zeros((len(q), self.bodies + 1, 3))
         flat = result.reshape(len(q), -1)
         for rows, columns in self.groups:
-            rest = right[:, rows]
+            remaining = right[:, rows]
             if columns.size < right.shape[1]:
                 # Subtract the contributions of the groups before.
                 for end, derivative in zip(self.ends, derivatives, strict=True):
                     solved = result[:, end.body[rows]]
-                    rest = rest - (derivative[:, rows] * solved).sum(axis=-1)
+                    remaining = remaining - (derivative[:, rows] * solved).sum(axis=-1)
             block = self._block(derivatives, (rows, columns))
-            flat[:, columns] = np.linalg.solve(block, rest[..., np.newaxis])[..., 0]
+            flat[:, columns] = np.linalg.solve(block, remaining[..., np.newaxis])[
+                ..., 0
+            ]
         return result[:, :-1]
 
     def forces(self, q: Array, right: Array) -> Array:

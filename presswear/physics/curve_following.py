@@ -103,7 +103,7 @@ def _greatest_error(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> flo
     ``linkage`` has tables between the nodes; ``inverse`` is the motion on the curves.
     """
     length = np.diff(nodes, append=inverse.period)
-    time = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
+    time = np.concatenate([nodes + fraction * length for fraction in (0.25, 0.5, 0.75)])
     guess = inverse.at(time).position.reshape(time.size, -1, 3)
     position = close(Rows(linkage), time, guess).q
     errors, *_ = inverse.rows.errors(time, position)

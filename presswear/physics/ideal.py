@@ -115,12 +115,14 @@ class IdealMotion:
 
             time, rate, rise = np.transpose([run_up_motion(duration, t) for t in now])
         cycle = np.floor(time / self.period)
-        within = time - cycle * self.period
+        time_in_cycle = time - cycle * self.period
         nodes = len(self.position) - 1
-        place = np.clip((within / self.period * nodes).astype(int), 0, nodes - 1)
+        place = np.clip((time_in_cycle / self.period * nodes).astype(int), 0, nodes - 1)
         index = self.rows.linkage.index(self.rows.linkage.output.body)
         bodies = slice(None) if closed else slice(index, index + 1)
-        q, v, a = self.between(place, within * nodes / self.period - place, bodies)
+        q, v, a = self.between(
+            place, time_in_cycle * nodes / self.period - place, bodies
+        )
         q = q + cycle[:, None, None] * (
             self.position[-1, bodies] - self.position[0, bodies]
         )

@@ -68,9 +68,10 @@ def rotation_slope(gap: float, width_ratio: float) -> float:
     e = 1.0 - gap
     a1 = 1.1642 + b * (-1.9456 + b * (7.1161 + b * (-10.1073 + b * 5.0141)))
     a2 = -1.000026 - b * (0.023634 + b * (0.4215 + b * (0.038817 + b * 0.090551)))
-    rest = gap * (1.0 + e)  # 1 - e^2
-    root = math.sqrt(math.pi * math.pi * rest + 16.0 * e * e)
-    return b * b / (2.0 * rest * rest) * root * a1 * gap / (-a2 - e)
+    one_minus_square = gap * (1.0 + e)  # 1 - e^2
+    root = math.sqrt(math.pi * math.pi * one_minus_square + 16.0 * e * e)
+    denominator = 2.0 * one_minus_square * one_minus_square
+    return b * b / denominator * root * a1 * gap / (-a2 - e)
 
 
 @compiled
@@ -104,10 +105,10 @@ def _squeeze_pressure(x: float, root: float) -> float:
         return 0.5 * angle * (1.0 + 2.0 * x * x) + 1.5 * x * root
     # The terms cancel to order 5 in the angle.
     square = double * double
-    rest = _SERIES[-1]
+    series = _SERIES[-1]
     for k in range(2, len(_SERIES) + 1):
-        rest = _SERIES[-k] + square * rest
-    return square * square * double * rest
+        series = _SERIES[-k] + square * series
+    return square * square * double * series
 
 
 @compiled
@@ -121,8 +122,8 @@ def attitude(gap: float, width_ratio: float) -> float:
     a6 = -13.3414 + 3.424337 * b
     a7 = 6.6294 - 1.591732 * b
     shape = a3 + e * (a4 + e * (a5 + e * (a6 + e * a7)))
-    rest = gap * (1.0 + e)  # 1 - e^2
-    return math.atan2(math.pi * math.sqrt(rest), 2.0 * e) * shape
+    one_minus_square = gap * (1.0 + e)  # 1 - e^2
+    return math.atan2(math.pi * math.sqrt(one_minus_square), 2.0 * e) * shape
 
 
 @compiled

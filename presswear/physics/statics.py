@@ -138,7 +138,7 @@ def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array
     """Return clearances of joints, and their penetrations or stretches under forces, N, in m."""
     law = joints["normal"]
     elastic = linkage.elastic_joints
-    stiffness = [*law["estimated_stiffness"], *(one.stiffness for one in elastic)]
+    stiffness = [*law["estimated_stiffness"], *(joint.stiffness for joint in elastic)]
     exponent = [*law["estimated_exponent"], *np.ones(len(elastic))]
     clearance = np.array([*joints["clearance"], *np.zeros(len(elastic))])
     return clearance, (size / np.array(stiffness)) ** (1.0 / np.array(exponent))
@@ -148,25 +148,25 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     """Return a linkage at rest under a force on its output point, N, with fixed drives."""
     from scipy.optimize import root  # slow to import
 
-    rest = _Rest(linkage, time, force)
-    needed = rest.unbalanced(with_contacts=False)
+    at_rest = _Rest(linkage, time, force)
+    needed = at_rest.unbalanced(with_contacts=False)
     size = np.hypot(*needed.T)
     # A joint without a force has no offset.
     loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
     offsets = np.zeros_like(needed)
     if not loaded.any():
-        rest.move(offsets)
-        return rest.equilibrium()
+        at_rest.move(offsets)
+        return at_rest.equilibrium()
     direction = needed[loaded] / size[loaded, np.newaxis]
-    distance, depth = _reach(linkage, rest.packed.joints, size)
+    distance, depth = _reach(linkage, at_rest.packed.joints, size)
     for _ in range(3):  # to the bottom of a worn surface
         offsets[loaded] = (direction.T * distance[loaded]).T
-        rest.move(offsets)
-        stretch = np.hypot(*offsets[len(rest.contacts) :].T)
-        distance += depth - np.concatenate([rest.contacts["penetration"], stretch])
+        at_rest.move(offsets)
+        stretch = np.hypot(*offsets[len(at_rest.contacts) :].T)
+        distance += depth - np.concatenate([at_rest.contacts["penetration"], stretch])
     depth = depth[loaded]
     # A guide has one offset.
-    unknown = loaded[:, np.newaxis] & (rest.offset_rows >= 0)
+    unknown = loaded[:, np.newaxis] & (at_rest.offset_rows >= 0)
     scale = np.broadcast_to(size[:, np.newaxis], unknown.shape)[unknown]
 
     start = offsets[unknown]
@@ -174,20 +174,20 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
 
     def residual(x: Array) -> Array:
         offsets[unknown] = start + deepest * (x - 1.0)
-        rest.move(offsets)
-        return np.asarray(rest.unbalanced()[unknown] / scale)
+        at_rest.move(offsets)
+        return np.asarray(at_rest.unbalanced()[unknown] / scale)
 
     # From ones: differences are parts of an unknown, and one near zero would have none.
     options = {"maxfev": 4000, "eps": DIFFERENCE**2}
     solution = root(residual, np.ones_like(start), tol=1e-15, options=options)
-    left = float(np.abs(residual(solution.x)).max())
+    unbalanced = float(np.abs(residual(solution.x)).max())
     # The error of a small penetration is the round-off of the position.
-    if not (left <= MAX_UNBALANCED or left * deepest <= rest.tolerance):
+    if not (unbalanced <= MAX_UNBALANCED or unbalanced * deepest <= at_rest.tolerance):
         raise RunFailed(
-            f"{linkage.name} does not come to rest under {force:g} N: {left:.3g} of its joint "
-            "forces are not balanced"
+            f"{linkage.name} does not come to rest under {force:g} N: {unbalanced:.3g} of its "
+            "joint forces are not balanced"
         )
-    return rest.equilibrium()
+    return at_rest.equilibrium()
 
 
 def _instant_of_bottom(linkage: Linkage) -> float:

@@ -67,8 +67,8 @@ def spread_along(depth: Array, start: float, end: float, depth_sum: float) -> No
         depth[first] += depth_sum
         return
     for k in range(first, min(math.ceil(high), last + 1)):
-        part = min(high, k + 1.0) - max(low, float(k))
-        depth[k] += depth_sum * part / (high - low)
+        fraction = min(high, k + 1.0) - max(low, float(k))
+        depth[k] += depth_sum * fraction / (high - low)
 
 
 def bin_centres_of(wall: WallMap) -> Array:

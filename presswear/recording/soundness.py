@@ -254,10 +254,10 @@ def with_cause(
         return replace(finding, what=what)
     if finding.kind != "state" or not (np.isfinite(q).all() and np.isfinite(v).all()):
         return finding
-    one = np.ones_like(q)
+    ones = np.ones_like(q)
     elements = _elements(linkage, recorder)
     for h in _AFTER:
-        for direction in (v, one, -one) if h <= _BESIDE else (v,):
+        for direction in (v, ones, -ones) if h <= _BESIDE else (v,):
             state = finding.time_s + h, q + h * direction, v + h * direction
             for element in elements:
                 if not element.has_force(*state):

@@ -97,8 +97,11 @@ def rates(address: PackedArguments, t: float, y: Array, stage: int) -> None:
 def classical_step(address: PackedArguments, t: float, h: float) -> None:
     """Make a trial step of order 4."""
     (run,) = unpack(address)
-    classical, control, motion = run.classical, run.control, run.motion
-    y, new, slopes = motion.y, motion.trial, motion.slopes
+    classical = run.classical
+    control = run.control
+    y = run.motion.y
+    new = run.motion.trial
+    slopes = run.motion.slopes
     control[0].evaluations += classical
     for stage in range(1, 4):
         elapsed = h if stage == 3 else 0.5 * h
@@ -144,8 +147,9 @@ def mean_error(run: Integration, weights: Array) -> float:
     system = run.system
     tolerance = run.control[0].tolerance
     layout = system.layout
-    motion = run.motion
-    y, new, slopes = motion.y, motion.trial, motion.slopes
+    y = run.motion.y
+    new = run.motion.trial
+    slopes = run.motion.slopes
     position = 1.0 / (tolerance * POSITION_SCALE)
     errors = slopes[SPARE]
     checked = layout.first_dose if system.has_abrupt else layout.first_energy
@@ -188,8 +192,9 @@ def embedded_step(
     """
     (run,) = unpack(address)
     system = run.system
-    motion = run.motion
-    y, new, slopes = motion.y, motion.trial, motion.slopes
+    y = run.motion.y
+    new = run.motion.trial
+    slopes = run.motion.slopes
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
         # Slopes do not depend on the integrals, which are behind ``count``.

@@ -295,9 +295,9 @@ class Articulated:
         carried = text.let_vector(
             f"{prefix}_carried", carried.plus(self.acceleration_at_rest)
         )
-        rest = difference(self.generalized_force, self.momentum.dot(carried))
-        rest = difference(rest, product(self.turning_momentum, parent.alpha))
-        along = text.let(f"{prefix}_acceleration", product(self.mobility, rest))
+        driving = difference(self.generalized_force, self.momentum.dot(carried))
+        driving = difference(driving, product(self.turning_momentum, parent.alpha))
+        along = text.let(f"{prefix}_acceleration", product(self.mobility, driving))
         link.alpha = parent.alpha
         link.acceleration = text.let_vector(
             f"{prefix}_a", carried.plus(link.guide.times(along))
@@ -314,8 +314,8 @@ class Articulated:
         )
         carried = text.let_vector(f"{prefix}_carried", carried)
         if link.drive is None:
-            rest = difference(self.generalized_force, self.momentum.dot(carried))
-            link.alpha = text.let(f"{prefix}_alpha", product(self.mobility, rest))
+            driving = difference(self.generalized_force, self.momentum.dot(carried))
+            link.alpha = text.let(f"{prefix}_alpha", product(self.mobility, driving))
         tangential = self.partial_velocity.times(link.alpha)
         link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(tangential))
 

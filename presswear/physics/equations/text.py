@@ -145,7 +145,7 @@ class Text:
         word = f"body_{word}" if word[0].isdigit() else word
         plain = word.replace("_", "")
         candidates = chain((word, plain), (f"{plain}{k}" for k in count(2)))
-        prefix = next(one for one in candidates if self._is_new(one))
+        prefix = next(candidate for candidate in candidates if self._is_new(candidate))
         self._prefixes.add(prefix)
         return prefix
 

@@ -152,9 +152,9 @@ def start_on_film(
     """Return a coordinate of the place on the film, m, where the elastic contact starts free."""
     pin = place_of(linkage, joint.pin, position.tolist())
     bearing = place_of(linkage, joint.bearing, position.tolist())
-    widest = (1.0 - THINNEST_AT_START) * joint.clearance
-    part = widest / max(math.dist(pin, bearing), widest)
-    return part * (pin[axis] - bearing[axis])
+    largest = (1.0 - THINNEST_AT_START) * joint.clearance
+    fraction = largest / max(math.dist(pin, bearing), largest)
+    return fraction * (pin[axis] - bearing[axis])
 
 
 @dataclass(frozen=True)
@@ -282,8 +282,8 @@ class OiledContact:
         sizes = f"{prefix}_elastic, {prefix}_energy, {mass_text}, {ratio}"
         call = f"contact_damping({sizes})"
         text.write(f"{prefix}_damping, {prefix}_relaxation = {call}")
-        part = f"{prefix}_elastic / {size} if {size} > {ZERO} else {ZERO}"
-        factor = text.let(f"{prefix}_factor", part)
+        quotient = f"{prefix}_elastic / {size} if {size} > {ZERO} else {ZERO}"
+        factor = text.let(f"{prefix}_factor", quotient)
         return text.let_vector(f"{prefix}_pull", stretch.times(f"-{factor}"))
 
     def _add_forces(

@@ -65,11 +65,11 @@ def angle_interval(
         return Estimate(angle, samples=count)
     # Distances from the place in bins, the short way round
     distances = (places - place + bins // 2) % bins - bins // 2
-    left, right = _ends(distances.astype(np.float64), 0.0, count).tolist()
+    below, above = _ends(distances.astype(np.float64), 0.0, count).tolist()
     width = 2.0 * math.pi / bins
     # The interval is at least as wide as a bin.
-    low = angle + width * min(left, -0.5)
-    high = angle + width * max(right, 0.5)
+    low = angle + width * min(below, -0.5)
+    high = angle + width * max(above, 0.5)
     return Estimate(angle, low, high, count)
 
 
