@@ -303,7 +303,9 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     """
     offered = available(scene)
     in_table = [
-        name for name, one in offered.items() if one.in_table and not one.optional
+        name
+        for name, definition in offered.items()
+        if definition.in_table and not definition.optional and not _is_zero(scene, name)
     ]
     columns = []
     optional = []
@@ -327,7 +329,12 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
         if at and int(stage) > scene.wear_updates:
             allowed = f"0 to wear_updates = {scene.wear_updates}"
             raise InputError(f"response {item}: the stage must be {allowed}")
-        _check_wear(scene, name)
+        if _is_zero(scene, name):
+            raise InputError(
+                f"response {name} is 0 without a wear update: request "
+                f"{name.rpartition('.')[0]}.wear_rate, the volume that a stroke wears, "
+                "or set wear_updates = 1 with cycles_per_update"
+            )
         key = f"{name}@{int(stage)}" if at else name
         columns.append(Column(key, definition.unit, definition.text))
         if definition.optional and name not in optional:
@@ -339,14 +346,10 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     return Requested(tuple(columns), tuple(optional), tuple(functions), extra)
 
 
-def _check_wear(scene: Scene, name: str) -> None:
-    """Raise InputError for the wear of surfaces that stay new, which would be 0 in all rows."""
-    joint, _, quantity = name.rpartition(".")
-    if quantity in OF_WORN and scene.wear_updates == 0 and not scene.surfaces:
-        raise InputError(
-            f"response {name} is 0 without a wear update: request {joint}.wear_rate, the volume "
-            "that a stroke wears, or set wear_updates = 1 with cycles_per_update"
-        )
+def _is_zero(scene: Scene, name: str) -> bool:
+    """Return whether a response is the wear of surfaces that stay new."""
+    is_of_worn = name.rpartition(".")[2] in OF_WORN
+    return is_of_worn and scene.wear_updates == 0 and not scene.surfaces
 
 
 def freedom_of(scene: Scene, key: str) -> float:

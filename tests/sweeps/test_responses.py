@@ -194,3 +194,10 @@ def test_degrees_of_freedom_are_those_of_the_samples(key: str, expected: float) 
         responses.freedom_of(pw.changed(scene, {"cycles": None}), "A.contacts@0")
         == math.inf
     )
+
+
+def test_wear_of_surfaces_that_stay_new_is_no_usual_response() -> None:
+    unworn = pw.scenes.wear_times(**QUICK | {"wear_updates": 0})
+    names = {column.key for column in responses.request(unworn).columns}
+    assert "A.wear_rate" in names
+    assert not names & {"A.depth", "A.wear_volume"}
