@@ -25,7 +25,7 @@ IMPORTED_BY_NAME = {
     "show/figures/__init__.py": ["_PYPLOT"],
     "sweeps/runner.py": ["module"],
     "tools/exudyn.py": ["'exudyn'"],
-    "tools/kernel_compiler.py": ["'presswear.tools.short_code'"],
+    "tools/kernel_compiler.py": ["'presswear.tools.constant_places'"],
     "tools/lazy_names.py": [
         "'presswear.tools.errors'",
         "'presswear.tools.serialize'",

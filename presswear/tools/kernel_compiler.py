@@ -2,10 +2,9 @@
 
 Numba optimises each function in full, together with all functions that it calls, and
 makes machine code of it. A callee needs the simple passes only and no machine code,
-because its callers contain it. More things save compilation time: passes for features
-that kernels do not use are left out, the type of a sum or product of numbers is
-determined once, not at each place, and frequent operations have short code
-(``short_code``).
+because its callers contain it. Two more things save compilation time: passes for
+features that kernels do not use are left out, and the type of a sum or product of
+numbers is determined once, not at each place.
 """
 
 import operator
@@ -15,13 +14,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from llvmlite import binding
 from numba.core import typed_passes as typed
 from numba.core import types
 from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager
+from numba.core.registry import cpu_target
 from numba.extending import lower_builtin
 
 from presswear.tools.files import digest
@@ -29,7 +28,7 @@ from presswear.tools.processes import signals_held
 
 _FILES = (
     Path(__file__),
-    *map(Path(__file__).with_name, ("packing.py", "short_code.py")),
+    *map(Path(__file__).with_name, ("packing.py", "constant_places.py")),
 )
 # machine code depends on it
 COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))
@@ -58,7 +57,6 @@ _FRAME = 140_000
 
 _OPERATORS = {bool, *filter(callable, vars(operator).values())}
 _NUMBERS = types.Number, types.Boolean, types.Literal
-_find_signature = types.Function.get_call_type
 _signatures: dict[Any, Any] = {}  # of operators between numbers
 
 
@@ -69,42 +67,26 @@ lower_builtin("__array__", types.Array)(
 )
 
 
-def _signature_of(
-    function: Any, context: Any, arguments: tuple[Any, ...], named: Any
-) -> Any:
-    """Return the signature of a call; that of an operator between numbers is determined once.
-
-    ``max`` and ``min`` of two numbers have code in ``short_code``.
-    """
-    operation = function.typing_key
-    are_numbers = all(isinstance(one, _NUMBERS) for one in arguments)
-    if are_numbers and operation in (max, min) and len(arguments) == 2:
-        kind = context.unify_types(*arguments)
-        function._impl_keys[kind, kind] = operation
-        return kind(kind, kind)
-    if not (are_numbers and operation in _OPERATORS):
-        return _find_signature(function, context, arguments, named)
-    key = function, arguments
-    if key not in _signatures:
-        _signatures[key] = _find_signature(function, context, arguments, named)
-    return _signatures[key]
-
-
 @contextmanager
-def _without_repetition() -> Iterator[None]:
-    """Determine signatures of operators once, and report no use of LLVM's lock.
+def _types_found_once() -> Iterator[None]:
+    """Determine the type of each operator between numbers once."""
+    typing = cpu_target.typing_context
+    find = typing.resolve_function_type
 
-    Numba measures the time of each of its 25,000 uses.
-    """
-    callbacks = binding.ffi.lib._lock._cblist
-    of_numba = callbacks[:]
-    callbacks.clear()
-    types.Function.get_call_type = _signature_of
+    def resolve(function: Any, arguments: Any, named: Any) -> Any:
+        is_operator = getattr(function, "typing_key", None) in _OPERATORS
+        if not (is_operator and all(isinstance(one, _NUMBERS) for one in arguments)):
+            return find(function, arguments, named)
+        key = function, arguments
+        if key not in _signatures:
+            _signatures[key] = find(*key, named)
+        return _signatures[key]
+
+    typing.resolve_function_type = resolve
     try:
         yield
     finally:
-        del types.Function.get_call_type
-        callbacks.extend(of_numba)
+        del typing.resolve_function_type
 
 
 class KernelCompiler(Compiler):
@@ -128,8 +110,8 @@ class KernelCompiler(Compiler):
 
     def _compile_core(self) -> Any:
         # slow: only where something is compiled
-        import_module("presswear.tools.short_code")
-        with signals_held(), _without_repetition():
+        import_module("presswear.tools.constant_places")
+        with signals_held(), _types_found_once():
             return super()._compile_core()
 
     _compile_core.__code__ = _compile_core.__code__.replace(co_stacksize=_FRAME)
@@ -137,14 +119,6 @@ class KernelCompiler(Compiler):
 
 class _CalleeLibrary(JITCodeLibrary):
     """Code of a callee: simple passes, no machine code."""
-
-    def _optimize_functions(self, module: Any) -> None:
-        # Numba optimises declarations, too, and in full.
-        module.data_layout = self._codegen._data_layout
-        manager, builder = self._codegen._function_pass_manager(opt=1)
-        for function in module.functions:
-            if not function.is_declaration:
-                manager.run(function, builder)
 
     def _optimize_final_module(self) -> None:
         manager, builder = self._codegen._module_pass_manager(
