@@ -1,8 +1,8 @@
 """Responses: numbers of a result that a sweep stores, by name.
 
 ``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the
-unworn stage. A recorded number with a mean is a response by its name; another one has its
-unit and text in `_TEXTS` and its function in `_FUNCTIONS`.
+unworn stage. A recorded number with a mean is a response by its name; another one is an
+entry of `RESPONSES`.
 """
 
 import inspect
@@ -48,6 +48,13 @@ class Response(NamedTuple):
 
 User = Callable[[Result], float]
 
+OF_WORN = ("depth", "wear_volume")
+
+
+Needed = Literal[
+    "", "life", "motor", "elastic frame", "guide with clearance", "oil film"
+]
+
 
 class Definition(NamedTuple):
     """Definition of a response.
@@ -63,6 +70,7 @@ class Definition(NamedTuple):
     function: Callable[[Result, Any, Any], Response | None]
     optional: bool = False  # computed only if requested, because it takes long
     in_table: bool = True  # reported without a request, too
+    needs: Needed = ""  # what a scene, or a joint, must have
 
 
 def _response(estimate: Estimate | None) -> Response | None:
@@ -182,7 +190,9 @@ def _mean(name: str) -> Callable[..., Response | None]:
 
 
 def _means(
-    scope: Literal["joint", "stage"], columns: tuple[CycleColumn, ...]
+    scope: Literal["joint", "stage"],
+    columns: tuple[CycleColumn, ...],
+    needs: Needed = "",
 ) -> dict[str, Definition]:
     """Return the means of recorded numbers as responses by name."""
     return {
@@ -192,74 +202,135 @@ def _means(
             scope,
             _mean(column.name),
             in_table=False,
+            needs=needs,
         )
         for column in with_mean(columns)
     }
 
 
-_TEXTS = {name: (one.unit, one.text) for name, one in FOLLOWED.items()} | {
-    # With its sign, in contrast to the limits of a life.
-    "bdc_error": (
+def _meaning(name: str) -> tuple[str, str]:
+    """Return unit and text of a quantity that a service life follows, too."""
+    return FOLLOWED[name].unit, FOLLOWED[name].text
+
+
+RESPONSES = {
+    "force_max": Definition(
+        *_meaning("force_max"), "joint", _at("stored.peak_force_per_cycle")
+    ),
+    "depth": Definition(*_meaning("depth"), "joint", _depth),
+    "wear_volume": Definition(*_meaning("wear_volume"), "joint", _volume),
+    "wear_rate": Definition(
+        "m^3", "volume that bearing and pin lose in a stroke", "joint", _rate
+    ),
+    "contacts": Definition(
+        "", "contacts in a cycle", "joint", _at("stored.contacts_per_cycle")
+    ),
+    # With its sign, in contrast to the limits of a life
+    "bdc_error": Definition(
         "m",
         "error of the height of bottom dead centre, mean; negative is deeper",
+        "stage",
+        _at("statistics.bdc.error"),
     ),
-    "bdc_drift": (
+    "bdc_drift": Definition(
         "m",
         "change of the mean height of bottom dead centre; negative is deeper",
+        "stage",
+        _drift,
     ),
-    "wear_rate": ("m^3", "volume that bearing and pin lose in a stroke"),
-    "contacts": ("", "contacts in a cycle"),
-    "drive_work": (
+    "repeatability": Definition(
+        *_meaning("repeatability"), "stage", _at("statistics.bdc.standard_deviation")
+    ),
+    "total_clearance": Definition(
+        *_meaning("total_clearance"), "stage", _clearance, optional=True
+    ),
+    "drive_work": Definition(
         "J",
         "work of all drives in a cycle, less the change of stored energy",
+        "stage",
+        _at("statistics.drive_work_per_cycle"),
     ),
-    "strokes_per_minute": ("", "strokes a minute that the motor reaches"),
-    "speed_drop": ("", "drop of the motor's speed by the work, part of the speed"),
-    "motor_rms": ("", "rms over rated torque of the motor, the greatest"),
-    "slip_loss": ("J", "slip loss of the motor in a cycle, the greatest"),
-    "frame_stretch": ("m", "stretch of the frame at its greatest force in the work"),
-    "reverse_force": ("", "reverse force of the frame over its greatest force"),
-    "slide_tilt": (
+    "strokes_per_minute": Definition(
+        "",
+        "strokes a minute that the motor reaches",
+        "stage",
+        _of_speed("stroke_rate", 60.0),
+        needs="motor",
+    ),
+    "speed_drop": Definition(
+        "",
+        "drop of the motor's speed by the work, part of the speed",
+        "stage",
+        _of_speed("drop"),
+        needs="motor",
+    ),
+    "motor_rms": Definition(
+        "",
+        "rms over rated torque of the motor, the greatest",
+        "stage",
+        _greatest_of(motor_loads, "rms_fraction"),
+        needs="motor",
+    ),
+    "slip_loss": Definition(
+        "J",
+        "slip loss of the motor in a cycle, the greatest",
+        "stage",
+        _greatest_of(motor_loads, "slip_loss"),
+        needs="motor",
+    ),
+    "frame_stretch": Definition(
+        "m",
+        "stretch of the frame at its greatest force in the work",
+        "stage",
+        _greatest_of(frame_loads, "stretch"),
+        needs="elastic frame",
+    ),
+    "reverse_force": Definition(
+        "",
+        "reverse force of the frame over its greatest force",
+        "stage",
+        _greatest_of(frame_loads, "reverse_fraction"),
+        needs="elastic frame",
+    ),
+    "slide_tilt": Definition(
         "",
         "tilt of the slide, rad: at the fracture, else at the touch, else at the bottom",
+        "stage",
+        _greatest_of(guide_tilts, "working"),
+        needs="guide with clearance",
     ),
-    "slide_tilt_max": ("", "greatest tilt of the slide in a stroke, rad"),
-    "corner_force": ("N", "greatest normal force of a corner of the slide in a cycle"),
-    "wall_wear": ("m", "depth that a stroke wears off the deepest place of a wall"),
-    "settled": ("", "share of the runs that came to rest on a regular motion"),
-    "life": ("", "strokes until the first limit is exceeded"),
-}
-_FUNCTIONS: dict[str, tuple[Any, ...]] = {
-    "force_max": ("joint", _at("stored.peak_force_per_cycle")),
-    "depth": ("joint", _depth),
-    "wear_volume": ("joint", _volume),
-    "wear_rate": ("joint", _rate),
-    "contacts": ("joint", _at("stored.contacts_per_cycle")),
-    "bdc_error": ("stage", _at("statistics.bdc.error")),
-    "bdc_drift": ("stage", _drift),
-    "repeatability": ("stage", _at("statistics.bdc.standard_deviation")),
-    "total_clearance": ("stage", _clearance, True),
-    "drive_work": ("stage", _at("statistics.drive_work_per_cycle")),
-    "strokes_per_minute": ("stage", _of_speed("stroke_rate", 60.0)),
-    "speed_drop": ("stage", _of_speed("drop")),
-    "motor_rms": ("stage", _greatest_of(motor_loads, "rms_fraction")),
-    "slip_loss": ("stage", _greatest_of(motor_loads, "slip_loss")),
-    "frame_stretch": ("stage", _greatest_of(frame_loads, "stretch")),
-    "reverse_force": ("stage", _greatest_of(frame_loads, "reverse_fraction")),
-    "slide_tilt": ("stage", _greatest_of(guide_tilts, "working")),
-    "slide_tilt_max": ("stage", _greatest_of(guide_tilts, "greatest")),
-    "corner_force": ("stage", _greatest_of(guide_tilts, "corner_force")),
-    "wall_wear": ("stage", _wall_wear),
-    "settled": ("stage", _settled),
-    "life": ("result", _life),
-}
-OF_WORN = ("depth", "wear_volume")
-OF_MOTORS = ("strokes_per_minute", "speed_drop", "motor_rms", "slip_loss")
-OF_FRAMES = ("frame_stretch", "reverse_force")
-OF_GUIDES = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
-RESPONSES = {
-    **{name: Definition(*_TEXTS[name], *rest) for name, rest in _FUNCTIONS.items()},
-    **_means("joint", (*JOINT_CYCLE, *FILM_CYCLE)),
+    "slide_tilt_max": Definition(
+        "",
+        "greatest tilt of the slide in a stroke, rad",
+        "stage",
+        _greatest_of(guide_tilts, "greatest"),
+        needs="guide with clearance",
+    ),
+    "corner_force": Definition(
+        "N",
+        "greatest normal force of a corner of the slide in a cycle",
+        "stage",
+        _greatest_of(guide_tilts, "corner_force"),
+        needs="guide with clearance",
+    ),
+    "wall_wear": Definition(
+        "m",
+        "depth that a stroke wears off the deepest place of a wall",
+        "stage",
+        _wall_wear,
+        needs="guide with clearance",
+    ),
+    "settled": Definition(
+        "",
+        "share of the runs that came to rest on a regular motion",
+        "stage",
+        _settled,
+    ),
+    "life": Definition(
+        "", "strokes until the first limit is exceeded", "result", _life, needs="life"
+    ),
+    **_means("joint", JOINT_CYCLE),
+    **_means("joint", FILM_CYCLE, needs="oil film"),
     **_means("stage", CYCLE),
 }
 
@@ -277,20 +348,21 @@ class Requested:
 
 def available(scene: Scene) -> dict[str, Definition]:
     """Return all responses of a scene by name, those of joints first."""
-    responses: dict[str, Definition] = {}
     linkage = scene.linkage()
-    absent = {"life"} if scene.life is None else set()
-    absent |= set() if linkage.leader else set(OF_MOTORS)
-    absent |= set() if linkage.elastic_guides else set(OF_FRAMES)
-    absent |= set() if scene.loose_guides else set(OF_GUIDES)
-    oiled = {joint.name for joint in linkage.oiled_joints}
-    of_films = {column.name for column in FILM_CYCLE}
+    has: dict[Needed, bool] = {
+        "": True,
+        "life": scene.life is not None,
+        "motor": linkage.leader is not None,
+        "elastic frame": bool(linkage.elastic_guides),
+        "guide with clearance": bool(scene.loose_guides),
+    }
+    oiled = [joint.name for joint in linkage.oiled_joints]
+    responses: dict[str, Definition] = {}
     for name, definition in RESPONSES.items():
         if definition.scope == "joint":
-            pins = scene.loose_pins
-            joints = [pin for pin in pins if name not in of_films or pin in oiled]
+            joints = oiled if definition.needs == "oil film" else scene.loose_pins
             responses |= {f"{joint}.{name}": definition for joint in joints}
-        elif name not in absent:
+        elif has[definition.needs]:
             responses[name] = definition
     return responses
 

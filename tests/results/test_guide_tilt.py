@@ -26,7 +26,7 @@ from presswear.results.guide_tilt import (
 from presswear.show.limits import limit_lines
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
-from presswear.sweeps.responses import OF_GUIDES, RESPONSES, available
+from presswear.sweeps.responses import RESPONSES, available
 
 L = 0.4
 C = 0.05e-3
@@ -148,16 +148,16 @@ def test_shares_and_corner_force_by_the_rows(
 
 def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) -> None:
     assert result.guide_tilts(0) == {"guide": tilt}
-    assert set(OF_GUIDES) <= set(available(result.scene))
-    assert not set(OF_GUIDES) & set(available(pw.Scene(pw.SliderCrank())))
+    names = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
+    assert set(names) <= set(available(result.scene))
+    assert not set(names) & set(available(pw.Scene(pw.SliderCrank())))
     values = {
-        name: RESPONSES[name].function(result, result.stages[0], None)
-        for name in OF_GUIDES
+        name: RESPONSES[name].function(result, result.stages[0], None) for name in names
     }
     walls = result.stages[0].statistics.walls["guide"].values()
     deepest = max((wall.depth_per_cycle for wall in walls), key=lambda one: one.mean)
     estimates = tilt.fracture, tilt.greatest, tilt.corner_force, deepest
-    for name, estimate in zip(OF_GUIDES, estimates, strict=True):
+    for name, estimate in zip(names, estimates, strict=True):
         response = values[name]
         assert response is not None
         assert estimate is not None

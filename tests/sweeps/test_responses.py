@@ -144,15 +144,7 @@ def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> Non
     assert {column.key.rpartition(".")[2] for column in USUAL.columns} == {
         name
         for name, item in responses.RESPONSES.items()
-        if item.in_table
-        and not item.optional
-        and name
-        not in (
-            "life",
-            *responses.OF_MOTORS,
-            *responses.OF_FRAMES,
-            *responses.OF_GUIDES,
-        )
+        if item.in_table and not (item.optional or item.needs)
     }
 
 
