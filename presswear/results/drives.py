@@ -4,12 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.recording.columns import (
-    DRIVE_CYCLE,
-    DURATION,
-    first_leader_column,
-    names_of,
-)
+from presswear.recording.columns import DRIVE_CYCLE, names_of
 from presswear.recording.statistics import Estimate
 from presswear.results.drive_duty import (
     DriveCurve,
@@ -19,11 +14,10 @@ from presswear.results.drive_duty import (
     farthest_from_zero,
 )
 from presswear.results.rigid_joints import ideal_drives, rubbing_drives
-from presswear.results.sampled_cycles import sampled_cycles
+from presswear.results.sampled_cycles import drive_numbers, durations
 from presswear.results.stage import StageResult
 from presswear.results.strokes import mean_of_strokes
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import Array
 
 
 class DriveResult(NamedTuple):
@@ -48,11 +42,7 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     ideal = ideal_drives(scene)
     rubbing = rubbing_drives(scene)
     settling = stage.statistics.settling
-    cycles = sampled_cycles(scene, stage)
-    # The columns of the drives are the last ones of a row.
-    of_drives = cycles[:, -len(DRIVE_CYCLE) * len(ideal) :].reshape(
-        len(cycles), len(ideal), -1
-    )
+    of_drives = drive_numbers(scene, stage)
     numbers = {}
     peaks = {}
     for k, body in enumerate(ideal):
@@ -69,19 +59,14 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
             else float(values.mean())
             for name, values in columns.items()
         }
-    duties = duties_of(numbers, _mean_duration(scene, stage, cycles))
+    period = scene.mechanism.period
+    if stage.has_clock:
+        period = float(durations(scene, stage).mean())
+    duties = duties_of(numbers, period)
     return {
         body: DriveResult(duties[body], ideal[body], rubbing.get(body), *peaks[body])
         for body in ideal
     }
-
-
-def _mean_duration(scene: Scene, stage: StageResult, cycles: Array) -> float:
-    """Return the mean duration, s, of cycles, which are rows of a stage."""
-    if not stage.has_clock:
-        return scene.mechanism.period
-    column = first_leader_column(len(stage.joint_names)) + DURATION
-    return float(cycles[:, column].mean())
 
 
 def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:

@@ -14,7 +14,7 @@ from presswear.results.strokes import (
     SNAP_THROUGH_S,
     SampledStroke,
     mean_of_strokes,
-    sampled_strokes,
+    working_strokes,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -48,11 +48,7 @@ def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
     if "stretch" not in stage.arrays or stage.failed:
         return {}
     linkage = scene.linkage()
-    strokes = [
-        stroke
-        for stroke in sampled_strokes(scene, stage)
-        if not math.isnan(stroke.contact)
-    ]
+    strokes = working_strokes(scene, stage)
     if not strokes:
         return {}
     columns = zip(linkage.elastic_guides, stage.arrays["stretch"].T, strict=True)
@@ -91,13 +87,12 @@ def _load_of(
 
 def _forces_of(time: Array, load: Array, stroke: SampledStroke) -> tuple[float, float]:
     """Return the greatest force in the work and the reverse force, N; nan without a fracture."""
-    has_broken = not math.isnan(stroke.fracture)
-    worked = stroke.fracture if has_broken else stroke.done
+    worked = stroke.fracture if stroke.has_fracture else stroke.done
     within = load[(time >= stroke.contact) & (time <= worked)]
     if not within.size:
         return math.nan, math.nan
     peak = float(within[np.abs(within).argmax()])
-    if not has_broken:
+    if not stroke.has_fracture:
         return abs(peak), math.nan
     end = min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
     after = load[(time >= stroke.fracture) & (time <= end)]

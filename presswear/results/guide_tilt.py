@@ -16,7 +16,12 @@ from presswear.results.corners import tilt_series
 from presswear.results.joint_result import JointResult
 from presswear.results.sampled_cycles import sampled_cycles
 from presswear.results.stage import StageResult
-from presswear.results.strokes import SampledStroke, mean_of_strokes, sampled_strokes
+from presswear.results.strokes import (
+    SampledStroke,
+    mean_of_strokes,
+    means_by_name,
+    sampled_strokes,
+)
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -69,7 +74,7 @@ class GuideTilt:
 
 def guide_tilts(scene: Scene, stage: StageResult) -> dict[str, GuideTilt]:
     """Return the tilts of slides by guide; empty without a guide with clearance."""
-    if stage.failed or not stage.arrays["cycles"].size:
+    if not stage.has_sound_cycles:
         return {}
     return {guide.name: _tilt_of(scene, stage, guide) for guide in scene.loose_guides}
 
@@ -211,8 +216,8 @@ def _shares(
 def _means(rows: list[Array]) -> dict[str, Estimate]:
     """Return the means over strokes of the states that occur."""
     values = zip(STATES, np.array(rows).reshape(-1, len(STATES)).T, strict=True)
-    means = {name: mean_of_strokes(each) for name, each in values if each.any()}
-    return {name: _at_most_one(mean) for name, mean in means.items() if mean}
+    means = means_by_name({name: each for name, each in values if each.any()})
+    return {name: _at_most_one(mean) for name, mean in means.items()}
 
 
 def _at_most_one(share: Estimate) -> Estimate:

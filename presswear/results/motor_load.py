@@ -1,27 +1,23 @@
 """Loads of motors in the sampled cycles of a stage: speed, torque and energy."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from presswear.linkage.drives import Drive
 from presswear.recording.columns import (
-    DRIVE_CYCLE,
-    DURATION,
     GIVEN,
     RETURNED,
     TORQUE,
     TORQUE_PEAK,
     TORQUE_SQUARE,
-    first_leader_column,
 )
 from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
-from presswear.results.sampled_cycles import sampled_cycles
+from presswear.results.sampled_cycles import drive_numbers, durations
 from presswear.results.stage import StageResult
-from presswear.results.strokes import SampledStroke, mean_of_strokes, sampled_strokes
+from presswear.results.strokes import SampledStroke, mean_of_strokes, working_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -69,18 +65,13 @@ class LeaderSpeed:
 
 def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
     """Return the speed of the first motor; None without a motor or a complete cycle."""
-    if not stage.has_clock or stage.failed or not stage.arrays["cycles"].size:
+    if not (stage.has_clock and stage.has_sound_cycles):
         return None
     leader = scene.linkage().leader
     assert leader is not None, "only a leader has a clock"
-    duration = _durations(stage, sampled_cycles(scene, stage))
-    rate = mean_of_strokes(1.0 / duration)
+    rate = mean_of_strokes(1.0 / durations(scene, stage))
     assert rate is not None
-    rows = [
-        _drop_of(stage, stroke)
-        for stroke in sampled_strokes(scene, stage)
-        if not math.isnan(stroke.contact)
-    ]
+    rows = [_drop_of(stage, stroke) for stroke in working_strokes(scene, stage)]
     touches, drops, recoveries = np.array(rows).reshape(-1, 3).T
     recovery = mean_of_strokes(abs(leader.speed) * recoveries)
     return LeaderSpeed(rate, mean_of_strokes(touches), mean_of_strokes(drops), recovery)
@@ -126,12 +117,11 @@ def mean_period(result: Result) -> float:
 
 def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:
     """Return the loads of motors with a rated torque by body; empty without one."""
-    if not stage.has_clock or stage.failed or not stage.arrays["cycles"].size:
+    if not (stage.has_clock and stage.has_sound_cycles):
         return {}
     drives = scene.linkage().drives
-    cycles = sampled_cycles(scene, stage)
-    duration = _durations(stage, cycles)
-    numbers = _numbers_of(drives, cycles)
+    duration = durations(scene, stage)
+    numbers = drive_numbers(scene, stage)
     return {
         drive.body: _load_of(drive, numbers[:, k], duration)
         for k, drive in enumerate(drives)
@@ -142,9 +132,9 @@ def motor_loads(scene: Scene, stage: StageResult) -> dict[str, MotorLoad]:
 def saturated_servos(scene: Scene, stage: StageResult) -> dict[str, float]:
     """Return the torque limits of the servos that reach them, N m, by body."""
     drives = scene.linkage().drives
-    if stage.failed or not stage.arrays["cycles"].size or not drives:
+    if not (drives and stage.has_sound_cycles):
         return {}
-    numbers = _numbers_of(drives, sampled_cycles(scene, stage))
+    numbers = drive_numbers(scene, stage)
     return {
         drive.body: drive.torque_limit
         for k, drive in enumerate(drives)
@@ -152,17 +142,6 @@ def saturated_servos(scene: Scene, stage: StageResult) -> dict[str, float]:
         and drive.torque_limit is not None
         and np.abs(numbers[:, k, TORQUE_PEAK]).max() >= drive.torque_limit
     }
-
-
-def _numbers_of(drives: Sequence[Drive], cycles: Array) -> Array:
-    """Return the numbers of the drives in cycles, shape (cycles, drives, DRIVE_CYCLE)."""
-    numbers = cycles[:, -len(DRIVE_CYCLE) * len(drives) :]
-    return numbers.reshape(len(cycles), len(drives), -1)
-
-
-def _durations(stage: StageResult, cycles: Array) -> Array:
-    """Return the durations of cycles, rows of a stage, s."""
-    return cycles[:, first_leader_column(len(stage.joint_names)) + DURATION]
 
 
 def _load_of(drive: Drive, numbers: Array, duration: Array) -> MotorLoad:

@@ -9,7 +9,7 @@ from presswear.results.stage import StageResult
 from presswear.results.strokes import (
     PHASES,
     SampledStroke,
-    mean_of_strokes,
+    means_by_name,
     sampled_strokes,
 )
 from presswear.scene.scene import Scene
@@ -34,12 +34,7 @@ def elastic_pin_forces(
     for pin, stretch in columns:
         force = (pin.stiffness or 0.0) * stretch
         peaks = _peaks_by_phase(stage.clock, force, strokes)
-        means = {
-            phase: mean
-            for phase, values in peaks.items()
-            if (mean := mean_of_strokes(values)) is not None
-        }
-        if means:
+        if means := means_by_name(peaks):
             forces[pin.name] = means
     return forces
 

@@ -3,6 +3,11 @@
 import numpy as np
 
 from presswear.recording import statistics
+from presswear.recording.columns import (
+    DRIVE_CYCLE_COUNT,
+    DURATION,
+    first_leader_column,
+)
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -23,6 +28,24 @@ def sampled_cycles(scene: Scene, stage: StageResult) -> Array:
             rows = rows[settling.skipped(k) :]
         sampled.append(statistics.after_startup(rows))
     return np.concatenate(sampled)
+
+
+def drive_numbers(scene: Scene, stage: StageResult) -> Array:
+    """Return the numbers of the drives in the sampled cycles.
+
+    The shape is (cycles, drives, numbers of ``DRIVE_CYCLE``).
+    """
+    cycles = sampled_cycles(scene, stage)
+    drives = len(scene.mechanism.linkage().drives)
+    # The columns of the drives are the last ones of a row.
+    numbers = cycles[:, -DRIVE_CYCLE_COUNT * drives :]
+    return numbers.reshape(len(cycles), drives, DRIVE_CYCLE_COUNT)
+
+
+def durations(scene: Scene, stage: StageResult) -> Array:
+    """Return the durations of the sampled cycles with a motor, s, shape (cycles,)."""
+    column = first_leader_column(len(stage.joint_names)) + DURATION
+    return sampled_cycles(scene, stage)[:, column]
 
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:

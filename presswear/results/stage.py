@@ -211,6 +211,11 @@ class StageResult:
         return self.status == "failed"
 
     @property
+    def has_sound_cycles(self) -> bool:
+        """True if the run did not fail and completed a cycle."""
+        return not self.failed and bool(self.arrays["cycles"].size)
+
+    @property
     def film(self) -> Film:
         """Film frames of the first replicate; raises InputError if missing or damaged."""
         if self.read_film is None:

@@ -5,7 +5,7 @@ scene.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -52,6 +52,16 @@ class SampledStroke(NamedTuple):
     done: float = math.nan  # the force of the work has vanished
 
     @property
+    def has_work(self) -> bool:
+        """True if the output touches the work."""
+        return not math.isnan(self.contact)
+
+    @property
+    def has_fracture(self) -> bool:
+        """True if the work breaks."""
+        return not math.isnan(self.fracture)
+
+    @property
     def phases(self) -> dict[str, tuple[float, float]]:
         """Start and end of each phase, s.
 
@@ -59,14 +69,14 @@ class SampledStroke(NamedTuple):
         there. Work lasts from contact to fracture, or until its force has vanished, and
         after ``SNAP_THROUGH_S`` of snap-through follows the return.
         """
-        if math.isnan(self.contact):
+        if not self.has_work:
             return {
                 APPROACH: (self.start, self.bottom),
                 RETURN: (self.bottom, self.end),
             }
         worked = self.done
         after = self.done
-        if not math.isnan(self.fracture):
+        if self.has_fracture:
             worked = self.fracture
             after = min(self.fracture + SNAP_THROUGH_S, self.end)
         times = (self.start, self.contact, worked, after, self.end)
@@ -201,6 +211,17 @@ def sampled_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
                 stroke = stroke._replace(contact=contact, fracture=fracture, done=done)
         result.append(SampledStroke(*map(float, stage.clock_of(np.array(stroke)))))
     return result
+
+
+def working_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
+    """Return the sampled strokes in which the output touches the work."""
+    return [stroke for stroke in sampled_strokes(scene, stage) if stroke.has_work]
+
+
+def means_by_name(values: Mapping[str, Iterable[float]]) -> dict[str, Estimate]:
+    """Return the means over the strokes by name, without those that have no value."""
+    means = {name: mean_of_strokes(each) for name, each in values.items()}
+    return {name: mean for name, mean in means.items() if mean is not None}
 
 
 def mean_of_strokes(values: Iterable[float]) -> Estimate | None:

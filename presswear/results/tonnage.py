@@ -14,6 +14,7 @@ from presswear.results.strokes import (
     SNAP_THROUGH_S,
     SampledStroke,
     mean_of_strokes,
+    means_by_name,
     motion_of_work,
     process_force,
     sampled_strokes,
@@ -83,7 +84,7 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
         ideal = scene.ideal_slider(stage.time, closed=False)
         deviation = stage.acceleration - ideal[:, 2]
         window = SNAP_THROUGH_S
-        broken = [item for item in strokes if not math.isnan(item.fracture)]
+        broken = [stroke for stroke in strokes if stroke.has_fracture]
         before = mean_of_strokes(
             _rms(time, deviation, s.contact - window, s.contact) for s in broken
         )
@@ -117,18 +118,13 @@ def joint_tonnage(
     pressed = (
         joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
     )
-    broken = [stroke for stroke in strokes if not math.isnan(stroke.fracture)]
+    broken = [stroke for stroke in strokes if stroke.has_fracture]
     reversals = [_reversal(time, pressed, stroke) for stroke in broken]
     working, back, delay = np.array(reversals).reshape(-1, 3).T
     loaded = working > 0.0
-    means = {
-        name: mean
-        for name, values in peaks.items()
-        if (mean := mean_of_strokes(values)) is not None
-    }
     fraction = back[loaded] / working[loaded]
     return JointTonnage(
-        means,
+        means_by_name(peaks),
         mean_of_strokes(working),
         mean_of_strokes(back),
         mean_of_strokes(fraction),

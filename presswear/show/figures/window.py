@@ -11,7 +11,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, MultipleLocator
 
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.result import Result
-from presswear.results.strokes import SNAP_THROUGH, WORK, sampled_strokes, strokes_of
+from presswear.results.strokes import SNAP_THROUGH, WORK, strokes_of, working_strokes
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Sheet, Shown, ShownStage
 from presswear.tools.arrays import Array
@@ -152,19 +152,19 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
 def _stroke_of(result: Result, stage: ShownStage) -> tuple[Span, Span] | None:
     """Return the first sampled stroke on the work and its working zone; None without work."""
     data = stage.data
-    for stroke in sampled_strokes(result.scene, data):
-        if not math.isnan(stroke.contact):
-            ends = (
-                stroke.contact,
-                stroke.phases.get(SNAP_THROUGH, stroke.phases[WORK])[1],
-            )
-            whole, zone = (
-                Span(*map(float, data.nominal_of(np.array(times))))
-                for times in ((stroke.start, stroke.end), ends)
-            )
-            room = _ROOM * (zone.end - zone.start)
-            return whole, Span(zone.start - room, zone.end + room)
-    return None
+    strokes = working_strokes(result.scene, data)
+    if not strokes:
+        return None
+    first = strokes[0]
+    _, end_of_work = first.phases.get(SNAP_THROUGH, first.phases[WORK])
+
+    def nominal_span(start: float, end: float) -> Span:
+        return Span(*map(float, data.nominal_of(np.array([start, end]))))
+
+    zone = nominal_span(first.contact, end_of_work)
+    room = _ROOM * (zone.end - zone.start)
+    wider_zone = Span(zone.start - room, zone.end + room)
+    return nominal_span(first.start, first.end), wider_zone
 
 
 def _words(first: int, count: float) -> str:
