@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.response_distribution import Spread, spread_of_rows
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.sweeps.response_points import Points, points_of
-from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import Sensitivity, chaotic_share, sensitivity
 from presswear.sweeps.surrogate import Surrogate, fit
 from presswear.tools.errors import InputError
@@ -20,7 +20,7 @@ class Analysis:
     sensitivity: Sensitivity | None
     surrogate: Surrogate | None
     spread: Spread | None
-    limit: Limit | None
+    limit: ResponseLimit | None
     notes: tuple[str, ...]
     failed: str = ""  # see ``failed_text``
 
@@ -33,7 +33,9 @@ def failed_text(table: Table) -> str:
     return f"{whole(failed)} of {whole(len(table.errors))} runs failed"
 
 
-def analyze(table: Table, key: str, plan: Plan, limit: Limit | None = None) -> Analysis:
+def analyze(
+    table: Table, key: str, plan: Plan, limit: ResponseLimit | None = None
+) -> Analysis:
     """Analyse a response of the rows of a plan, or of those with equal varied values."""
     points = points_of(table, key)
     kind = plan.sample.partition(":")[0]

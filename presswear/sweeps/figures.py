@@ -12,8 +12,8 @@ from presswear.show.figures.style import LINES, Drawing, Pen, finished
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.response_distribution import PROBABILITIES, Spread
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.sweeps.response_points import Points
-from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import Sensitivity
 from presswear.sweeps.surrogate import Surrogate, is_logarithmic
 from presswear.tools.arrays import Array
@@ -171,8 +171,15 @@ def heat_map(
     x, y = x_axis.factor * across, y_axis.factor * up
     for marker, rows in (("o", ~points.censored), ("^", points.censored)):
         rows = rows & points.has_value
-        line_style = {"norm": norm, "cmap": COLOURS, "edgecolors": "white"}
-        axes.scatter(x[rows], y[rows], c=means[rows], marker=marker, **line_style)
+        axes.scatter(
+            x[rows],
+            y[rows],
+            c=means[rows],
+            marker=marker,
+            norm=norm,
+            cmap=COLOURS,
+            edgecolors="white",
+        )
     axes.scatter(
         x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x"
     )
@@ -184,7 +191,9 @@ def heat_map(
     )
 
 
-def distribution(points: Points, spread: Spread, limit: Limit | None) -> list[Drawing]:
+def distribution(
+    points: Points, spread: Spread, limit: ResponseLimit | None
+) -> list[Drawing]:
     """Draw the cumulative distribution of a response with its 95 % band and its limit."""
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
     shown = Display(points.response, spread.values)

@@ -16,7 +16,7 @@ from presswear.sweeps.analysis import Analysis, analyze, failed_text, percent_te
 from presswear.sweeps.figures import drawings
 from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.plan import Plan, Table
-from presswear.sweeps.responses import Limit
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
@@ -32,7 +32,7 @@ PERCENTILES = (5, 50, 95)
 
 
 def write_report(
-    table: Table, plan: Plan, folder: Path, limits: Mapping[str, Limit]
+    table: Table, plan: Plan, folder: Path, limits: Mapping[str, ResponseLimit]
 ) -> Path:
     """Write ``report.html``, its figures and ``table.csv`` into a folder; return the page."""
     sections: list[Section] = []
@@ -54,9 +54,15 @@ def write_report(
             with matplotlib.rc_context(style.SETTINGS):
                 drawn = page.illustrated(drawings(analysis), into)
             files += [figure.file for figure in drawn]
-            texts = (f"{column.text}.",), result_tables(analysis), drawn, analysis.notes
             sections.append(
-                Section(label, *texts, is_open=len(sections) < OPEN_SECTIONS)
+                Section(
+                    label,
+                    (f"{column.text}.",),
+                    result_tables(analysis),
+                    drawn,
+                    analysis.notes,
+                    is_open=len(sections) < OPEN_SECTIONS,
+                )
             )
         remove_others(into, files)
     figures = [figure for section in sections for figure in section.figures]

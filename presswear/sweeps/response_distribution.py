@@ -6,7 +6,7 @@ import numpy as np
 
 from presswear.recording.statistics import LEVEL
 from presswear.sweeps.plan import Table
-from presswear.sweeps.responses import Limit
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.tools.arrays import Array
 
 PROBABILITIES = np.arange(1, 100) / 100.0  # of the quantiles
@@ -26,7 +26,9 @@ class Spread:
     violation: tuple[float, float, float] | None
 
 
-def spread_of_rows(table: Table, key: str, limit: Limit | None = None) -> Spread | None:
+def spread_of_rows(
+    table: Table, key: str, limit: ResponseLimit | None = None
+) -> Spread | None:
     """Return the distribution of a response over the first replicates of a sample.
 
     Intervals of quantiles are those of order statistics (David and Nagaraja, Order

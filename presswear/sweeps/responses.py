@@ -32,10 +32,8 @@ from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.sweeps.parameters import Column
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
-from presswear.tools.quantities import Quantity, parse_quantity
 
 
 class Response(NamedTuple):
@@ -491,41 +489,3 @@ def user_responses(result: Result, functions: Sequence[User]) -> dict[str, Respo
             raise InputError(f"response {user.__name__} = {number!r}: must be a number")
         values[user.__name__] = Response(float(number))
     return values
-
-
-@dataclass(frozen=True)
-class Limit:
-    """Lower or upper limit on a response, in SI units."""
-
-    value: float
-    is_lower: bool
-
-    def violated(self, values: Array) -> Any:
-        """Return whether each value violates the limit."""
-        return values < self.value if self.is_lower else values > self.value
-
-    def count(self, values: Array, censored: Any) -> tuple[int, int]:
-        """Return the least and the largest number of violations among values with lower bounds."""
-        violated = self.violated(values)
-        undecided = censored & (violated == self.is_lower)
-        least = int(np.count_nonzero(violated & ~undecided))
-        return least, least + int(np.count_nonzero(undecided))
-
-
-def parse_limits(texts: Sequence[str], responses: Sequence[Column]) -> dict[str, Limit]:
-    """Read limits such as ``life>=2e6`` or ``A.force_max<=15kN`` by response."""
-    limits: dict[str, Limit] = {}
-    columns = {column.key: column for column in responses}
-    for text in texts:
-        sign = ">=" if ">=" in text else "<="
-        key, _, value = (part.strip() for part in text.partition(sign))
-        if not value:
-            example = "RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
-            raise InputError(f"limit {text}: expected {example}")
-        if key not in columns:
-            raise unknown("response", key, columns)
-        if key in limits:
-            raise InputError(f"limit {text}: {key} already has a limit")
-        number = parse_quantity(key, value, Quantity(columns[key].unit))
-        limits[key] = Limit(float(number), sign == ">=")
-    return limits

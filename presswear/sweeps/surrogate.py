@@ -9,8 +9,8 @@ import numpy as np
 
 from presswear.sweeps.parameters import Distribution, design
 from presswear.sweeps.response_distribution import ENDS, PROBABILITIES, Spread
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.sweeps.response_points import Points
-from presswear.sweeps.responses import Limit
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, not_installed
 
@@ -40,7 +40,7 @@ class Surrogate:
         return np.exp(mean) if self.is_logarithmic else mean
 
     def spread(
-        self, distributions: Sequence[Distribution], limit: Limit | None = None
+        self, distributions: Sequence[Distribution], limit: ResponseLimit | None = None
     ) -> Spread:
         """Return the distribution of single runs when the parameters have distributions.
 

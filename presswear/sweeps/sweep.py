@@ -19,14 +19,13 @@ from presswear.scene.settings import changed
 from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
+from presswear.sweeps.response_limits import ResponseLimit, parse_limits
 from presswear.sweeps.responses import (
-    Limit,
     Requested,
     Response,
     User,
     digest_of,
     freedom_of,
-    parse_limits,
     request,
 )
 from presswear.tools.choices import Choice
@@ -81,7 +80,7 @@ class Sweep:
         _ = self.limit_of
 
     @cached_property
-    def limit_of(self) -> dict[str, Limit]:
+    def limit_of(self) -> dict[str, ResponseLimit]:
         """Limits by response."""
         return parse_limits(self.limits, self.requested.columns)
 
@@ -108,12 +107,20 @@ class Sweep:
                 if response := outcome and outcome.values.get(column.key):
                     numbers[:, row, k] = np.array(response, float)  # None becomes NaN
         points = np.repeat(plan.points, plan.replicates, axis=0)
-        columns = plan.columns, requested.columns
-        arrays = points, numbers[0], numbers[1], numbers[2] == 1.0
         freedom = tuple(
             freedom_of(plan.scene, column.key) for column in requested.columns
         )
-        return Table(*columns, *arrays, tuple(errors), plan.replicates, freedom)
+        return Table(
+            plan.columns,
+            requested.columns,
+            points,
+            numbers[0],
+            numbers[1],
+            numbers[2] == 1.0,
+            tuple(errors),
+            plan.replicates,
+            freedom,
+        )
 
     def write(self, file: Path) -> None:
         """Write everything but the rows."""

@@ -12,6 +12,7 @@ from bush import bush
 import presswear as pw
 from presswear.sweeps import responses
 from presswear.sweeps.parameters import Column
+from presswear.sweeps.response_limits import ResponseLimit, parse_limits
 
 QUICK = {
     "engine": "dae",
@@ -152,18 +153,18 @@ COLUMNS = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))
 
 
 def test_limits_have_units() -> None:
-    limits = responses.parse_limits(["life >= 2e6", "A.force_max<=15kN"], COLUMNS)
+    limits = parse_limits(["life >= 2e6", "A.force_max<=15kN"], COLUMNS)
     assert limits == {
-        "life": responses.Limit(2e6, True),
-        "A.force_max": responses.Limit(15e3, False),
+        "life": ResponseLimit(2e6, True),
+        "A.force_max": ResponseLimit(15e3, False),
     }
 
 
 def test_lower_bounds_may_leave_a_violation_open() -> None:
     values = np.array([1.0, 1.0, 3.0, 3.0])
     censored = np.array([True, False, True, False])
-    assert responses.Limit(2.0, True).count(values, censored) == (1, 2)
-    assert responses.Limit(2.0, False).count(values, censored) == (2, 3)
+    assert ResponseLimit(2.0, True).count(values, censored) == (1, 2)
+    assert ResponseLimit(2.0, False).count(values, censored) == (2, 3)
 
 
 @pytest.mark.parametrize(

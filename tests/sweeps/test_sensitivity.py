@@ -30,8 +30,8 @@ from presswear.sweeps.parameters import (
 )
 from presswear.sweeps.plan import Table
 from presswear.sweeps.response_distribution import PROBABILITIES, spread_of_rows
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.sweeps.response_points import Points, points_of
-from presswear.sweeps.responses import Limit
 from presswear.sweeps.sensitivity import chaotic_share, sensitivity
 from presswear.sweeps.surrogate import fit
 from presswear.tools.arrays import Array
@@ -172,7 +172,7 @@ def test_quantiles_of_rows_are_order_statistics() -> None:
     for seed in range(200):
         values = life.rvs(100, random_state=seed)
         spread = spread_of_rows(
-            table_of(values[:, None], values), "y", Limit(50.0, True)
+            table_of(values[:, None], values), "y", ResponseLimit(50.0, True)
         )
         truth = life.ppf(PROBABILITIES)
         low = np.nan_to_num(spread.low, nan=0.0)
@@ -185,7 +185,7 @@ def test_quantiles_of_rows_are_order_statistics() -> None:
 def test_censored_values_leave_quantiles_open() -> None:
     values = np.minimum(np.arange(100.0), 80.0)
     table = table_of(values[:, None], values, replicates=3, censored=values >= 80.0)
-    spread = spread_of_rows(table, "y", Limit(90.0, True))
+    spread = spread_of_rows(table, "y", ResponseLimit(90.0, True))
     assert spread.values[49] == 49.0
     assert np.isnan([spread.values[89], spread.high[89]]).all()
     assert spread.violation[1] < 0.8 < 0.99 < spread.violation[2]
@@ -229,7 +229,7 @@ def test_a_distribution_has_the_quantiles_of_single_runs(
         life = 100.0 * np.exp(0.5 * points[:, 0] + 0.3 * points[:, 1] + scatter)
         table = replace(table_of(points, life), replicates=replicates)
         surrogate = fit(points_of(table, "y"))
-        spread = surrogate.spread([NORMAL, NORMAL], Limit(40.0, True))
+        spread = surrogate.spread([NORMAL, NORMAL], ResponseLimit(40.0, True))
         places = [4, 49, 94]
         assert spread.values[places] == pytest.approx(truth, rel=0.25)
         hits += (spread.low[places] <= truth) & (truth <= spread.high[places])

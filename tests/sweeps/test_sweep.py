@@ -22,7 +22,7 @@ from presswear.scene.files import example_file, scene_from
 from presswear.scene.settings import changed
 from presswear.sweeps.plan import NOT_RUN, Plan, read_sweep
 from presswear.sweeps.report import write_report
-from presswear.sweeps.responses import Limit
+from presswear.sweeps.response_limits import ResponseLimit
 from presswear.sweeps.sweep import load_sweep, run_sweep
 from presswear.tools.errors import InputError, RunFailed
 
@@ -158,7 +158,7 @@ def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None
     table.values[5] = np.nan
     table = replace(table, errors=("", "", "", "", "", "ended early", *[""] * 250))
     page = write_report(
-        table, SAMPLED, tmp_path, {"y": Limit(800.0, False)}
+        table, SAMPLED, tmp_path, {"y": ResponseLimit(800.0, False)}
     ).read_text()
     page = re.sub(r"data:image/png;base64,[^\"]*", "", page)
     text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", page)))
