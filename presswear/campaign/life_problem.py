@@ -20,8 +20,14 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     services = life.services(
         scene.loose_pins, [guide.name for guide in scene.worn_guides]
     )
-    accuracy = life.at_most, scene.tolerance, life.max_cycles
-    return LifeProblem(limits, services, *accuracy, FIRST_WEAR / coefficient)
+    return LifeProblem(
+        limits,
+        services,
+        life.at_most,
+        scene.tolerance,
+        life.max_cycles,
+        FIRST_WEAR / coefficient,
+    )
 
 
 def _new_coefficient(scene: Scene, name: str) -> float:

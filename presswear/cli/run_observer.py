@@ -5,7 +5,7 @@ import sys
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
@@ -70,9 +70,13 @@ class RunObserver(Observer):
         if self._start is None:
             self._start = share
             self._compiled = clock.perf_counter() - self._printed
-        fields: Any = {"idle": self._compiled, "share": share, "start": self._start}
         self._bar.update(
-            self._task, description=text, completed=progress.whole, **fields
+            self._task,
+            description=text,
+            completed=progress.whole,
+            idle=self._compiled,
+            share=share,
+            start=self._start,
         )
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
             self._printed = clock.perf_counter()

@@ -196,8 +196,13 @@ def print_lines(console: Console, *lines: str) -> None:
     """
     for line in map(printable, lines):
         indent = line[: len(line) - len(line.lstrip())] + "  "
-        wrapping: Any = {"break_long_words": False, "break_on_hyphens": False}
-        parts = textwrap.wrap(line, console.width, subsequent_indent=indent, **wrapping)
+        parts = textwrap.wrap(
+            line,
+            console.width,
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
         for part in parts if console.is_terminal else [line]:
             console.print(part, highlight=False, markup=False, soft_wrap=True)
 
@@ -255,14 +260,14 @@ def time_left(task: Task) -> str:
 def progress_bar(console: Console) -> Progress:
     """Return a progress bar with the time left; silent without a terminal."""
     words = Column(ratio=1, overflow="fold")
-    columns = (
+    return Progress(
         TextColumn("{task.description}", markup=False, table_column=words),
         BarColumn(None, table_column=Column(min_width=MIN_BAR, max_width=MIN_BAR)),
         TaskProgressColumn(table_column=Column(no_wrap=True)),
         _TimeLeft(Column(no_wrap=True)),
-    )
-    return Progress(
-        *columns, console=console, disable=not console.is_terminal, expand=True
+        console=console,
+        disable=not console.is_terminal,
+        expand=True,
     )
 
 

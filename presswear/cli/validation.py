@@ -260,16 +260,15 @@ def _print_methods(console: Console, points: Any) -> None:
 def _print_features(console: Console, table: Any) -> None:
     rows = []
     for row in table:
-        times = (
-            f"{row['cpu_s_per_simulated_s']:.3f}",
-            f"{1e6 * row['cpu_s_per_step']:.2f}",
-        )
-        ratios = (
-            f"{row['ratio_per_step']:.2f}",
-            f"{row['ratio_per_simulated_second']:.2f}",
-        )
         rows.append(
-            [f"{row['feature']}: {row['state']}", row["engine"], *times, *ratios]
+            [
+                f"{row['feature']}: {row['state']}",
+                row["engine"],
+                f"{row['cpu_s_per_simulated_s']:.3f}",
+                f"{1e6 * row['cpu_s_per_step']:.2f}",
+                f"{row['ratio_per_step']:.2f}",
+                f"{row['ratio_per_simulated_second']:.2f}",
+            ]
         )
     heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
     print_table(console, heads, rows)

@@ -196,8 +196,13 @@ def _draw_depths(
         depth = printed[line]
         angle = printed_at(line.at(joint), "angle")
         if depth and angle:
-            place = (np.degrees(angle.value), 1e6 * depth.value)
-            axes.plot(*place, color=colour, gid="printed", **_DIAMOND)
+            axes.plot(
+                np.degrees(angle.value),
+                1e6 * depth.value,
+                color=colour,
+                gid="printed",
+                **_DIAMOND,
+            )
     axes.set(xlim=(0.0, 360.0), yscale="log" if is_logarithmic else "linear")
     axes.set_ylim(floor, 3.0 * max(largest) if is_logarithmic else None)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))

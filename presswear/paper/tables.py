@@ -113,8 +113,15 @@ def number_table(evidence: Evidence) -> Table:
                 )
             if any(remarks):
                 meanings[label] = "; ".join(filter(None, remarks))
-    ours_heads = ("ours (95 % interval)", "single cycles (95 %)", "first cycles")
-    head = ("printed number", "paper", *ours_heads, "paper / ours", "printed number is")
+    head = (
+        "printed number",
+        "paper",
+        "ours (95 % interval)",
+        "single cycles (95 %)",
+        "first cycles",
+        "paper / ours",
+        "printed number is",
+    )
     return Table(
         head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings
     )
@@ -127,13 +134,16 @@ def ratio_table(evidence: Evidence) -> Table:
         ours = compared(evidence, BASE, part)
         printed = part.printed
         assert printed is not None, "only printed depths are compared"
-        texts = (
-            readable(printed),
-            text_of(ours),
-            readable(printed / ours.mean if ours else None),
-        )
         wide = compared(evidence, BASE, part, len(DEPTH_RATIOS))
-        lines.append((comparison_text(part), *texts, verdicts.agreement(printed, wide)))
+        lines.append(
+            (
+                comparison_text(part),
+                readable(printed),
+                text_of(ours),
+                readable(printed / ours.mean if ours else None),
+                verdicts.agreement(printed, wide),
+            )
+        )
     head = (
         "ratio of deepest wears",
         "paper",

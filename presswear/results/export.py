@@ -201,14 +201,18 @@ def write_table(path: Path, table: Table) -> None:
     # The names come first: numpy.genfromtxt takes them from the first line.
     head = f"{','.join(table)}\n# units: {','.join(f'{name} {unit_of(name)}' for name in table)}"
     rows = np.column_stack(list(table.values()))
-    style = {
-        "fmt": "%.17g",
-        "delimiter": ",",
-        "header": head,
-        "comments": "",
-        "encoding": "utf-8",
-    }
-    write_whole(path, lambda file: np.savetxt(file, rows, **style))
+    write_whole(
+        path,
+        lambda file: np.savetxt(
+            file,
+            rows,
+            fmt="%.17g",
+            delimiter=",",
+            header=head,
+            comments="",
+            encoding="utf-8",
+        ),
+    )
 
 
 def _write_matlab(file: BinaryIO, table: Table) -> None:

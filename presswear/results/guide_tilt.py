@@ -101,8 +101,16 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
             sum(load.loss(one.start, one.end) for load in loads) for one in strokes
         )
     times, forces = _shares(loads, strokes)
-    instants = at["contact"], at["fracture"], at["bottom"]
-    return GuideTilt(*instants, greatest, times, forces, losses, force)
+    return GuideTilt(
+        at["contact"],
+        at["fracture"],
+        at["bottom"],
+        greatest,
+        times,
+        forces,
+        losses,
+        force,
+    )
 
 
 def _value(time: Array, values: Array, instant: float) -> float:

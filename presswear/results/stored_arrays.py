@@ -101,8 +101,7 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
         }
         for side in () if isinstance(joint, GuideCorner) else SIDES:
             series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
-            names_of_side = f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}"
-            _require(arrays, *names_of_side)
+            _require(arrays, f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}")
         shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
     for guide in linkage.worn_guides:
         shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)

@@ -58,13 +58,17 @@ def normal_stiffness(
     if bearing.contact_stiffness is not None:
         return bearing.parallel_rods * bearing.contact_stiffness
     compliance = bearing.materials.compliance
-    line_contact = bearing.total_width, bearing.clearance, compliance
+    width = bearing.total_width
     if elasticity == "liu":
-        return liu_stiffness(*line_contact)
+        return liu_stiffness(width, bearing.clearance, compliance)
     if reading == "conforming":
-        return conforming_stiffness(*line_contact)
-    radii = bearing.bearing_radius, bearing.bearing_radius - bearing.clearance
-    return bearing.parallel_rods * hertz_stiffness(*radii, compliance, reading)
+        return conforming_stiffness(width, bearing.clearance, compliance)
+    return bearing.parallel_rods * hertz_stiffness(
+        bearing.bearing_radius,
+        bearing.bearing_radius - bearing.clearance,
+        compliance,
+        reading,
+    )
 
 
 def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:

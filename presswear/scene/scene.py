@@ -198,8 +198,15 @@ class Scene(LoadedLinkage, Checked):
         if self.life is not None:
             pins = {name: self.bearing(name) for name in self.loose_pins}
             limits, walls = self.life_limits, self._deepest_walls
-            settings = self.wear_updates, self.replicates
-            check_life(self.life, limits, pins, walls, self.conventions, *settings)
+            check_life(
+                self.life,
+                limits,
+                pins,
+                walls,
+                self.conventions,
+                self.wear_updates,
+                self.replicates,
+            )
         elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"

@@ -101,8 +101,14 @@ class _Texts:
             self.height = PAGE[1] - MARGIN
 
     def _write(self, left: float, text: str, **style: Any) -> None:
-        place = left / PAGE[0], self.height / PAGE[1]
-        self.sheet.text(*place, text, va="top", linespacing=1.25, **style)
+        self.sheet.text(
+            left / PAGE[0],
+            self.height / PAGE[1],
+            text,
+            va="top",
+            linespacing=1.25,
+            **style,
+        )
 
     def paragraph(self, text: str, size: float = 8.0, weight: str = "normal") -> None:
         """Write a paragraph over the width of the page."""

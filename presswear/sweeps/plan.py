@@ -310,11 +310,19 @@ class Table:
         """Return the rows at which the last parameters have some values, without these columns."""
         count = len(values)
         rows = (self.points[:, -count:] == values).all(axis=1)
-        arrays = self.values[rows], self.half_widths[rows], self.censored[rows]
         errors = tuple(compress(self.errors, rows))
         points = self.points[rows, :-count]
-        columns = self.parameters[:-count], self.responses
-        return Table(*columns, points, *arrays, errors, self.replicates, self.freedom)
+        return Table(
+            self.parameters[:-count],
+            self.responses,
+            points,
+            self.values[rows],
+            self.half_widths[rows],
+            self.censored[rows],
+            errors,
+            self.replicates,
+            self.freedom,
+        )
 
     def columns(self) -> dict[str, list[Any]]:
         """Return the columns of an exported table by name."""
@@ -347,8 +355,10 @@ class Table:
             texts = []
             for row in range(min(count, len(self.errors))):
                 sign = ">" if self.censored[row, k] else ""
-                pair = self.values[row, k], self.half_widths[row, k]
-                texts.append(f"{sign}{shown.with_half_width(*pair, digits=4)}")
+                text = shown.with_half_width(
+                    self.values[row, k], self.half_widths[row, k], digits=4
+                )
+                texts.append(f"{sign}{text}")
             columns.append([shown.label, *texts])
         return [list(line) for line in zip(*columns, strict=True)]
 

@@ -112,8 +112,15 @@ def _stored(kind: Any, value: Any) -> Any:
     if isinstance(kind, types.BaseTuple):
         return _layout(kind)(*map(_stored, kind, value))
     if isinstance(kind, types.Array):
-        items = value.size, value.itemsize, value.ctypes.data
-        return _layout(kind)(None, None, *items, value.shape, value.strides)
+        return _layout(kind)(
+            None,
+            None,
+            value.size,
+            value.itemsize,
+            value.ctypes.data,
+            value.shape,
+            value.strides,
+        )
     return value
 
 

@@ -83,9 +83,15 @@ def time_runs(
             numbers = run.diagnostics
             evaluations = run.diagnostics.get("evaluations")
             model = str(numbers["model"]).partition(";")[0]
-            counts = int(numbers["steps"]), int(numbers["steps_sent_back"])
             computed = None if evaluations is None else int(evaluations)
-            timing = Timing(model, run.time, *counts, computed, (run.cpu,))
+            timing = Timing(
+                model,
+                run.time,
+                int(numbers["steps"]),
+                int(numbers["steps_sent_back"]),
+                computed,
+                (run.cpu,),
+            )
             first = timings.get(name, timing)
             if replace(timing, times=first.times) != first:
                 raise RunFailed(f"{name}: a repeated run took other steps")

@@ -88,12 +88,15 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
     sheet, circle = pin_panels(result, shown, draw)
     shown = first_and_last(shown)
     periods = [f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown]
-    content = {
-        "angle": 360.0 * (phase % 1.0),
-        "fewest": min(counts),
-        "periods": periods,
-    }
-    return style.finished("poincare", sheet, [circle], scene=scene, **content)
+    return style.finished(
+        "poincare",
+        sheet,
+        [circle],
+        scene=scene,
+        angle=360.0 * (phase % 1.0),
+        fewest=min(counts),
+        periods=periods,
+    )
 
 
 def impact_section(result: Result, shown: Shown) -> list[Drawing]:
@@ -106,8 +109,9 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     if not any(speed.any() for _, speed in impacts.values()):
         return []
     label = "closing speed (m/s)"
-    sharing = {"sharex": True, "sharey": True}
-    sheet, places, lowest = style.joint_panels(joints, shown, 1.6, label, **sharing)
+    sheet, places, lowest = style.joint_panels(
+        joints, shown, 1.6, label, sharex=True, sharey=True
+    )
     counts = []
     for axes, joint, stage in places:
         when, speed = impacts[joint, stage.data.index]
@@ -136,8 +140,9 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     if not joints:
         return []
     label = "part of the time (%)"
-    sharing = {"sharex": True, "sharey": True}
-    sheet, places, lowest = style.joint_panels(joints, shown, 1.7, label, **sharing)
+    sheet, places, lowest = style.joint_panels(
+        joints, shown, 1.7, label, sharex=True, sharey=True
+    )
     for axes, joint, stage in places:
         by_clock = timeline_of(scene, stage.data, joint)
         line = over_nominal_time(scene, stage.data, by_clock)
@@ -260,7 +265,12 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     column[-1].set_ylim(-0.5, max(MIN_PERIOD_AXIS, column[-1].get_ylim()[1]) + 0.5)
     column[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
     column[-1].set_xlabel(label)
-    content = {"parameter": parameter, "cycles": cycles, "summary": diagram.summary()}
-    return style.finished("diagram", sheet, pens, has_exponent=has_exponent, **content)[
-        0
-    ]
+    return style.finished(
+        "diagram",
+        sheet,
+        pens,
+        has_exponent=has_exponent,
+        parameter=parameter,
+        cycles=cycles,
+        summary=diagram.summary(),
+    )[0]

@@ -30,8 +30,9 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     for guide, axes in zip(guides, zones or panels, strict=True):
         _add_force(axes, linkage, guide)
     pens = [stage.pen for stage in shown]
-    content = {"window": window, "marks": marks.values(), "guides": guides}
-    return style.finished("frame", sheet, pens, **content)
+    return style.finished(
+        "frame", sheet, pens, window=window, marks=marks.values(), guides=guides
+    )
 
 
 def _add_force(axes: Axes, linkage: Linkage, guide: Guide) -> None:

@@ -47,8 +47,7 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     pens = [*(stage.pen for stage in shown), _LARGEST]
     if not all(guide.is_moving for guide in guides):
         pens.append(_ALLOWED)
-    content = {"window": window, "marks": marks.values()}
-    return style.finished("tilt", sheet, pens, **content)
+    return style.finished("tilt", sheet, pens, window=window, marks=marks.values())
 
 
 def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:
@@ -90,13 +89,15 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
             axes.set_xlabel(f"way across the guide, to the right ({unit})")
         row[0].set_ylabel(f"displacement of {result.scene.output} (mm)")
         pens = [*(stage.pen for stage in shown), _WALL]
-        content = {
-            "scene": result.scene,
-            "guide": guide,
-            "window": window,
-            "clearance": clearance,
-        }
-        drawings += style.finished("corners", sheet, pens, **content)
+        drawings += style.finished(
+            "corners",
+            sheet,
+            pens,
+            scene=result.scene,
+            guide=guide,
+            window=window,
+            clearance=clearance,
+        )
     return drawings
 
 

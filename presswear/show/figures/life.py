@@ -73,8 +73,14 @@ def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     near = [limit for limit in limits if limit.value <= _FAR * top or top == 0.0]
     largest = max([top, *(limit.value for limit in near)])
     # None of these quantities is negative.
-    band: dict[str, Any] = {"color": _MEAN.colour, "alpha": 0.25, "linewidth": 0.0}
-    axes.fill_between(strokes, np.maximum(low, 0.0), high, **band)
+    axes.fill_between(
+        strokes,
+        np.maximum(low, 0.0),
+        high,
+        color=_MEAN.colour,
+        alpha=0.25,
+        linewidth=0.0,
+    )
     _MEAN.draw(axes, strokes, mean)
     for limit in limits:
         if limit in near:
@@ -97,8 +103,13 @@ def _draw_marks(
     if life.ended == "limit":
         axes.axvline(life.strokes, color=_LIFE.colour, linewidth=_LIFE.width)
         if life.interval.low is not None and life.interval.high is not None:
-            ends = life.interval.low, life.interval.high
-            axes.axvspan(*ends, color=_LIFE.colour, alpha=0.15, linewidth=0.0)
+            axes.axvspan(
+                life.interval.low,
+                life.interval.high,
+                color=_LIFE.colour,
+                alpha=0.15,
+                linewidth=0.0,
+            )
     small: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
     for service in services:
         axes.axvline(service.strokes, **_SERVICE.line_style)

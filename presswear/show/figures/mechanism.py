@@ -341,16 +341,17 @@ def _draw_guides_and_forces(
 def _arrow(
     axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8
 ) -> None:
-    arrow_style: dict[str, Any] = {
-        "color": colour,
-        "linewidth": linewidth,
-        "shrinkA": 0,
-        "shrinkB": 0,
-    }
-    ends = tuple(start), tuple(end)
     axes.add_patch(
         FancyArrowPatch(
-            *ends, arrowstyle="-|>", mutation_scale=8, zorder=8, **arrow_style
+            tuple(start),
+            tuple(end),
+            arrowstyle="-|>",
+            mutation_scale=8,
+            zorder=8,
+            color=colour,
+            linewidth=linewidth,
+            shrinkA=0,
+            shrinkB=0,
         )
     )
 

@@ -259,8 +259,9 @@ def pin_panels(
     factor, unit = unit_scale("m", widest)
     height = 3.1 if len(gaps) <= _FEW_JOINTS else 2.3
     label = f"$e_y$ ({unit})"
-    sharing = {"sharex": True, "sharey": True}
-    sheet, places, lowest = style.joint_panels(gaps, shown, height, label, **sharing)
+    sheet, places, lowest = style.joint_panels(
+        gaps, shown, height, label, sharex=True, sharey=True
+    )
     around = np.linspace(0.0, 2.0 * math.pi, 361)
     circle = np.array([np.cos(around), np.sin(around)])
     for axes, joint, stage in places:
@@ -405,8 +406,9 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
     grid[-1, 0].set_xlabel(f"{phase} since the start (degrees)")
     grid[-1, -1].set_xlabel("x over the clearance")
     pens = [_FILM, _FULL, _ROUGHNESS]
-    content = {"full": FULL_FILM, "in_run": ", ".join(in_run), "zone": zone}
-    return style.finished("oil", sheet, pens, **content)
+    return style.finished(
+        "oil", sheet, pens, full=FULL_FILM, in_run=", ".join(in_run), zone=zone
+    )
 
 
 def _working_zone(result: Result, stages: Stages) -> tuple[float, float] | None:

@@ -32,8 +32,14 @@ def draw_settling(result: FinalMotions, settled: FinalMotionsAt) -> Drawing:
     _draw_survival(grid[0, 0], settled)
     joint = _draw_starts(grid[0, 1], result, settled)
     pens = [CURVE, *([FIT] if settled.half_life else [])]
-    content: dict[str, Any] = {"summary": summary(result, settled), "joint": joint}
-    return style.finished("settling", sheet, pens, startup=STARTUP_CYCLES, **content)[0]
+    return style.finished(
+        "settling",
+        sheet,
+        pens,
+        startup=STARTUP_CYCLES,
+        summary=summary(result, settled),
+        joint=joint,
+    )[0]
 
 
 def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
@@ -48,8 +54,14 @@ def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
         first = 100.0 * share[min(STARTUP_CYCLES, len(share) - 1)]
         FIT.draw(axes, late, first * 0.5 ** (age / life.mean))
         low, high = life.low or life.mean, life.high or life.mean
-        ends = first * 0.5 ** (age / low), first * 0.5 ** (age / high)
-        axes.fill_between(late, *ends, color=FIT.colour, alpha=_BAND, linewidth=0.0)
+        axes.fill_between(
+            late,
+            first * 0.5 ** (age / low),
+            first * 0.5 ** (age / high),
+            color=FIT.colour,
+            alpha=_BAND,
+            linewidth=0.0,
+        )
     axes.set_yscale("log", subs=style.SUBTICKS)
     axes.set_ylim(50.0 / max(settled.counted, 1), 120.0)
     axes.set_xlim(0.0, None)
@@ -121,8 +133,10 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     for axes in grid[0, 0], grid[2, 0]:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0))
     sheet.align_ylabels()
-    content: dict[str, Any] = {"parameter": parameter, "watch": result.watch}
-    return style.finished("half-life", sheet, **content)[0]
+    (drawing,) = style.finished(
+        "half-life", sheet, parameter=parameter, watch=result.watch
+    )
+    return drawing
 
 
 def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:

@@ -304,10 +304,7 @@ def round_down(value: float) -> float:
 
 def note(axes: Axes, text: str) -> None:
     """Write a short remark into the upper right corner of a panel."""
-    line_style: dict[str, Any] = {
-        "transform": axes.transAxes,
-        "ha": "right",
-        "va": "top",
-    }
     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
-    axes.text(0.995, 0.96, text, bbox=box, **line_style)
+    axes.text(
+        0.995, 0.96, text, bbox=box, transform=axes.transAxes, ha="right", va="top"
+    )

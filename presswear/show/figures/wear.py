@@ -2,7 +2,7 @@
 
 import math
 from itertools import accumulate, product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.projections.polar import PolarAxes
@@ -59,14 +59,17 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
         axes.set_title(
             f"joint {joint}, {' + '.join(sides)}", loc="left", fontweight="bold"
         )
-    content = {
-        "turns": turns,
-        "is_shifted": any(axes.get_xlim()[0] for axes in panels),
-        "has_next": any(pen.colour == style.MUTED for pen in pens.values()),
-        "in_steps": result.grew_in_steps,
-        "is_log": any(axes.get_yscale() == "log" for axes in panels),
-    }
-    return style.finished("wear", sheet, pens.values(), _RIGHT, **content)
+    return style.finished(
+        "wear",
+        sheet,
+        pens.values(),
+        _RIGHT,
+        turns=turns,
+        is_shifted=any(axes.get_xlim()[0] for axes in panels),
+        has_next=any(pen.colour == style.MUTED for pen in pens.values()),
+        in_steps=result.grew_in_steps,
+        is_log=any(axes.get_yscale() == "log" for axes in panels),
+    )
 
 
 def _wears(joint: str, shown: Shown) -> bool:
@@ -173,13 +176,14 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         for end, _ in updates:
             axes.axvline(end, color=style.MUTED, linewidth=0.6)
         for end, name in named:
-            line_style: dict[str, Any] = {
-                "ha": "right",
-                "va": "bottom",
-                "color": style.MUTED,
-            }
             axes.text(
-                end, 1.02, name, transform=axes.get_xaxis_transform(), **line_style
+                end,
+                1.02,
+                name,
+                transform=axes.get_xaxis_transform(),
+                ha="right",
+                va="bottom",
+                color=style.MUTED,
             )
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
@@ -256,14 +260,17 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
     text = f"wear {scale}, clearance to scale"
     sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
-    content: dict[str, Any] = {
-        "scale": scale,
-        "clearance": bearing.clearance,
-        "deepest": deepest,
-    }
     turns = style.maps_turn(result)
     return style.finished(
-        "surface", sheet, pens, "upper right", joint=joint, turns=turns, **content
+        "surface",
+        sheet,
+        pens,
+        "upper right",
+        joint=joint,
+        turns=turns,
+        scale=scale,
+        clearance=bearing.clearance,
+        deepest=deepest,
     )[0]
 
 

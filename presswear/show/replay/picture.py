@@ -316,8 +316,14 @@ def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
     for k, (joint, centre) in enumerate(
         zip(shapes.loose_pins(chapter.linkage), panel.joints, strict=True)
     ):
-        limits = clip.max_depth[joint.name], clip.max_force[joint.name]
         paint = shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)]
-        enlarged = EnlargedJoint(joint, *limits, centre, panel.radius, paint)
+        enlarged = EnlargedJoint(
+            joint,
+            clip.max_depth[joint.name],
+            clip.max_force[joint.name],
+            centre,
+            panel.radius,
+            paint,
+        )
         joints.append((enlarged, enlarged.bodies()))
     return joints

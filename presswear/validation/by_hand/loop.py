@@ -260,7 +260,13 @@ def run(
     cpu = clock.process_time() - started
     stored = stored_energy(press, t, y, contacts[0]) - stored
     residual = float(y[WORK] - stored - y[CONTACT_LOSS] - y[FRICTION_LOSS])
-    counts = int(loop.steps[1]), int(loop.steps[2])
     return Outcome(
-        np.array(states), np.array(rows), maps, accounts, residual, *counts, cpu
+        np.array(states),
+        np.array(rows),
+        maps,
+        accounts,
+        residual,
+        int(loop.steps[1]),
+        int(loop.steps[2]),
+        cpu,
     )
