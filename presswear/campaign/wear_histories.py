@@ -25,7 +25,7 @@ from presswear.campaign.refinement import (
     Refinement,
     Refinements,
 )
-from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
+from presswear.campaign.replicates import RunSpec, RunState, StepCheck, worn_out
 from presswear.campaign.service_life import (
     BlockPlan,
     LifeProblem,
@@ -87,10 +87,15 @@ class WearHistories:
         self.state = replace(self.state, **changes)
         self.keep(self.state)
 
+    @property
+    def _watched_runs(self) -> tuple[RunState | None, ...]:
+        watched = self.state.watched
+        return () if watched is None else watched.runs
+
     @cached_property
     def settling(self) -> Settling | None:
         """Motions on the surfaces at the start; None if no cycle is complete."""
-        runs = () if self.state.watched is None else self.state.watched.runs
+        runs = self._watched_runs
         rows = [run.arrays["recorder/cycles"] for run in runs if run]
         return (
             settling_of(self.runner.scene.linkage().clearances, rows) if rows else None
@@ -156,7 +161,7 @@ class WearHistories:
         is_known = all(
             law.pressure_exponent == 1.0 and not law.depends_on_pressure for law in laws
         )
-        runs = () if self.state.watched is None else self.state.watched.runs
+        runs = self._watched_runs
         maps = [run.maps for run in runs if run]
         if not maps or is_known:
             return self.problem

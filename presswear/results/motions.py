@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from presswear.recording.settling import REPEATED, Motion, Settling
 from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.recording.statistics.estimate import key_of_greatest
 from presswear.tools.numbers import counted, quantity_text, readable
 
 SETTLE_ADVICE = (
@@ -47,7 +48,7 @@ def needs_warning(settling: Settling) -> bool:
 
 def peak_force(motion: Motion) -> str:
     """Return the peak force of a motion at the joint where it is greatest."""
-    joint = max(motion.peak_force, key=lambda name: motion.peak_force[name].mean)
+    joint = key_of_greatest(motion.peak_force)
     return f"{quantity_text(motion.peak_force[joint].mean, 'N')} at {joint}"
 
 

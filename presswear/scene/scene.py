@@ -374,6 +374,11 @@ class Scene(LoadedLinkage, Checked):
         laws = self.user_laws.items()
         return any(key.startswith("loads[") and not law.is_trusted for key, law in laws)
 
+    @property
+    def is_trusted(self) -> bool:
+        """True if no source code was read from a result that may not be executed."""
+        return all(law.is_trusted for law in self.user_laws.values())
+
     def check_trusted(self) -> None:
         """Raise UntrustedLaw if a run would execute source code that was read from a result."""
         for key, law in self.user_laws.items():

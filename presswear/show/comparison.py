@@ -180,8 +180,7 @@ def _written(value: Any, meaning: Any) -> str:
         return NONE
     if not isinstance(meaning, Quantity) or isinstance(value, str):
         return f"{value}"
-    (text,), unit = meaning.texts(value)
-    return f"{text} {unit}".rstrip()
+    return meaning.typeset(value)
 
 
 def _other_differences(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from presswear.linkage.drives import linear_bodies
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import Estimate, key_of_greatest
 from presswear.results.drive_duty import DriveDuty
 from presswear.results.drives import drives_of
 from presswear.results.rigid_joints import (
@@ -13,7 +13,7 @@ from presswear.results.rigid_joints import (
 )
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.show.key_number import key_of_greatest, measured
+from presswear.show.key_number import measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 

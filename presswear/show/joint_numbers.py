@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import Estimate, key_of_greatest
 from presswear.results.deep_contacts import (
     PRESCRIBED,
     SMALL_CONTACT,
@@ -17,7 +17,7 @@ from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import IDEAL
-from presswear.show.key_number import key_of_greatest, measured
+from presswear.show.key_number import measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 

@@ -1,8 +1,5 @@
 """Key number of an estimate: value, interval, and a note on a doubtful one."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from presswear.recording.statistics import Estimate
 from presswear.show.page import NOTHING, KeyNumber
 from presswear.tools import numbers
@@ -49,8 +46,3 @@ def exact(name: str, number: float, unit: str, meaning: str) -> KeyNumber:
     value = numbers.quantity_text(number, unit)
     estimate = Estimate(number, number, number)
     return KeyNumber(name, value, "", meaning, estimate=estimate)
-
-
-def key_of_greatest(values: Mapping[Any, Estimate]) -> Any:
-    """Return the key of the estimate with the greatest mean."""
-    return max(values, key=lambda name: values[name].mean)

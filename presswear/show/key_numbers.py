@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import Estimate, key_of_greatest
 from presswear.results.life import (
     QUICK,
     WITHOUT_CURVES,
@@ -20,7 +20,7 @@ from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import drive_numbers
 from presswear.show.figures.life import limit_text
 from presswear.show.joint_numbers import joint_numbers, pins_of, reason_without_interval
-from presswear.show.key_number import UNKNOWN, key_of_greatest
+from presswear.show.key_number import UNKNOWN
 from presswear.show.page import KeyNumber
 from presswear.show.stroke_numbers import motion_numbers, stroke_numbers
 from presswear.show.wear_number import wear_per_million_strokes
@@ -86,15 +86,7 @@ def _life(result: Result, life: LifeResult) -> KeyNumber:
     if interval:
         meaning += " The interval contains the scatter of the wear coefficients."
     span = interval and f"{interval} strokes"
-    return KeyNumber(name, value, span, meaning, estimate=_strokes_of(life))
-
-
-def _strokes_of(life: LifeResult) -> Estimate:
-    """Return the strokes of a life with the error of its runs, without scatter of materials."""
-    if life.error is None:
-        return Estimate(life.strokes)
-    factor = math.exp(life.error)
-    return Estimate(life.strokes, life.strokes / factor, life.strokes * factor)
+    return KeyNumber(name, value, span, meaning, estimate=life.interval)
 
 
 def _improvement(

@@ -1,13 +1,13 @@
 """Limits of the last stage: the numbers that have one, beside it, with a verdict in a word."""
 
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import Estimate, key_of_greatest
 from presswear.results.frame_load import ALLOWED_REVERSE, frame_loads
 from presswear.results.guide_tilt import ALLOWED_TILT, GuideTilt, guide_tilts
 from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import LOADS, bearing_loads, reason_without_interval
-from presswear.show.key_number import UNKNOWN, key_of_greatest, measured
+from presswear.show.key_number import UNKNOWN, measured
 from presswear.show.page import LimitLine, Verdict
 from presswear.show.words import number_in_words_of
 from presswear.tools import numbers

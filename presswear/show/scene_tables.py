@@ -40,7 +40,7 @@ def setting_tables(result: Result) -> dict[str, Table]:
             "value": "none" if value is None else str(value),
         }
         if isinstance(meaning, Quantity) and isinstance(value, int | float):
-            record["value"] = _engineers(meaning, value)
+            record["value"] = meaning.typeset(value)
         record["origin"] = _origin(scene, setting, before, is_named)
         records["parameters"].append(record)
         if record["origin"].startswith(SET):
@@ -66,12 +66,6 @@ def _origin(
     return setting.meaning.origin
 
 
-def _engineers(meaning: Quantity, value: float) -> str:
-    """Return a value in the unit in which engineers write it."""
-    (text,), unit = meaning.texts(value)
-    return f"{text} {unit}".rstrip()
-
-
 def mechanism_tables(result: Result) -> dict[str, Table]:
     """Return the tables ``bodies``, with the drives, and ``pins``, of all joints and contacts."""
     scene = result.scene
@@ -82,7 +76,7 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
         if isinstance(drive, LinearDrive):
             speeds[drive.body] = f"along {drive.along}"
             continue
-        text = _engineers(speed, drive.mean_speed)
+        text = speed.typeset(drive.mean_speed)
         speeds[drive.body] = f"{text}, not constant" if drive.repeats else text
     loose = [guide.name for guide in scene.loose_guides]
     guided = {
@@ -97,11 +91,11 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     for body, position in zip(linkage.bodies, start, strict=True):
         inertia = None
         if body.name not in guided:
-            inertia = _engineers(INERTIA, moving[body.name].inertia)
+            inertia = INERTIA.typeset(moving[body.name].inertia)
         bodies.append(
             {
                 "name": body.name,
-                "mass": _engineers(MASS, body.mass),
+                "mass": MASS.typeset(body.mass),
                 "inertia": inertia,
                 "start": position,
                 "speed": speeds.get(body.name),

@@ -137,8 +137,7 @@ def heights_at_rest(
     scene: Scene, surfaces: Mapping[str, tuple[Surface, Surface]] | None = None
 ) -> Record | None:
     """Return total clearance and rise under a static force at bottom dead centre, m."""
-    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
-    if not (scene.has_deviations and is_trusted):
+    if not (scene.has_deviations and scene.is_trusted):
         return None
     linkage = scene.linkage(surfaces)
     pull = statics.pull_of(linkage)

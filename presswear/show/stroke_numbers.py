@@ -81,8 +81,7 @@ def _deflection(scene: Scene, stage: StageResult, force: float) -> float | None:
 
     It is also None without a static equilibrium, and for stored laws that are not trusted.
     """
-    is_trusted = all(law.is_trusted for law in scene.user_laws.values())
-    if not (scene.has_deviations and is_trusted):
+    if not (scene.has_deviations and scene.is_trusted):
         return None
     try:
         rise = float(statics.deflection(scene.linkage(stage.surfaces), force))

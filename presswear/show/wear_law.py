@@ -44,19 +44,13 @@ def user_wear_laws(scene: Scene) -> list[str]:
     ]
 
 
-def with_power(value: float, unit: str) -> str:
-    """Return an SI value with its unit, a small one with a power of ten: ``1.2·10⁻⁶ mm³/(N m)``."""
-    (text,), shown = Quantity(unit).texts(value)
-    return f"{text} {shown}".rstrip()
-
-
 def _number(scene: Scene, joint: str, key: str, unit: str) -> str:
     """Return the value of a number of a joint, and whether it is assumed."""
     bearing = scene.bearing(joint)
     value = getattr(bearing.materials, key)
     if value is None:  # the depth of running-in, which is then the roughness
         return f"{written(bearing.roughness, unit)} (the roughness)"
-    return f"{with_power(value, unit)} ({_origin(scene, joint, key, value)})"
+    return f"{Quantity(unit).typeset(value)} ({_origin(scene, joint, key, value)})"
 
 
 def _origin(scene: Scene, joint: str, key: str, value: float) -> str:

@@ -3,16 +3,15 @@
 from collections.abc import Mapping
 
 from presswear.linkage.wear_law import ARCHARD
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics.estimate import Estimate, key_of_greatest
 from presswear.results.oil_film import ASSUMES, oil_films
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import pins_of
-from presswear.show.key_number import key_of_greatest, measured
+from presswear.show.key_number import measured
 from presswear.show.page import KeyNumber
-from presswear.show.wear_law import with_power
 from presswear.tools import numbers
-from presswear.tools.quantities import written
+from presswear.tools.quantities import Quantity, written
 
 
 def wear_per_million_strokes(
@@ -50,7 +49,7 @@ def _place_text(scene: Scene, stage: StageResult, place: tuple[str, str]) -> str
     materials = scene.bearing(name).materials
     represented = numbers.large(stage.cycles_per_update)
     surfaces = "worn" if stage.is_worn else "new"
-    coefficient = with_power(materials.wear_coefficient, "1/Pa")
+    coefficient = Quantity("1/Pa").typeset(materials.wear_coefficient)
     text = (
         f"Deepest place, on the {side} of joint {name}, as a mean over {represented} "
     )

@@ -4,10 +4,9 @@ Each joint is changed in one way at a time, and every change is run like the mec
 as it is.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from matplotlib.patches import Patch
 
 from presswear.campaign.runs import run_scenes
 from presswear.linkage.materials import MATERIALS, Materials
-from presswear.recording.statistics import Estimate, ratio
+from presswear.recording.statistics.estimate import Estimate, greatest, ratio
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed
@@ -134,36 +133,32 @@ def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
             f"{scene.name}: no joint has clearance, so none can be improved"
         )
     changes: dict[str, dict[str, Any]] = {}
-    for name in scene.loose_pins:
+    for name in (*scene.loose_pins, *guides):
         bearing = scene.bearing(name)
         changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
             f"{name}.clearance": CLEARANCE * bearing.clearance
         }
-        changes[f"joint {name}, radius and width times {SIZE:g}"] = {
-            f"{name}.bearing_radius": SIZE * bearing.bearing_radius,
-            f"{name}.width": SIZE * bearing.width,
-        }
+        is_guide = name in guides
+        sizes = {f"{name}.width": SIZE * bearing.width}
+        words = "width"
+        if not is_guide:
+            sizes[f"{name}.bearing_radius"] = SIZE * bearing.bearing_radius
+            words = "radius and width"
+        changes[f"joint {name}, {words} times {SIZE:g}"] = sizes
+        present = _coefficient_of_worse_side(bearing.materials, is_guide)
         for word, pair in MATERIALS.items():
-            if _larger_share(pair) < _larger_share(bearing.materials):
-                changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
-    for name in guides:
-        bearing = scene.bearing(name)
-        changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
-            f"{name}.clearance": CLEARANCE * bearing.clearance
-        }
-        changes[f"joint {name}, width times {SIZE:g}"] = {
-            f"{name}.width": SIZE * bearing.width
-        }
-        for word, pair in MATERIALS.items():
-            # All of the wear is at the wall.
-            if pair.wear_coefficient < bearing.materials.wear_coefficient:
+            if _coefficient_of_worse_side(pair, is_guide) < present:
                 changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
     return changes
 
 
-def _larger_share(pair: Materials) -> float:
-    """Return the wear coefficient of the side that wears more, 1/Pa."""
-    return pair.wear_coefficient * max(pair.bearing_share, 1.0 - pair.bearing_share)
+def _coefficient_of_worse_side(pair: Materials, is_guide: bool) -> float:
+    """Return the wear coefficient of the side that wears more, 1/Pa.
+
+    All of the wear of a guide is at the wall.
+    """
+    share = max(pair.bearing_share, 1.0 - pair.bearing_share)
+    return pair.wear_coefficient * (1.0 if is_guide else share)
 
 
 def improve(
@@ -239,25 +234,20 @@ def _quantities(result: Result) -> dict[str, Estimate]:
     speed = leader_speed(scene, stage)
     forces = [joints[name].peak_force_per_cycle for name in scene.loose_pins]
     forces += [tilt.corner_force for tilt in tilts if tilt.corner_force]
-    greatest = {
-        LIFE: _greatest(_depths_per_stroke(result)),
-        FORCE: _greatest(forces),
+    frames = frame_loads(scene, stage).values()
+    quantities = {
+        LIFE: greatest(_depths_per_stroke(result)),
+        FORCE: greatest(forces),
         BOTTOM: bottom.error
         if bottom and abs(bottom.error.mean) > NEGLIGIBLE
         else None,
-        TILT: _greatest([tilt.working for tilt in tilts if tilt.working]),
+        TILT: greatest(filter(None, (tilt.working for tilt in tilts))),
         DROP: speed.drop if speed else None,
-        REVERSE: _greatest(
-            [
-                load.reverse_fraction
-                for load in frame_loads(scene, stage).values()
-                if load.reverse_fraction
-            ]
-        ),
+        REVERSE: greatest(filter(None, (load.reverse_fraction for load in frames))),
     }
     return {
         key: value
-        for key, value in greatest.items()
+        for key, value in quantities.items()
         if value is not None and value.mean
     }
 
@@ -275,10 +265,6 @@ def _depths_per_stroke(result: Result) -> list[Estimate]:
     ]
     walls = (sides.values() for sides in statistics.walls.values())
     return depths + [wall.depth_per_cycle for wall in chain.from_iterable(walls)]
-
-
-def _greatest(estimates: Sequence[Estimate]) -> Estimate | None:
-    return max(estimates, key=attrgetter("mean"), default=None)
 
 
 def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:

@@ -21,6 +21,7 @@ from presswear.physics.wear import worn_volume
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.columns import Column as CycleColumn
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.recording.statistics.estimate import greatest
 from presswear.results.bottom_dead_centre import rise
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
@@ -138,16 +139,15 @@ def _greatest_of(
 
     def read(result: Result, stage: StageResult, joint: None) -> Response | None:
         each = (getattr(load, name) for load in loads(result.scene, stage).values())
-        numbers = [number for number in each if number is not None]
-        return _response(max(numbers, key=lambda one: one.mean, default=None))
+        return _response(greatest(filter(None, each)))
 
     return read
 
 
 def _wall_wear(result: Result, stage: StageResult, joint: None) -> Response | None:
     sides = (walls.values() for walls in stage.statistics.walls.values())
-    depths = [wall.depth_per_cycle for wall in chain.from_iterable(sides)]
-    return _response(max(depths, key=lambda depth: depth.mean, default=None))
+    depths = (wall.depth_per_cycle for wall in chain.from_iterable(sides))
+    return _response(greatest(depths))
 
 
 def _settled(result: Result, stage: StageResult, joint: None) -> Response | None:

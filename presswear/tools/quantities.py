@@ -63,6 +63,11 @@ class Quantity:
         shown = self.in_unit_of(value)
         return shown.with_unit(f"{value / shown.size:.{digits}g}")
 
+    def typeset(self, value: float) -> str:
+        """Return a value as ``written`` does, with powers as signs: ``1.2·10⁻⁶ mm³/(N m)``."""
+        (text,), unit = self.texts(value)
+        return f"{text} {unit}".rstrip()
+
     def texts(self, *values: Any) -> tuple[list[str], str]:
         """Return values as text in the unit in which engineers write the largest, and that unit."""
         numbers = [abs(value) for value in values if isinstance(value, int | float)]

@@ -1,13 +1,14 @@
 """Numbers with their 95 % confidence interval."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import TypeVar, final
 
 from presswear.tools.numbers import readable, with_interval
 from presswear.tools.serialize import check_type
 
+K = TypeVar("K")
 LEVEL = 0.95
 MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
 MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
@@ -99,6 +100,16 @@ class Estimate:
             None if end is None else factor * end for end in (self.low, self.high)
         )
         return Estimate(factor * self.mean, low, high, self.samples)
+
+
+def greatest(estimates: Iterable[Estimate]) -> Estimate | None:
+    """Return the estimate with the greatest mean; None without estimates."""
+    return max(estimates, key=lambda estimate: estimate.mean, default=None)
+
+
+def key_of_greatest(estimates: Mapping[K, Estimate]) -> K:
+    """Return the key of the estimate with the greatest mean."""
+    return max(estimates, key=lambda key: estimates[key].mean)
 
 
 def weighted_sum(estimates: Sequence[Estimate], weights: Sequence[float]) -> Estimate:
