@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from presswear.tools.errors import one_line, unknown
-from presswear.tools.not_modelled import NOT_MODELLED, OTHER_NAMES, PAGE
+from presswear.tools.not_modelled import PAGE, answers
 from presswear.tools.numbers import large
 
 ROOT = Path(__file__).parents[2]
@@ -50,8 +50,8 @@ def test_a_name_of_the_user_that_is_such_a_word_is_found_first() -> None:
 
 def test_the_page_lists_all_that_is_not_modelled() -> None:
     page = (ROOT / PAGE).read_text(encoding="utf-8")
-    for words, answer in NOT_MODELLED.items():
-        row = " | ".join((", ".join(words), answer.replace("; ", " | ")))
-        assert f"| {row} |" in page
-    for words, answer in OTHER_NAMES.items():
-        assert f"| {', '.join(words)} | {answer} |" in page
+    for row in answers()["not_modelled"]:
+        cells = (", ".join(row["words"]), row["answer"].replace("; ", " | "))
+        assert f"| {' | '.join(cells)} |" in page
+    for row in answers()["other_names"]:
+        assert f"| {', '.join(row['words'])} | {row['answer']} |" in page
