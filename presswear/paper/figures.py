@@ -163,7 +163,7 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
         axes.set(
             xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)"
         )
-        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
+        axes.set_title(f"joint {joint}")
     sheet.legend(
         handles=[line.pen.handle() for line in worn],
         loc="outside upper center",

@@ -298,9 +298,15 @@ def render_page(
     }
     script = (files("presswear.show") / "templates/page.js").read_text("utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    content |= {"title": title, "sections": sections, "answer": answer}
-    content |= {"script": Markup(script), "digest": digest}
-    return environment.get_template(template).render(**vars(first_screen), **content)
+    return environment.get_template(template).render(
+        **vars(first_screen),
+        **content,
+        title=title,
+        sections=sections,
+        answer=answer,
+        script=Markup(script),
+        digest=digest,
+    )
 
 
 def _without_breaks(value: Any) -> Any:

@@ -51,9 +51,7 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
         line_style: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
         if not joint:
             axes.plot(1e3 * data.displacement, data.velocity, **line_style)
-            axes.set_title(
-                f"{scene.output}, {stage.pen.label}", loc="left", fontweight="bold"
-            )
+            axes.set_title(f"{scene.output}, {stage.pen.label}")
             axes.set(xlabel="displacement (mm)", ylabel="velocity (m/s)")
             continue
         distance = np.hypot(*data.joints[joint].eccentricity.T)
@@ -155,7 +153,7 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
         shares = zip(_MODE_WORDS, by_clock.shares.values(), strict=True)
         text = ", ".join(f"{word} {100.0 * share:.2f}" for word, share in shares)
         title = f"joint {joint}, {stage.pen.label}\n{text} %"
-        axes.set_title(title, loc="left", fontsize=7.0)
+        axes.set_title(title, fontsize=7.0, fontweight="normal")
     _label_phase(lowest, result)
     pens = [
         Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)
@@ -198,10 +196,14 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     column[-1].set_xlim(0.2, MAX_ORDER)
     for axes in lowest:
         axes.set_xlabel("frequency in turns of the cycle (orders)")
-    content = {"harmonics": _HARMONICS, "resonances": resonances}
-    content |= {"period": periods[-1]}
     return style.finished(
-        "spectrum", sheet, [one.pen for one in shown], scene=scene, **content
+        "spectrum",
+        sheet,
+        [stage.pen for stage in shown],
+        scene=scene,
+        harmonics=_HARMONICS,
+        resonances=resonances,
+        period=periods[-1],
     )
 
 

@@ -1,12 +1,16 @@
 """Figure of elastic frames: stretch and force over the crank angle."""
 
+import numpy as np
+
 from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.results.frame_load import carried_weight
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Shown
-from presswear.show.figures.window import mark_moments, sampled
+from presswear.show.figures.window import draw_with_moments, sampled
+from presswear.tools.arrays import Array
 
 
 def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
@@ -20,11 +24,12 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), height, is_measured=True)
     marks: dict[str, str] = {}
     for k, (guide, axes) in enumerate(zip(guides, panels, strict=True)):
-        for stage, whole_stage in zip(shown, moving, strict=True):
-            stretch = 1e6 * stage.data.arrays["stretch"][:, k]
-            stage.pen.draw(axes, stage.data.time, stretch, linewidth=0.8)
-            stretch = 1e6 * whole_stage.data.arrays["stretch"][:, k]
-            marks |= mark_moments(axes, result, (stage, whole_stage), stretch, window)
+
+        def stretch_of(stage: StageResult, k: int = k) -> Array:
+            return np.asarray(1e6 * stage.arrays["stretch"][:, k])
+
+        pairs = zip(shown, moving, strict=True)
+        marks |= draw_with_moments(axes, result, pairs, stretch_of, window)
         axes.set_ylabel(f"stretch of {guide.name} (µm)")
     window.label(panels, zones)
     for guide, axes in zip(guides, zones or panels, strict=True):

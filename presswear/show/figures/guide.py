@@ -10,7 +10,7 @@ from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
-from presswear.show.figures.window import mark_moments, sampled
+from presswear.show.figures.window import draw_with_moments, sampled
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import unit_scale
 
@@ -36,11 +36,12 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), 0.6 + 2.4 * len(guides))
     marks: dict[str, str] = {}
     for axes, guide in zip(panels, guides, strict=True):
-        for stage, whole_stage in zip(shown, moving, strict=True):
-            tilt = 1e6 * tilt_series(stage.data, guide)
-            stage.pen.draw(axes, stage.data.time, tilt, linewidth=0.8)
-            tilt = 1e6 * tilt_series(whole_stage.data, guide)
-            marks |= mark_moments(axes, result, (stage, whole_stage), tilt, window)
+
+        def tilt_of(stage: StageResult, guide: Guide = guide) -> Array:
+            return 1e6 * tilt_series(stage, guide)
+
+        pairs = zip(shown, moving, strict=True)
+        marks |= draw_with_moments(axes, result, pairs, tilt_of, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     window.label(panels, zones)
@@ -84,7 +85,7 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
                     )
             for sign in (-1.0, 1.0):
                 axes.axvline(sign * factor * clearance, **_WALL.line_style)
-            axes.set_title(f"{end} corners", loc="left", fontweight="bold")
+            axes.set_title(f"{end} corners")
             axes.set_xlim(-edge, edge)
             axes.set_xlabel(f"way across the guide, to the right ({unit})")
         row[0].set_ylabel(f"displacement of {result.scene.output} (mm)")

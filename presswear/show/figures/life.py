@@ -92,7 +92,7 @@ def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     style.label_values(axes, "", FOLLOWED[key.rpartition(".")[2]].unit, largest)
     is_first = life.first is not None and life.first.key == key
     title = words_of(key) + (": first" if is_first else "")
-    axes.set_title(title, loc="left", fontweight="bold" if is_first else "normal")
+    axes.set_title(title, fontweight="bold" if is_first else "normal")
 
 
 def _draw_marks(

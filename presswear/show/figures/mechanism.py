@@ -129,13 +129,15 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
         axis.set_label_text(f"{name} (mm)")
-    content: dict[str, Any] = {
-        "linkage": linkage,
-        "time": 1e3 * time,
-        "period": 1e3 * period,
-    }
-    content["clearance"] = _common_clearance(scene)
-    return style.finished("mechanism", sheet, **content)[0]
+    (drawing,) = style.finished(
+        "mechanism",
+        sheet,
+        linkage=linkage,
+        time=1e3 * time,
+        period=1e3 * period,
+        clearance=_common_clearance(scene),
+    )
+    return drawing
 
 
 def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:

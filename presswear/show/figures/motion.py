@@ -18,6 +18,7 @@ from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
 from presswear.results.rigid_joints import ideal_curves
 from presswear.results.run_film import run_films
+from presswear.results.stage import StageResult
 from presswear.results.strokes import height_of, process_force, sampled_strokes
 from presswear.show.figures import style
 from presswear.show.figures.style import (
@@ -29,7 +30,7 @@ from presswear.show.figures.style import (
     ShownStage,
     Stages,
 )
-from presswear.show.figures.window import Window, mark_moments, sampled
+from presswear.show.figures.window import Window, draw_with_moments, sampled
 from presswear.show.words import in_words_of
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
@@ -105,9 +106,15 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         mean = f"{readable(1e3 * interval, 2)} ms mean"
         column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
     window.label(column, zones)
-    content = {"scene": scene, "window": window, "interval": interval}
-    content["marks"] = marks.values()
-    return style.finished("response", sheet, _pens(shown), **content)
+    return style.finished(
+        "response",
+        sheet,
+        _pens(shown),
+        scene=scene,
+        window=window,
+        interval=interval,
+        marks=marks.values(),
+    )
 
 
 def _draw_deviation(
@@ -116,17 +123,16 @@ def _draw_deviation(
     """Draw the displacement minus the ideal one; return the words of the marks of the work."""
     scene = result.scene
 
-    def deviation(stage: ShownStage) -> Array:
-        ideal = scene.ideal_slider(stage.data.time, closed=False)[:, 0]
-        return np.asarray(stage.data.displacement - ideal)
+    def deviation(stage: StageResult) -> Array:
+        ideal = scene.ideal_slider(stage.time, closed=False)[:, 0]
+        return np.asarray(stage.displacement - ideal)
 
-    largest = max(float(np.abs(deviation(stage)).max()) for stage in shown)
+    largest = max(float(np.abs(deviation(stage.data)).max()) for stage in shown)
     factor, unit = unit_scale("m", largest)
-    marks: dict[str, str] = {}
-    for stage, whole_stage in zip(shown, moving, strict=True):
-        stage.pen.draw(axes, stage.data.time, factor * deviation(stage), linewidth=0.9)
-        values = factor * deviation(whole_stage)
-        marks |= mark_moments(axes, result, (stage, whole_stage), values, window)
+    pairs = zip(shown, moving, strict=True)
+    marks = draw_with_moments(
+        axes, result, pairs, lambda stage: factor * deviation(stage), window
+    )
     axes.set_ylabel(f"displacement\nminus\nideal ({unit})")
     return marks
 
@@ -165,7 +171,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     largest = dict.fromkeys(result.scene.loose_pins, 0.0)
     for axes, (joint, stage) in zip(panels, places, strict=True):
         title = f"joint {joint}, {stage.pen.label}"
-        axes.set_title(title, loc="left", fontweight="bold")
+        axes.set_title(title)
         series = stage.data.joints[joint]
         peak = _draw_jagged(
             axes, stage, series.force[:, 0], series.each_cycle("force_max"), window
@@ -367,7 +373,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
             stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
         IDEAL.draw(axes, np.add.outer(starts, cycle).ravel(), expected)
         style.label_values(axes, label, unit)
-        axes.set_title(drive, loc="left", fontweight="bold")
+        axes.set_title(drive)
     window.label(panels, zones)
     return style.finished("drives", sheet, _pens(shown), window=window)
 
@@ -392,7 +398,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
         _draw_film(row[0], film, 1)
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
         title = f"joint {name}: full film for\n{share}"
-        row[0].set_title(title, loc="left", fontweight="bold")
+        row[0].set_title(title)
         row[0].set_ylabel("film (µm)")
         row[0].set_xlim(0.0, 360.0)
         row[0].xaxis.set_major_locator(MultipleLocator(90.0))
@@ -400,7 +406,7 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
             _draw_film(row[1], film, 2)  # the zone may reach into the next cycle
             row[0].axvspan(*zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
             row[1].set_xlim(*zone)
-            row[1].set_title("working zone\n(grey at the left)", loc="left")
+            row[1].set_title("working zone\n(grey at the left)", fontweight="normal")
             row[1].set_xlabel(f"{phase} (degrees)")
         _draw_orbit(row[-1], film)
     grid[-1, 0].set_xlabel(f"{phase} since the start (degrees)")
@@ -445,6 +451,6 @@ def _draw_orbit(axes: Axes, film: JointFilm) -> None:
     axes.plot(place.real[least], place.imag[least], "o", color=_FULL.colour, ms=4.0)
     thin = readable(style.MICRONS * float(film.thickness[least]))
     title = f"least {thin} µm at {film.angle[least]:.0f}°"
-    axes.set_title(title, loc="left")
+    axes.set_title(title, fontweight="normal")
     axes.set_aspect("equal")
     axes.set_ylabel("y over the clearance")

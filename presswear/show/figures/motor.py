@@ -6,7 +6,7 @@ from presswear.linkage.drives import Drive
 from presswear.results.result import Result
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
-from presswear.show.figures.window import mark_moments, sampled
+from presswear.show.figures.window import draw_with_moments, sampled
 
 _RPM = 30.0 / math.pi  # of a speed of 1 rad/s
 _NOMINAL = Pen("nominal speed", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
@@ -27,13 +27,11 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     shown, window = sampled(result, moving)
     count = 1 + len(driven)
     sheet, panels, zones = window.rows(count, 0.6 + 1.9 * count)
-    marks: dict[str, str] = {}
     nominal = _RPM * abs(leader.speed)
-    for stage, whole_stage in zip(shown, moving, strict=True):
-        speed = nominal * stage.data.nominal_rate
-        stage.pen.draw(panels[0], stage.data.time, speed)
-        speed = nominal * whole_stage.data.nominal_rate
-        marks |= mark_moments(panels[0], result, (stage, whole_stage), speed, window)
+    pairs = zip(shown, moving, strict=True)
+    marks = draw_with_moments(
+        panels[0], result, pairs, lambda stage: nominal * stage.nominal_rate, window
+    )
     panels[0].axhline(nominal, **_NOMINAL.line_style)
     panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
     for axes, drive in zip(panels[1:], driven, strict=True):
@@ -50,9 +48,17 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     if has_rated:
         pens.append(_RATED)
     slowest = float((100.0 * shown[-1].data.nominal_rate).min())
-    content = {"window": window, "marks": marks.values(), "slowest": slowest}
-    content |= {"leader": leader, "has_torque": has_torque, "has_rated": has_rated}
-    return style.finished("motor", sheet, pens, **content)
+    return style.finished(
+        "motor",
+        sheet,
+        pens,
+        window=window,
+        marks=marks.values(),
+        slowest=slowest,
+        leader=leader,
+        has_torque=has_torque,
+        has_rated=has_rated,
+    )
 
 
 def _draw_rated(axes: Axes, drive: Drive) -> None:

@@ -234,9 +234,7 @@ def joint_panels(
     places = list(product(joints, [*stages[:1], *stages[1:][-1:]]))
     sheet, shown, lowest = panel_list(len(places), height, **sharing)
     for axes, (joint, stage) in zip(shown, places, strict=True):
-        axes.set_title(
-            f"joint {joint}, {stage.pen.label}", loc="left", fontweight="bold"
-        )
+        axes.set_title(f"joint {joint}, {stage.pen.label}")
     for axes in shown[:: len(lowest)]:
         axes.set_ylabel(label, parse_math=True)
     return (

@@ -56,9 +56,7 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
         _draw_depth(axes, shown[0].data.joints[joint].angle, lines)
         axes.set_xlabel(style.angle_label(result, sides[0]))
         axes.set_ylabel("depth (µm)")
-        axes.set_title(
-            f"joint {joint}, {' + '.join(sides)}", loc="left", fontweight="bold"
-        )
+        axes.set_title(f"joint {joint}, {' + '.join(sides)}")
     return style.finished(
         "wear",
         sheet,
@@ -189,7 +187,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_ylim(0.0, None)
         axes.set_xlabel(f"represented cycles ({unit})")
         axes.set_ylabel("deepest wear (µm)")
-        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
+        axes.set_title(f"joint {joint}")
     pens = _SURFACES.values()
     turns = style.maps_turn(result)
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
@@ -359,4 +357,5 @@ def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     symbol = "R_i" if view.side == "bearing" else "R_j"
     axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)", parse_math=True)
     scale = "the same as" if view.scale == 1.0 else f"{readable(view.scale, 1)} times"
-    axes.set_title(f"radial scale {scale} that along the surface", fontsize=8.0)
+    title = f"radial scale {scale} that along the surface"
+    axes.set_title(title, loc="center", fontsize=8.0, fontweight="normal")

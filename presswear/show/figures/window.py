@@ -1,7 +1,7 @@
 """Part of the motion that figures over the crank angle show, and its working zone beside it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, MultipleLocator
 
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.results.strokes import SNAP_THROUGH, WORK, strokes_of, working_strokes
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Sheet, Shown, ShownStage
@@ -73,7 +74,7 @@ class Window:
                 _copy(line, source, target, self.zone)
             source.axvspan(*self.zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
             target.yaxis.set_major_formatter(source.yaxis.get_major_formatter())
-        zones[0].set_title("working zone (grey at the left)", loc="left")
+        zones[0].set_title("working zone (grey at the left)", fontweight="normal")
         start, end = (self.degrees(time) for time in self.zone)
         marks = MaxNLocator(5, steps=[1.0, 2.0, 5.0, 10.0]).tick_values(start, end)
         times = np.asarray(marks) * self.period / 360.0 + 0.5 * self.run_up
@@ -180,26 +181,29 @@ def _words(first: int, count: float) -> str:
     )
 
 
-def mark_moments(
+def draw_with_moments(
     axes: Axes,
     result: Result,
-    stages: tuple[ShownStage, ShownStage],
-    values: Array,
+    stages: Iterable[tuple[ShownStage, ShownStage]],
+    values_of: Callable[[StageResult], Array],
     window: Window,
 ) -> dict[str, str]:
-    """Mark where the work is touched, breaks and is left; return the words of the marks.
+    """Draw a series of stages, and mark where the work is touched, breaks and is left.
 
-    ``stages`` are a stage cut to the window and the whole one, to which the drawn
-    values belong, shape (n,).
+    Each pair of ``stages`` is a stage cut to the window and the whole one. The words of
+    the marks are returned.
     """
-    cut, full = stages
-    strokes = strokes_of(result.scene, full.data)
     marks = {}
-    for name, (mark, words) in MOMENTS.items() if strokes else ():
-        when = getattr(strokes, name)[:, 0]
-        when = when[(when >= window.start) & (when <= window.end)]
-        if when.size:
-            marks[mark] = words
-            places = [values[(abs(full.data.time - time)).argmin()] for time in when]
-            axes.plot(when, places, mark, color=cut.pen.colour, markersize=6.0)
+    for shown, whole in stages:
+        shown.pen.draw(axes, shown.data.time, values_of(shown.data), linewidth=0.8)
+        strokes = strokes_of(result.scene, whole.data)
+        values = values_of(whole.data)
+        for name, (mark, words) in MOMENTS.items() if strokes else ():
+            when = getattr(strokes, name)[:, 0]
+            when = when[(when >= window.start) & (when <= window.end)]
+            if when.size:
+                marks[mark] = words
+                rows = [abs(whole.data.time - time).argmin() for time in when]
+                colour = shown.pen.colour
+                axes.plot(when, values[rows], mark, color=colour, markersize=6.0)
     return marks
