@@ -17,7 +17,6 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
 from presswear.recording.film import Film
 from presswear.results.result import Result
-from presswear.show.figures.mechanism import BODY_COLOURS
 from presswear.show.figures.style import Pen, ShownStage
 from presswear.show.figures.window import sampled
 from presswear.show.replay import shapes
@@ -178,7 +177,7 @@ def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> 
     parts += _frame_parts(linkage, film, drawing)
     bar = shapes.BAR * float(np.hypot(*drawing.size)) / drawing.scale
     for k, body in enumerate(linkage.bodies):
-        colour = BODY_COLOURS[k % len(BODY_COLOURS)]
+        colour = shapes.colour_of(k)
         outline = drawing.scale * shapes.body_outline(linkage, body.name, 0.7 * bar)
         style = f'fill="{colour}" fill-opacity="0.45" stroke="{colour}"'
         holes = "".join(

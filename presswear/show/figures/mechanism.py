@@ -19,6 +19,7 @@ from presswear.show.figures.style import Axes, Drawing
 from presswear.show.replay.shapes import (
     across,
     body_outline,
+    colour_of,
     points_of,
     slide_corners,
     slot_outline,
@@ -36,7 +37,6 @@ _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _LEGEND_COLUMNS = 2
 _LEGEND_ROW = 0.22  # inches
-BODY_COLOURS = (*(colour for colour, _ in style.LINES), "#56B4E9")  # of bodies
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
 _SLIMMEST = 0.6  # width over height, at least
 
@@ -230,7 +230,7 @@ def _draw_body(
 ) -> None:
     """Draw a body with its mass centre and its x axis; its name is in the legend."""
     name = linkage.bodies[number].name
-    colour = BODY_COLOURS[number % len(BODY_COLOURS)]
+    colour = colour_of(number)
     outline = body_outline(linkage, name, _BAR * size)
     pose = position[0, 3 * number : 3 * number + 3]
     centre = pose[:2]
@@ -255,7 +255,7 @@ def _draw_slots(
 ) -> None:
     """Draw the guides that a body carries over the travel of their blocks."""
     name = linkage.bodies[number].name
-    colour = BODY_COLOURS[number % len(BODY_COLOURS)]
+    colour = colour_of(number)
     for guide in slots_of(linkage, name):
         corners = slot_outline(linkage, position, guide, _BAR * size)
         outline = np.array(

@@ -59,6 +59,11 @@ class Shape(NamedTuple):
     colour: Colour
 
 
+def colour_of(body: int) -> str:
+    """Return the colour of a body by its number."""
+    return BODY_COLOURS[body % len(BODY_COLOURS)]
+
+
 def moved(shape: Shape, pose: Array) -> Shape:
     """Return a shape of a body in a pose: coordinates of its origin, m, and angle, rad."""
     along = direction(pose[2])
@@ -110,16 +115,23 @@ def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -
     gaps = points_of(linkage, positions, Attachment(guide.body, 0.0, 0.0)) - lines
     angles = guide.direction + lines[:, 2]
     travel = gaps[:, 0] * np.cos(angles) + gaps[:, 1] * np.sin(angles)
-    size = np.array([guide.length or _BLOCK[0] * bar, guide.width or _BLOCK[1] * bar])
-    half = 0.5 * size
+    half = _half_size_of(guide, bar)
     if guide.length is not None:
         half += [bar, clearances_of(linkage).get(guide.name, 0.0)]
-    low, high = travel.min() - half[0], travel.max() + half[0]
+    low = travel.min() - half[0]
+    high = travel.max() + half[0]
     corners = np.array(
         [[low, -half[1]], [high, -half[1]], [high, half[1]], [low, half[1]]]
     )
     along = direction(guide.direction)
     return np.array([guide.x, guide.y]) + corners @ [along, across(along)]
+
+
+def _half_size_of(guide: Guide, bar: float) -> Array:
+    """Return half the length and half the width of the block in a guide, m, shape (2,)."""
+    length = guide.length or _BLOCK[0] * bar
+    width = guide.width or _BLOCK[1] * bar
+    return np.array([0.5 * length, 0.5 * width])
 
 
 def clearances_of(linkage: Linkage) -> dict[str, float]:
@@ -156,10 +168,7 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     guide = next((each for each in guides_of(linkage) if each.body == body), None)
     outline = np.zeros((0, 2))
     if guide is not None:
-        size = np.array(
-            [guide.length or _BLOCK[0] * bar, guide.width or _BLOCK[1] * bar]
-        )
-        half = 0.5 * size - inset
+        half = _half_size_of(guide, bar) - inset
         along = direction(guide.direction - guide.angle)
         outline = (
             np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -302,7 +311,7 @@ def body_shapes(
 ) -> list[Shape]:
     """Return a body in its own frame with its holes, slots, mass centre and bearings."""
     body = linkage.bodies[number].name
-    fill = to_rgba(BODY_COLOURS[number % len(BODY_COLOURS)])
+    fill = to_rgba(colour_of(number))
     edge = mix(fill, INK, 0.55)
     drawn = [filled(circle((0.0, 0.0), 0.16 * bar, 12), 39, edge)]
     for inset, z, paint in ((0.0, 4, edge), (0.22 * bar, 5, fill)):
