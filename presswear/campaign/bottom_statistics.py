@@ -18,8 +18,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
 # The ideal motion dwells while it stays within this part of the scatter of its bottom
-SHARP = 0.01
-STILL = 1e-9  # round-off of the place of an ideal slider at rest, part of the stroke
+DWELL_SHARE = 0.01
+ROUND_OFF = 1e-9  # of the place of an ideal slider at rest, part of the stroke
 
 
 def bottom_statistics(
@@ -28,7 +28,7 @@ def bottom_statistics(
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
     None if there is no sampled stroke. The delay is None if the ideal motion, such as
-    that of a servo, stays within ``SHARP`` of the scatter for longer than ``DWELL``,
+    that of a servo, stays within ``DWELL_SHARE`` of the scatter for longer than ``DWELL``,
     because it then has no instant of bottom dead centre. It is also None if the ideal
     stroke has several equal bottoms.
     """
@@ -45,8 +45,8 @@ def bottom_statistics(
     scatter = spread(heights)
     span, count = mean_range(heights)
     scatter_size = 0.0 if scatter is None else scatter.mean
-    round_off = STILL * ideal.stroke
-    dwell = dwell_of(scene.ideal, max(SHARP * scatter_size, round_off))
+    round_off = ROUND_OFF * ideal.stroke
+    dwell = dwell_of(scene.ideal, max(DWELL_SHARE * scatter_size, round_off))
     delay = angle = delay_scatter = None
     delays = [ideal.delay(run.each_cycle("bottom_time")) for run in finished]
     alone_delays = [ideal.delay(run.each_cycle("bottom_time")) for run in alone]

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -43,28 +44,26 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
     end = refinements[-1].crossing(limits)
     if not 0.0 < end < math.inf:
         return LifeEstimate(end, math.inf, math.inf)
-    is_ended = np.array(
-        [0.0 < item.crossing(limits) < math.inf for item in refinements]
-    )
-    ended = [
-        item for item, has_end in zip(refinements, is_ended, strict=True) if has_end
-    ]
-    logarithms = np.log([item.crossing(limits) for item in ended])
+    crossings = np.array([item.crossing(limits) for item in refinements])
+    is_ended = (crossings > 0.0) & np.isfinite(crossings)
+    ended = list(compress(refinements, is_ended))
+    logarithms = np.log(crossings[is_ended])
     cycles = np.array([item.cycles_until(item.crossing(limits)) for item in ended])
     halves = np.array([item.sampling_error(limits) for item in ended])
     freedom = np.array([item.histories - 1 for item in ended])
     slope = _step_slope(cycles, logarithms)
-    alone = (*np.zeros(len(refinements) - 1), 1.0)
-    last = LifeEstimate(end, float(halves[-1]), slope / float(cycles[-1]), alone)
+    weights_of_last = (*np.zeros(len(refinements) - 1), 1.0)
+    step_of_last = slope / float(cycles[-1])
+    last = LifeEstimate(end, float(halves[-1]), step_of_last, weights_of_last)
     if not last.step < last.sampling < math.inf:
         return last
     weights = cycles / cycles.sum()
     strokes = math.exp(float(weights @ logarithms))
     step = slope * len(ended) / float(cycles.sum())
     sampling = _pooled_half_width(weights, halves, freedom)
-    each = np.zeros(len(refinements))
-    each[is_ended] = weights
-    return LifeEstimate(strokes, sampling, step, tuple(each.tolist()))
+    all_weights = np.zeros(len(refinements))
+    all_weights[is_ended] = weights
+    return LifeEstimate(strokes, sampling, step, tuple(all_weights.tolist()))
 
 
 def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:

@@ -213,31 +213,6 @@ def cycle_by_cycle(
     start_up: int,
 ) -> WearUpdate:
     """Return a wear update cycle by cycle, after one in half as many cycles, if any."""
-    joints = ensemble.linkage.clearances
-    recorders = ensemble.recorders
-    growth = np.array([recorder.growth for recorder in recorders])[:, start_up:]
-    clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
-    change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
-    deepest = growth[:, :, 1].mean(axis=0)
-    forces = []  # largest of all replicates in each cycle, by joint
-    for k in range(len(joints)):
-        in_runs = [run.each_cycle("force_max", k) for run in recorders]
-        forces.append(np.max(in_runs, axis=0)[start_up:])
-    cycles = growth.shape[1]
-    share = cycles_per_update / cycles
-    steps = []
-    for n in range(cycles):
-        steps.append(
-            WearStep(
-                cycles_per_update=share,
-                cycles=len(recorders),
-                factor=share,
-                clearance_change=float(change[n]),
-                max_depth=by_side(joints, deepest[n]),
-                peak_force=by_joint(joints, [force[n] for force in forces]),
-                wall_s=ensemble.state.wall / cycles,
-            )
-        )
     added_depth = ensemble.surface_depth - ensemble.depth
     runs = len(added_depth)
     bins = ensemble.bins
@@ -253,10 +228,44 @@ def cycle_by_cycle(
     return WearUpdate(
         depth,
         added_depth,
-        tuple(steps),
+        _steps_of(ensemble, cycles_per_update, start_up),
         None if coarser is None else coarser.added_depth,
         flattening,
     )
+
+
+def _steps_of(
+    ensemble: Ensemble, cycles_per_update: float, start_up: int
+) -> tuple[WearStep, ...]:
+    """Return the cycles after the start-up, each of which is a step of a wear update."""
+    joints = ensemble.linkage.clearances
+    recorders = ensemble.recorders
+    # Depths that a cycle adds, and depths after it, (runs, cycles, 2, joints, sides)
+    growth = np.array([recorder.growth for recorder in recorders])[:, start_up:]
+    added_depth, depth = np.moveaxis(growth, 2, 0)
+    clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
+    change = (added_depth / clearance).max(axis=(0, 2, 3))
+    deepest = depth.mean(axis=0)
+    forces = []  # largest of all replicates in each cycle, by joint
+    for k in range(len(joints)):
+        in_runs = [run.each_cycle("force_max", k) for run in recorders]
+        forces.append(np.max(in_runs, axis=0)[start_up:])
+    cycles = len(change)
+    share = cycles_per_update / cycles
+    steps = []
+    for n in range(cycles):
+        steps.append(
+            WearStep(
+                cycles_per_update=share,
+                cycles=len(recorders),
+                factor=share,
+                clearance_change=float(change[n]),
+                max_depth=by_side(joints, deepest[n]),
+                peak_force=by_joint(joints, [force[n] for force in forces]),
+                wall_s=ensemble.state.wall / cycles,
+            )
+        )
+    return tuple(steps)
 
 
 def by_joint(

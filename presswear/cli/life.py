@@ -17,7 +17,7 @@ from presswear.scene.setting_list import SET
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.files import name_for
-from presswear.tools.numbers import lasting
+from presswear.tools.numbers import duration_text
 from presswear.tools.processes import cores
 
 if TYPE_CHECKING:
@@ -166,8 +166,9 @@ def announcing(
     def announce(name: str, cycles: float, seconds: float) -> None:
         nonlocal has_answer
         whole = turns * seconds
-        words = f"{name}: the life {needed(cycles, seconds)}; all lives take about {lasting(whole)}"
-        terminal.print_lines(bar.console, words)
+        words = f"{name}: the life {needed(cycles, seconds)}"
+        text = f"{words}; all lives take about {duration_text(whole)}"
+        terminal.print_lines(bar.console, text)
         has_answer = has_answer or confirm(bar, whole)
 
     return announce

@@ -16,7 +16,7 @@ from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import Estimate
 from presswear.results.motions import state_of
 from presswear.scene.scene import Scene
-from presswear.tools.numbers import counted, large, lasting, unit_scale
+from presswear.tools.numbers import counted, duration_text, large, unit_scale
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ def needed(cycles: float, seconds: float) -> str:
     """Return the remaining cycles and time of a life in words."""
     count = large(cycles, digits=2)
     chance = "half to twice as much by chance"
-    return f"needs about {count} cycles of all replicates, {lasting(seconds)} more ({chance})"
+    return f"needs about {count} cycles of all replicates, {duration_text(seconds)} more ({chance})"
 
 
 def least_needed(cycles: float) -> str:

@@ -13,7 +13,7 @@ from presswear.cli import terminal
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.numbers import lasting
+from presswear.tools.numbers import duration_text
 from presswear.tools.processes import check_stopped
 
 if TYPE_CHECKING:
@@ -91,10 +91,10 @@ def _check_time(progress: "Progress") -> None:
     remaining = progress.rows - progress.done
     seconds = progress.seconds * remaining / progress.slots
     if seconds > MAX_TIME:
-        runs = f"{remaining} runs of about {lasting(progress.seconds)}"
+        runs = f"{remaining} runs of about {duration_text(progress.seconds)}"
         raise InputError(
             f"{runs}, {progress.slots} at a time, take "
-            f"about {lasting(seconds)}: continue with --resume --yes"
+            f"about {duration_text(seconds)}: continue with --resume --yes"
         )
 
 

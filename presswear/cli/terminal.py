@@ -30,7 +30,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError, KernelError, RunFailed, printable
 from presswear.tools.files import check_folder
-from presswear.tools.numbers import lasting
+from presswear.tools.numbers import duration_text
 from presswear.tools.processes import check_stopped, is_stopped
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ def time_left(task: Task) -> str:
     seconds = (
         (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 - share) / (share - start)
     )
-    return f"{lasting(round(max(seconds, 0.0)))} left"
+    return f"{duration_text(round(max(seconds, 0.0)))} left"
 
 
 def progress_bar(console: Console) -> Progress:

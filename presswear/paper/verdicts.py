@@ -61,11 +61,18 @@ def ratio(
 
     value = math.prod(one.mean for one in over) / math.prod(one.mean for one in under)
     every = [*over, *under]
-    widths = [*map(log_widths, every, factors or [1.0] * len(every))]
-    pairs = [*widths[: len(over)], *((high, low) for low, high in widths[len(over) :])]
-    if any(math.isnan(width) for pair in pairs for width in pair):
+    below = []  # widths of the logarithms below and above the ratio
+    above = []
+    for k, one in enumerate(every):
+        low, high = log_widths(one, factors[k] if factors else 1.0)
+        # A larger denominator makes the ratio smaller.
+        is_denominator = k >= len(over)
+        below.append(high if is_denominator else low)
+        above.append(low if is_denominator else high)
+    down = math.hypot(*below)
+    up = math.hypot(*above)
+    if math.isnan(down) or math.isnan(up):
         return pw.statistics.Estimate(value)
-    down, up = (math.hypot(*sides) for sides in zip(*pairs, strict=True))
     return pw.statistics.Estimate(value, value * math.exp(-down), value * math.exp(up))
 
 

@@ -180,12 +180,12 @@ def _load_of(time: Array, joint: JointResult, friction: float) -> _Load:
     """
     spans = _closed_spans(time, joint)
     first, last = np.searchsorted(time, spans.T, side="right")
-    count = last - first
-    is_short = count < _MIN_ROWS
-    is_shown = np.zeros(time.size + 1)
-    np.add.at(is_shown, first[~is_short], 1.0)
-    np.add.at(is_shown, last[~is_short], -1.0)
-    rows = np.cumsum(is_shown[:-1]) > 0.0
+    is_short = last - first < _MIN_ROWS
+    # Rows within a contact with enough rows: the sum of starts less ends is positive.
+    starts_less_ends = np.zeros(time.size + 1)
+    np.add.at(starts_less_ends, first[~is_short], 1.0)
+    np.add.at(starts_less_ends, last[~is_short], -1.0)
+    rows = np.cumsum(starts_less_ends[:-1]) > 0.0
     short = np.flatnonzero(is_short[: joint.contact("peak_force").size])
     begin, end = spans[short].T
     inner = begin[:, np.newaxis] + np.outer(end - begin, _PARTS)
@@ -238,9 +238,9 @@ def _closed_spans(time: Array, joint: JointResult) -> Array:
     spans = np.column_stack([joint.contact("touchdown"), joint.contact("separation")])
     last = float(spans[-1, 1]) if len(spans) else float(time[0])
     # A contact that continues at the end is not recorded as one.
-    lasting = time[(time > last) & (joint.penetration > 0.0)]
-    if lasting.size:
-        spans = np.append(spans, [[lasting[0], time[-1]]], axis=0)
+    still_closed = time[(time > last) & (joint.penetration > 0.0)]
+    if still_closed.size:
+        spans = np.append(spans, [[still_closed[0], time[-1]]], axis=0)
     return spans
 
 

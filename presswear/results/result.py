@@ -42,7 +42,7 @@ from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, printable, shown
 from presswear.tools.files import check_folder, holder, read_checked
-from presswear.tools.numbers import counted, large, readable
+from presswear.tools.numbers import MM3_PER_MILLION, counted, large, readable
 from presswear.tools.serialize import check_type, checked_arguments
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ class Result:
             if not stage.statistics.joints:
                 yield [*stage_cells, "", "", ""]
             for joint_name, joint in stage.statistics.joints.items():
-                volume = 1e15 * self._worn_volume(joint_name, joint, stage)
+                volume = MM3_PER_MILLION * self._worn_volume(joint_name, joint, stage)
                 yield [
                     *stage_cells,
                     joint_name,

@@ -36,7 +36,7 @@ from presswear.results.stage_statistics import (
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array, Arrays
 from presswear.tools.errors import InputError, printable, unknown
-from presswear.tools.numbers import counted
+from presswear.tools.numbers import MM3_PER_MILLION, counted
 from presswear.tools.serialize import NOT_STORED
 
 if TYPE_CHECKING:
@@ -112,13 +112,13 @@ class StageResult:
         cycles = counted(statistics.cycles, "cycle")
         lines = [f"{self.name}: {self.message or self.status}, {cycles}"]
         for name, joint in statistics.joints.items():
-            volume = joint.wear_volume.scaled(1e15 / self.cycles_per_update)
+            volume = joint.wear_volume.scaled(MM3_PER_MILLION / self.cycles_per_update)
             force = f"mean peak force {joint.peak_force_per_cycle} N"
             worn = f", worn volume per million strokes {volume} mm³"
             lines.append(f"{name}: {force}{worn if volume.mean > 0.0 else ''}")
         for guide, walls in statistics.walls.items():
             for side, wall in walls.items():
-                volume = wall.volume_per_cycle.scaled(1e15)
+                volume = wall.volume_per_cycle.scaled(MM3_PER_MILLION)
                 worn = f"worn volume per million strokes {volume} mm³"
                 lines.append(f"{side} wall of {guide}: {worn}")
         if statistics.settling is not None:

@@ -30,12 +30,17 @@ from presswear.tools.errors import InputError
 
 CURVE_BYTES = 2**26  # room for the curves of a service life
 _HEADS = 2**20  # bytes for the headers of arrays
+_BYTES = 8  # of a number
+# Room for other numbers of a cycle: its replicate, deviations and weights
+_OTHER_COLUMNS = 8
+_MAPS_OF_JOINT = 8  # room for depths, wear and angles of both sides
+_WALL_ARRAYS = 5  # rows of bins of a guide: places, depths and wear of both walls
 
 
 def most_film_bytes(linkage: Linkage) -> int:
     """Return the most bytes of a film."""
     columns = 1 + 3 * len(linkage.bodies) + FILM_JOINT_COUNT * len(linkage.clearances)
-    return _HEADS + 8 * (FILM_CYCLES * FRAMES_PER_CYCLE + 1) * columns
+    return _HEADS + _BYTES * (FILM_CYCLES * FRAMES_PER_CYCLE + 1) * columns
 
 
 def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
@@ -52,14 +57,15 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     bins = max((joint.bins for joint in linkage.clearances), default=0)
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
     has_leader, films = linkage.leader is not None, len(linkage.oiled_joints)
-    width = cycle_columns(joints, drives, has_leader, films)
-    width += sections + 8 + joints * (1 + 2 * bins)
-    walls = 5 * WALL_BINS * len(linkage.worn_guides)
+    width = cycle_columns(joints, drives, has_leader, films) + sections
+    width += _OTHER_COLUMNS + joints * (1 + len(SIDES) * bins)  # a wear map, at most
+    walls = _WALL_ARRAYS * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
     series += LEADER_SERIES_COUNT
     series += len(linkage.elastic_joints) + 2 * drives
-    maps = 8 * joints * bins + walls
-    return _HEADS + 8 * (rows * series + contacts + cycles * width + maps)
+    maps = _MAPS_OF_JOINT * joints * bins + walls
+    numbers = rows * series + contacts + cycles * width + maps
+    return _HEADS + _BYTES * numbers
 
 
 def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:

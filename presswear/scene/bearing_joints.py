@@ -6,14 +6,14 @@ from typing import Any
 from presswear.linkage.guide_corner import CORNERS
 from presswear.linkage.joints import Guide
 from presswear.scene.bearing import Bearing
-from presswear.scene.mechanism_kinds import OneMechanism
+from presswear.scene.mechanism_kinds import AnyMechanism
 from presswear.tools.choices import Choice
 
 
 class BearingJoints:
     """Joints of a mechanism that have a bearing, with clearance or rigid."""
 
-    mechanism: OneMechanism
+    mechanism: AnyMechanism
     joints: Any  # names of the joints with a bearing, as a user writes them
     bearings: Bearing | Any  # bearing of all joints that are not in ``joint_bearings``
     joint_bearings: Mapping[str, Bearing]

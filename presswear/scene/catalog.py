@@ -60,8 +60,8 @@ _STUDY: dict[str, Any] = {  # choices of the scenes of the paper
     "engine": "exudyn",
     "max_cycles": 200,
 }
-_CLOSED_FORM = "The press without clearance, against the closed form"
-ideal = _named("ideal", _CLOSED_FORM, joints="none", wear_updates=0, cycles=2, **_STUDY)
+_IDEAL_TITLE = "The press without clearance, against the closed form"
+ideal = _named("ideal", _IDEAL_TITLE, joints="none", wear_updates=0, cycles=2, **_STUDY)
 
 
 def _paper(
@@ -82,10 +82,10 @@ def _paper(
     return _named(name, title, **changes, origins=origins)
 
 
-_WORN_TWICE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
-_FRICTION = "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)"
-wear_times = _paper("wear-times", _WORN_TWICE, 3.5, 0.8e-3, 0.02, wear_updates=2)
-friction = _paper("friction", _FRICTION, 6.0, 0.6e-3, 0.05)
+_WEAR_TITLE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
+_FRICTION_TITLE = "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)"
+wear_times = _paper("wear-times", _WEAR_TITLE, 3.5, 0.8e-3, 0.02, wear_updates=2)
+friction = _paper("friction", _FRICTION_TITLE, 6.0, 0.6e-3, 0.05)
 friction_high = _paper(
     "friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1
 )
@@ -95,9 +95,9 @@ speed = _paper(
 speed_high = _paper(
     "speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03
 )
-_AT_A = "The press with clearance at A alone"
+_TITLE_AT_A = "The press with clearance at A alone"
 clearance_a = _named(
-    "clearance-a", _AT_A, wear_times, joints="A", wear_updates=0, cycles=5
+    "clearance-a", _TITLE_AT_A, wear_times, joints="A", wear_updates=0, cycles=5
 )
 clearance_c = _named(
     "clearance-c", "The press with clearance at C alone", clearance_a, joints="C"
@@ -105,17 +105,17 @@ clearance_c = _named(
 
 # 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in
 # all.
-_CUTS = "The press cuts a sheet: clearance at A and C, worn once"
-_DRAWS = "The press draws a cup over a cushion, worn once"
+_CUTTING_TITLE = "The press cuts a sheet: clearance at A and C, worn once"
+_DRAWING_TITLE = "The press draws a cup over a cushion, worn once"
 press_blanking = _named(
     "press-blanking",
-    _CUTS,
+    _CUTTING_TITLE,
     bearings=Bearing(clearance=0.8e-3),
     process=Blanking(),
     cycles_per_update=4e6,
 )
 press_drawing = _named(
-    "press-drawing", _DRAWS, press_blanking, process=Drawing(cushion=20.0)
+    "press-drawing", _DRAWING_TITLE, press_blanking, process=Drawing(cushion=20.0)
 )
 
 
@@ -135,7 +135,7 @@ press_pendulum = _servo_press("press-pendulum", "while crank 7 swings", Pendulum
 
 # Crank 7 points along its joint force at the work, so that the motor does the work.
 # The flywheel, 15.8 g m^2 at crank 2, lets the speed drop by 15 %.
-_SWINGS = Pendulum(
+_SWINGING_SERVO = Pendulum(
     middle=math.radians(-60.0),
     amplitude=math.radians(20.0),
     phase=math.radians(220.0),
@@ -146,7 +146,7 @@ press_hybrid = _named(
     "press-hybrid",
     "press-blanking with a motor and a flywheel at crank 2, a servo at crank 7",
     press_blanking,
-    mechanism=Press(motor=Motor(0.02, ratio=15.0, inertia=7e-5), servo=_SWINGS),
+    mechanism=Press(motor=Motor(0.02, ratio=15.0, inertia=7e-5), servo=_SWINGING_SERVO),
 )
 
 # 60 strokes a minute; bushings of bronze, at 38 MPa under half of the nominal force.

@@ -14,7 +14,7 @@ from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.press import Press
 from presswear.linkage.surface import SIDES
 from presswear.scene.bearing import DOUBLED_MEANINGS
-from presswear.scene.mechanism_kinds import MECHANISMS, OneMechanism, Parametric
+from presswear.scene.mechanism_kinds import MECHANISMS, AnyMechanism, Parametric
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import MOTOR, SERVO, TABLES, name_of_key
 from presswear.scene.setting_list import DEFAULT, IN_FILE, Setting, settings_of
@@ -184,7 +184,7 @@ def _scene_of(data: dict[str, Any], file: Path) -> Scene:
     return on_surfaces(scene, read_profiles(file.parent / source), source)
 
 
-def _mechanism(data: Any, folder: Path) -> tuple[OneMechanism, Mapping[str, Any]]:
+def _mechanism(data: Any, folder: Path) -> tuple[AnyMechanism, Mapping[str, Any]]:
     """Return a mechanism and the settings of its table: a linkage of points has none."""
     table = {"kind": data} if isinstance(data, str) else data
     if not isinstance(table, Mapping) or not table.keys() & {"kind", "bodies"}:

@@ -10,18 +10,18 @@ from presswear.tools.choices import Choice
 from presswear.tools.serialize import make
 
 Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint | LinkDrive
-OneMechanism = Parametric | Linkage
+AnyMechanism = Parametric | Linkage
 MECHANISMS: dict[str, type[Parametric]] = {
     one.kind: one for one in get_args(Parametric)
 }
 """Classes of the mechanisms that are made of a few quantities, by kind."""
 
 
-def mechanism_from(data: Any) -> OneMechanism:
+def mechanism_from(data: Any) -> AnyMechanism:
     """Return a mechanism from its kind, or from plain data with a kind."""
     data = {"kind": data} if isinstance(data, str) else data
     kind = data.get("kind")
     Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
     if kind == Linkage.kind:
         return linkage_from(data, "mechanism")
-    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], data))
+    return cast(AnyMechanism, make("mechanism", MECHANISMS[kind], data))

@@ -25,7 +25,7 @@ from presswear.scene.guide_clearance import check_guide, deepest_wall
 from presswear.scene.initial_surfaces import initial_surfaces
 from presswear.scene.life_checks import check_life
 from presswear.scene.loaded_linkage import LoadedLinkage
-from presswear.scene.mechanism_kinds import OneMechanism, mechanism_from
+from presswear.scene.mechanism_kinds import AnyMechanism, mechanism_from
 from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
 from presswear.scene.pin_joints import check_user_friction, check_user_laws
 from presswear.scene.run_checks import (
@@ -77,7 +77,7 @@ class Scene(LoadedLinkage, Checked):
     # for messages
     example: ClassVar[str] = "pw.scenes.ideal() or pw.scene_from('press.toml')"
 
-    mechanism: OneMechanism = field(default_factory=Press)
+    mechanism: AnyMechanism = field(default_factory=Press)
     name: str = "scene"
     title: str = ""  # of reports; empty: the name
     # a mapping gives ``joints``, ``joint_bearings`` and the common bearing
@@ -171,7 +171,7 @@ class Scene(LoadedLinkage, Checked):
         """Check each value, and fill in joints and bearings; see ``check`` for the rest."""
         if isinstance(self.mechanism, Mapping | str):
             self._set(mechanism=mechanism_from(self.mechanism))
-        check_type("mechanism", self.mechanism, OneMechanism)
+        check_type("mechanism", self.mechanism, AnyMechanism)
         self._open_joints()
         self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()

@@ -33,9 +33,9 @@ _CLOSE = 0.9  # of the greatest wear or force, from which another joint is named
 def key_numbers(result: Result) -> list[KeyNumber]:
     """Return the key numbers of a life, and of the last stage that did not fail, if any."""
     stages = stages_with_numbers(result)
-    life = [] if result.life is None else [_life(result, result.life)]
+    of_life = [] if result.life is None else [_life(result, result.life)]
     if not stages:
-        return life
+        return of_life
     scene = result.scene
     last = stages[-1]
     reason = reason_without_interval(last)
@@ -49,15 +49,13 @@ def key_numbers(result: Result) -> list[KeyNumber]:
             for peak in peaks
         ]
 
-    result_numbers = [
-        *life,
-        *motion_numbers(scene, last),
-        *stroke_numbers(scene, last),
-        *explained(joint_numbers(scene, stages)),
-        *explained(drive_numbers(scene, stages)),
-        *([] if life else wear_per_million_strokes(scene, stages)),
-        *_improvement(scene, last, result.life),
-    ]
+    result_numbers = of_life + motion_numbers(scene, last)
+    result_numbers += stroke_numbers(scene, last)
+    result_numbers += explained(joint_numbers(scene, stages))
+    result_numbers += explained(drive_numbers(scene, stages))
+    if result.life is None:
+        result_numbers += wear_per_million_strokes(scene, stages)
+    result_numbers += _improvement(scene, last, result.life)
     return [number_in_words_of(scene, number) for number in result_numbers]
 
 

@@ -20,24 +20,20 @@ from presswear.show.page import NOTHING, Line
 from presswear.show.tables import Record, line_table
 from presswear.tools import numbers
 from presswear.tools.errors import InputError
+from presswear.tools.numbers import MM3_PER_MILLION
 
 
 def life_section(result: Result, life: LifeResult) -> Record:
     """Return the values of the section on the service life in ``report.html``."""
     first = life.first if life.ended in ("limit", *WITHOUT_CURVES) else None
-    high = (life.interval.high if first else None) or 0.0
-    rivals = []  # limits that may be exceeded first, too
-    for limit in life.limits:
-        if limit is not first and limit.strokes is not None:
-            earliest = limit.strokes / math.exp(limit.error or 0.0)
-            if earliest <= high:
-                rivals.append(words_of(limit.key))
     period = mean_period(result)
     limits = [_limit_line(period, limit) for limit in life.limits]
     wear_rates = []
     for rate in life.wear_rates:
         span = numbers.large(rate.since, rate.until)
-        value = numbers.with_interval(1e15 * rate.rate, 1e15 * rate.half_width)
+        volume = MM3_PER_MILLION * rate.rate
+        half_width = MM3_PER_MILLION * rate.half_width
+        value = numbers.with_interval(volume, half_width)
         wear_rates.append((f"{rate.joint}: {rate.surfaces}", span, value))
     last = float(life.curves["strokes"][-1]) if life.curves else life.strokes
     end = numbers.large(last)
@@ -45,14 +41,28 @@ def life_section(result: Result, life: LifeResult) -> Record:
         "result": life,
         "period": period,
         "first": first,
-        "rivals": rivals,
+        "rivals": [] if first is None else _rivals_of(first, life),
         "services": services_done(result),
         "repeating": _repeating(life),
         "pin": _pin_that_ends(result, life),
         "remaining": _remaining(result),
-        "limits": line_table("limits", result, limits, True, end=end),
-        "wear_rates": line_table("wear_rates", result, wear_rates, True, end=end),
+        "limits": line_table("limits", result, limits, numeric=True, end=end),
+        "wear_rates": line_table(
+            "wear_rates", result, wear_rates, numeric=True, end=end
+        ),
     }
+
+
+def _rivals_of(first: LimitResult, life: LifeResult) -> list[str]:
+    """Return the limits that may be exceeded before the first one, in words."""
+    latest = life.interval.high or 0.0
+    rivals = []
+    for limit in life.limits:
+        if limit is not first and limit.strokes is not None:
+            earliest = limit.strokes / math.exp(limit.error or 0.0)
+            if earliest <= latest:
+                rivals.append(words_of(limit.key))
+    return rivals
 
 
 def _remaining(result: Result) -> tuple[str, ...]:

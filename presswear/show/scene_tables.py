@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.bodies import INERTIA, MASS
-from presswear.linkage.drives import LinearDrive
+from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import ends_of
 from presswear.linkage.points import Attachment
 from presswear.results.result import Result
@@ -69,15 +69,16 @@ def _origin(
 def mechanism_tables(result: Result) -> dict[str, Table]:
     """Return the tables ``bodies``, with the drives, and ``pins``, of all joints and contacts."""
     scene = result.scene
+    return {
+        "bodies": line_table("bodies", result, _body_records(scene)),
+        "pins": line_table("pins", result, _joint_records(scene)),
+    }
+
+
+def _body_records(scene: Scene) -> list[Record]:
+    """Return the values of the bodies with those of their drives."""
     linkage = scene.base_linkage
-    speed = Quantity("rad/s")
-    speeds = {}
-    for drive in linkage.drives:
-        if isinstance(drive, LinearDrive):
-            speeds[drive.body] = f"along {drive.along}"
-            continue
-        text = speed.typeset(drive.mean_speed)
-        speeds[drive.body] = f"{text}, not constant" if drive.repeats else text
+    speeds = {drive.body: _speed_text(drive) for drive in linkage.drives}
     loose = [guide.name for guide in scene.loose_guides]
     guided = {
         guide.body
@@ -87,12 +88,12 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     # With clearance in its guide a slide tilts, and gets an inertia.
     moving = {body.name: body for body in scene.linkage().bodies}
     start = scene.ideal.at(np.zeros(1)).position.round(9).reshape(-1, 3).tolist()
-    bodies = []
+    records: list[Record] = []
     for body, position in zip(linkage.bodies, start, strict=True):
         inertia = None
         if body.name not in guided:
             inertia = INERTIA.typeset(moving[body.name].inertia)
-        bodies.append(
+        records.append(
             {
                 "name": body.name,
                 "mass": MASS.typeset(body.mass),
@@ -101,10 +102,25 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
                 "speed": speeds.get(body.name),
             }
         )
-    places = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
+    return records
+
+
+def _speed_text(drive: Drive) -> str:
+    """Return the mean speed of a drive, or the guide along which it acts."""
+    if isinstance(drive, LinearDrive):
+        return f"along {drive.along}"
+    text = Quantity("rad/s").typeset(drive.mean_speed)
+    return f"{text}, not constant" if drive.repeats else text
+
+
+def _joint_records(scene: Scene) -> list[Record]:
+    """Return the values of the joints: their ends and, with clearance, their contacts."""
+    linkage = scene.base_linkage
+    loose = [guide.name for guide in scene.loose_guides]
+    ends = {joint.name: (joint.first, joint.second) for joint in linkage.revolutes}
     titles = {}
     for guide in linkage.guides:
-        places[guide.name] = ends_of(guide)
+        ends[guide.name] = ends_of(guide)
         title = f"{guide.name}, along {math.degrees(guide.direction):.6g}°"
         if guide.is_moving:
             title += f" of {guide.on}"
@@ -115,17 +131,15 @@ def mechanism_tables(result: Result) -> dict[str, Table]:
     radii = {joint.name: joint.pin_radius for joint in clearances}
     contacts = {joint.name: joint for joint in clearances}
     contacts |= {corner.guide.name: corner for corner in scene.linkage().corners}
-    pins = [
+    return [
         {
             "name": titles.get(name, name),
             "contact": contacts.get(name),
             "pin_radius": radii.get(name),
-            "places": [*map(_place, ends)],
+            "places": [*map(_place, points)],
         }
-        for name, ends in places.items()
+        for name, points in ends.items()
     ]
-    tables = {"bodies": line_table("bodies", result, bodies)}
-    return tables | {"pins": line_table("pins", result, pins)}
 
 
 def _place(point: Attachment) -> str:

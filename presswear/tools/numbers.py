@@ -5,8 +5,10 @@ import math
 from presswear.tools.errors import NARROW
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+# Factor from m^3 in a cycle to mm^3 in a million cycles
+MM3_PER_MILLION = 1e15
 _MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
-_SAME = 1e-6  # half width relative to the mean, up to which all samples are the same
+_NO_SCATTER = 1e-6  # half width relative to the mean, up to which samples are equal
 # below it the powers of ten that a number is divided by have no digits left
 _MIN_VALUE = 1e-300
 # Shares below it are not printed with their digits
@@ -83,7 +85,7 @@ def percent(share: float, digits: int = 3) -> str:
     return f"{readable(100.0 * share, digits)} %"
 
 
-def lasting(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """Return a time in words."""
     for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
         if seconds >= 1.5 * size:
@@ -134,7 +136,7 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
         return "–"
     if half_width is None or not math.isfinite(half_width):
         return f"{readable(mean)} (too few cycles)"
-    if half_width <= _SAME * abs(mean):
+    if half_width <= _NO_SCATTER * abs(mean):
         return readable(mean, 4)
     decimals = _decimals(half_width, 2)
     if decimals > _MAX_DECIMALS:

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from presswear.tools.numbers import (
+    duration_text,
     large,
-    lasting,
     percent,
     readable,
     short_number,
@@ -19,7 +19,7 @@ from presswear.tools.numbers import (
     ("function", "texts"),
     [
         (
-            lasting,
+            duration_text,
             {
                 0.04: "0.04 s",
                 59.0: "59 s",

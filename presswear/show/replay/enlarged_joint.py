@@ -1,6 +1,7 @@
 """Joint with clearance drawn beside the mechanism, its clearance enlarged."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,7 @@ from presswear.show.replay.shapes import (
     filled,
     line,
     mix,
+    moved,
     ring,
     strokes,
     two_digits,
@@ -118,6 +120,16 @@ class EnlargedJoint:
             ]
         bodies[0].append(ring((0.0, 0.0), self.radius, edge, 72, INK))
         return bodies
+
+    def shapes(
+        self, parts: Sequence[list[Shape]], bearing: Array, pin: Array, row: Array
+    ) -> list[Shape]:
+        """Return ``parts``, those of ``bodies``, in their poses, and what moves; see ``moving``."""
+        drawn: list[Shape] = []
+        poses = self.coordinates(bearing[-1], pin[-1])
+        for part, pose in zip(parts, poses, strict=True):
+            drawn += [moved(shape, pose) for shape in part]
+        return drawn + self.moving(bearing, pin, row)
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:
         """Return the coordinates of ``bodies`` from the poses of bearing and pin, shape (3,)."""

@@ -124,6 +124,13 @@ class Picture:
                 ]
             )
         self.system.Assemble()
+        self._set_look(size)
+        # otherwise the view set before an image is lost
+        self.container.renderer.ResetState()
+        self.set_view()
+
+    def _set_look(self, size: tuple[int, int]) -> None:
+        """Set the size of the picture, plain colours and texts."""
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
         settings.view0.window.showComputationInfo = False
@@ -136,9 +143,6 @@ class Picture:
         # Text in front of everything would keep OpenGL from clearing its depth buffer.
         settings.general.textAlwaysInFront = False
         settings.raytracer.multiSampling = 2
-        # otherwise the view set before an image is lost
-        self.container.renderer.ResetState()
-        self.set_view()
 
     def height(self, layer: int) -> float:
         """Return the height of a layer, m."""
@@ -174,27 +178,15 @@ class Picture:
             poses = state.positions[-1].reshape(-1, 3) + offset
             for body, worn, pose in zip(bodies, body_walls, poses, strict=True):
                 pieces += [shapes.moved(shape, pose) for shape in (*body, *worn)]
-            for spring in clip.linkage.springs:
-                ends = (
-                    points_of(clip.linkage, state.positions[-1:], end)
-                    for end in spring.ends
-                )
-                start, end = (panel.offset + pose[0, :2] for pose in ends)
-                pieces.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
-            joints = chapters[state.chapter]
-            count = len(joints)  # corners of slides come after the pins
+            pieces += self._springs(clip, panel, state)
             for (joint, parts), row, peak in zip(
-                joints, state.joints[:count], state.peaks[:count], strict=True
-            ):
-                sides = joint.joint.bearing, joint.joint.pin
+                chapters[state.chapter], state.joints, state.peaks, strict=False
+            ):  # corners of slides come after the pins
+                ends = (joint.joint.bearing, joint.joint.pin)
                 bearing, pin = (
-                    points_of(clip.linkage, state.positions, side) for side in sides
+                    points_of(clip.linkage, state.positions, end) for end in ends
                 )
-                for shape, pose in zip(
-                    parts, joint.coordinates(bearing[-1], pin[-1]), strict=True
-                ):
-                    pieces += [shapes.moved(each, pose) for each in shape]
-                pieces += joint.moving(bearing, pin, row)
+                pieces += joint.shapes(parts, bearing, pin, row)
                 texts += self._joint_text(joint, row, peak)
                 name = self._text(
                     panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60
@@ -202,6 +194,17 @@ class Picture:
                 texts.append({**name, "offset": [0.8, 0.5]})
         data = [self._triangles(pieces), *texts]
         self.system.SetObjectParameter(self._ground, "VgraphicsData", data)
+
+    def _springs(self, clip: Clip, panel: Panel, state: Snapshot) -> list[Shape]:
+        """Return a line for each spring."""
+        lines = []
+        for spring in clip.linkage.springs:
+            start, end = (
+                panel.offset + points_of(clip.linkage, state.positions[-1:], end)[0, :2]
+                for end in spring.ends
+            )
+            lines.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
+        return lines
 
     def _triangles(self, pieces: Sequence[Shape]) -> dict[str, Any]:
         """Return shapes as one triangle list of Exudyn."""

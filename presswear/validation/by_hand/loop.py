@@ -34,6 +34,9 @@ from presswear.validation.by_hand.equations import OPEN, SIZE, accelerations, cr
 
 STAGES = 7
 NEAR = 1e-14  # m, penetration at which a touchdown or a separation is located
+NO_JOINT = -1  # of a step on which no touchdown or separation ends
+LOCATING_STEPS = 5  # trial steps, at most, that locate a touchdown or a separation
+NEXT_STEP, ATTEMPTED, EVALUATIONS = range(3)  # numbers in ``Loop.steps``
 
 
 @compiled
@@ -43,7 +46,8 @@ def rates(press: Records, t: float, y: Array, onset: Array, out: Array) -> None:
     u = (y[4], y[5], y[6], y[7])
     a, _, _, _, _ = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
-        out[i], out[4 + i] = u[i], a[i]
+        out[i] = u[i]
+        out[4 + i] = a[i]
 
 
 @compiled
@@ -56,7 +60,8 @@ def all_rates(
     at = cranks(press, t)
     a, _, one, two, levers = accelerations(press, at, onset, x, u)
     for i in range(4):
-        out[i], out[4 + i] = u[i], a[i]
+        out[i] = u[i]
+        out[4 + i] = a[i]
     out[LOAD] = one.load
     out[LOAD + 1] = two.load
     out[DOSE] = one.pressure_load
@@ -168,7 +173,7 @@ def march(
     z = work[STAGES]
     before = contacts[0]
     now = contacts[1]
-    h = steps[0]
+    h = steps[NEXT_STEP]
     all_rates(press, t, y, onset, k[0], before)
     while t < end:
         h = min(h, longest)
@@ -176,43 +181,45 @@ def march(
         if is_last:
             h = end - t
         error = step(press, t, h, y, onset, work, now, tolerance)
-        steps[1] += 1.0
-        steps[2] += STAGES - 1
+        steps[ATTEMPTED] += 1.0
+        steps[EVALUATIONS] += STAGES - 1
         if error > 1.0:
             h *= max(0.2, 0.9 * error**-0.2)
             continue
         following = h * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
         part = 2.0
-        joint = -1
+        joint = NO_JOINT
         for i in range(2):
             if (now[i, DEPTH] > 0.0) != (onset[i] >= 0.0):
                 at = crossing(h, before[i], now[i])
                 if at < part:
                     part = at
                     joint = i
-        if joint >= 0 and part < 1.0:
+        if joint != NO_JOINT and part < 1.0:
             is_last = False
             h *= part
-            for trial in range(5):
+            for trial in range(LOCATING_STEPS):
                 step(press, t, h, y, onset, work, now, tolerance)
-                steps[2] += STAGES - 1
-                if abs(now[joint, DEPTH]) < NEAR or trial == 4:
+                steps[EVALUATIONS] += STAGES - 1
+                is_located = abs(now[joint, DEPTH]) < NEAR
+                if is_located or trial == LOCATING_STEPS - 1:
                     break
                 h -= now[joint, DEPTH] / now[joint, RATE]
         t = end if is_last else t + h
         for i in range(WIDTH):
-            y[i], k[0, i] = z[i], k[6, i]
-        if joint >= 0:
+            y[i] = z[i]
+            k[0, i] = k[6, i]
+        if joint != NO_JOINT:
             accounts.cycle[JOINTS + 3 * joint + CONTACTS] += onset[joint] >= 0.0
             onset[joint] = OPEN if onset[joint] >= 0.0 else max(now[joint, RATE], 0.0)
             all_rates(press, t, y, onset, k[0], now)
-            steps[2] += 1.0
+            steps[EVALUATIONS] += 1.0
         note_step(press, accounts, t, h, y, k[0], onset, contacts)
         for i in range(2):
             for column in range(CONTACT_COLUMNS):
                 before[i, column] = now[i, column]
         h = following
-    steps[0] = h
+    steps[NEXT_STEP] = h
 
 
 class Outcome(NamedTuple):
@@ -266,7 +273,7 @@ def run(
         maps,
         accounts,
         residual,
-        int(loop.steps[1]),
-        int(loop.steps[2]),
+        int(loop.steps[ATTEMPTED]),
+        int(loop.steps[EVALUATIONS]),
         cpu,
     )
