@@ -102,10 +102,10 @@ class RemainingLife:
     @property
     def lines(self) -> tuple[str, ...]:
         """Lines of text: the strokes left, and what the readings of each joint tell."""
-        left = self.remaining
-        strokes = f"{large(left.mean, digits=2)} strokes"
-        if left.low is not None and left.high is not None:
-            strokes += f" ({large(left.low, left.high, digits=2)})"
+        remaining = self.remaining
+        strokes = f"{large(remaining.mean, digits=2)} strokes"
+        if remaining.low is not None and remaining.high is not None:
+            strokes += f" ({large(remaining.low, remaining.high, digits=2)})"
         value = quantity_text(self.first.value, self.first.unit)
         diameter = in_diameter(self.first.key, self.first.value)
         first = f"{words_of(self.first.key)} is over {value}{diameter}"
@@ -177,18 +177,18 @@ def remaining_life(
     lives = {}
     firsts = {}
     for name in scene.wearing_joints:
-        group = [reading for reading in readings if reading.joint == name]
-        mine = [limit for limit in limits if limit.joint in (name, "")]
+        of_joint = [reading for reading in readings if reading.joint == name]
+        limits_of_joint = [limit for limit in limits if limit.joint in (name, "")]
         wear = prior_of(scene.bearing(name).materials.wear_scatter)
-        if group:
-            joint, wear = _joint_wear(scene, life, group, mine)
+        if of_joint:
+            joint, wear = _joint_wear(scene, life, of_joint, limits_of_joint)
             joints.append(joint)
-        if mine:
-            lives[name] = _life_of_joint(life, mine, wear, group)
-            medians = [
-                _life_of_joint(life, [limit], wear, group).median for limit in mine
-            ]
-            firsts[name] = mine[int(np.argmin(medians))]
+        if limits_of_joint:
+            lives[name] = _life_of_joint(life, limits_of_joint, wear, of_joint)
+            firsts[name] = min(
+                limits_of_joint,
+                key=lambda limit: _life_of_joint(life, [limit], wear, of_joint).median,
+            )
     now = max(reading.strokes for reading in readings)
     return _remaining(now, lives, firsts, tuple(joints), remarks)
 
@@ -392,9 +392,9 @@ def _remaining(
     whole = _estimate(grid, together)
     ends = (whole.mean, whole.low or 0.0, whole.high or 0.0)
     mean, low, high = (max(end - now, 0.0) for end in ends)
-    left = Estimate(mean, low, high)
     survival = float(np.interp(math.log(now), grid, together, left=1.0, right=0.0))
-    return RemainingLife(now, left, 1.0 - survival, first, each, joints, remarks)
+    remaining = Estimate(mean, low, high)
+    return RemainingLife(now, remaining, 1.0 - survival, first, each, joints, remarks)
 
 
 def _grid_of(lives: Sequence[_JointLife]) -> Array:

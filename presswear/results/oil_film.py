@@ -149,12 +149,12 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     power = sheared + bearing.clearance * film_power(load, orbit, film)
     mean = float(np.trapezoid(power, load.time)) / scene.mechanism.period
     return JointFilm(
-        360.0 * (load.time - load.time[0]) / scene.mechanism.period,
-        np.abs(load.force),
-        orbit,
-        bearing.clearance,
-        math.sqrt(2.0) * bearing.roughness,
-        bearing.parallel_rods * mean,
+        angle=360.0 * (load.time - load.time[0]) / scene.mechanism.period,
+        force=np.abs(load.force),
+        orbit=orbit,
+        clearance=bearing.clearance,
+        roughness=math.sqrt(2.0) * bearing.roughness,
+        loss=bearing.parallel_rods * mean,
     )
 
 
@@ -233,11 +233,10 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
         f"surfaces is {readable(1e6 * film.roughness)} µm: {shares}. "
     )
     loss = f"{readable(film.loss)} W on average"
-    text += (
-        f"Oil and asperities take {loss}."
-        if bearing.has_film
-        else f"The oil takes {loss}, without the friction of asperities."
-    )
+    if bearing.has_film:
+        text += f"Oil and asperities take {loss}."
+    else:
+        text += f"The oil takes {loss}, without the friction of asperities."
     if not film.orbit.is_closed:
         text += (
             f" These numbers are those {film.orbit.cycles_text}, and the film still changes "

@@ -64,12 +64,12 @@ def _film(
     place = (x + 1j * y) / bearing.clearance
     loss = joint.statistics.means["film_loss"].mean
     return JointFilm(
-        360.0 * (time - time[0]) / scene.mechanism.period,
-        joint.series("normal")[rows],
-        FilmOrbit(1.0 - np.abs(place), place, is_closed=True),
-        bearing.clearance,
-        math.sqrt(2.0) * bearing.roughness,
-        loss / period_in(scene, stage),
+        angle=360.0 * (time - time[0]) / scene.mechanism.period,
+        force=joint.series("normal")[rows],
+        orbit=FilmOrbit(1.0 - np.abs(place), place, is_closed=True),
+        clearance=bearing.clearance,
+        roughness=math.sqrt(2.0) * bearing.roughness,
+        loss=loss / period_in(scene, stage),
     )
 
 

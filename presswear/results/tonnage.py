@@ -108,10 +108,10 @@ def joint_tonnage(
     for stroke in strokes:
         for name, (start, end) in stroke.phases.items():
             values = size[(time >= start) & (time < end)]
-            within = peak[(touchdown >= start) & (separation < end)].max(initial=0.0)
-            peaks[name] += (
-                [max(float(values.max()), float(within))] if values.size else []
-            )
+            if values.size:
+                of_contacts = peak[(touchdown >= start) & (separation < end)]
+                largest = of_contacts.max(initial=float(values.max()))
+                peaks[name].append(float(largest))
     # Complex numbers are vectors: the force of the pin on its bearing in global
     # directions. The friction is stored as it acts on the pin.
     vector = np.array([1.0, 1j])

@@ -80,10 +80,11 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
 
 
 def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
-    """Return the values by key that a scene has if only the parts of a base scene change.
+    """Return the values by key of a base scene in which some parts are those of a scene.
 
-    A part with another name has the values of this name, and a joint with a bearing of
-    its own those of the common bearing.
+    If a part of the scene has another name, such as another set of materials, the values
+    of the part are those of this name. Values of a single joint are those of the common
+    bearing.
     """
     values = {setting.key: setting.value for setting in settings_of(base)}
     for setting in settings_of(scene):

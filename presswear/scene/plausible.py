@@ -141,15 +141,19 @@ def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
     """Return sentences on numbers of oiled joints for which no formula of a film holds."""
     oiled = {name: one for name, one in bearings.items() if one.viscosity is not None}
     numbers: tuple[tuple[str, Callable[[Bearing], float], str], ...] = (
-        ("viscosity", lambda one: one.viscosity or 0.0, "the viscosity of {joints}"),
+        (
+            "viscosity",
+            lambda bearing: bearing.viscosity or 0.0,
+            "the viscosity of {joints}",
+        ),
         (
             "oiled clearance",
-            lambda one: one.clearance / one.bearing_radius,
+            lambda bearing: bearing.clearance / bearing.bearing_radius,
             "the clearance divided by the radius of the oiled bearing of {joints}",
         ),
         (
             "oiled width",
-            lambda one: 0.5 * one.width / one.bearing_radius,
+            lambda bearing: 0.5 * bearing.width / bearing.bearing_radius,
             "the width divided by the diameter of the oiled bearing of {joints}",
         ),
     )

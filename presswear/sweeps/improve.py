@@ -235,12 +235,11 @@ def _quantities(result: Result) -> dict[str, Estimate]:
     forces = [joints[name].peak_force_per_cycle for name in scene.loose_pins]
     forces += [tilt.corner_force for tilt in tilts if tilt.corner_force]
     frames = frame_loads(scene, stage).values()
+    is_off_bottom = bottom is not None and abs(bottom.error.mean) > NEGLIGIBLE
     quantities = {
         LIFE: greatest(_depths_per_stroke(result)),
         FORCE: greatest(forces),
-        BOTTOM: bottom.error
-        if bottom and abs(bottom.error.mean) > NEGLIGIBLE
-        else None,
+        BOTTOM: bottom.error if bottom and is_off_bottom else None,
         TILT: greatest(filter(None, (tilt.working for tilt in tilts))),
         DROP: speed.drop if speed else None,
         REVERSE: greatest(filter(None, (load.reverse_fraction for load in frames))),

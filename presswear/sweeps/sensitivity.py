@@ -153,7 +153,9 @@ def _changes(points: Points) -> Sensitivity | None:
     """Return the changes of a one-at-a-time design; None if its middle point has no value."""
     if not points.has_value[0]:
         return None
-    values, variances = np.full((2, 2, len(points.parameters)), np.nan)
+    # In the rows the changes at the lowest and at the highest value of a parameter
+    values = np.full((2, len(points.parameters)), np.nan)
+    variances = np.full_like(values, np.nan)
     for k, column in enumerate(points.points.T):
         rows = np.flatnonzero((column != column[0]) & points.has_value)
         for side, pick in enumerate((np.argmin, np.argmax)):

@@ -25,7 +25,7 @@ from presswear.tools.errors import InputError, RunFailed
 Progress = Callable[[str, float], None]  # called with a name and the completed fraction
 Status = Literal["pass", "MISS", "refused"]
 
-GRAZED = 0.01  # of the contacts on worn surfaces
+GRAZED = 0.01  # share of the contacts on worn surfaces that may be too short
 PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
 # Energy residual allowed, relative to the energy exchanged by the drives. At their
 # default tolerances the engines leave 1e-10, 1e-8 and 2e-6 on the unworn press; losses

@@ -10,7 +10,6 @@ one by one up to it, and means over cycles beyond it.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
-from statistics import NormalDist
 from typing import Any
 
 import matplotlib
@@ -25,8 +24,8 @@ from presswear.results.folder import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
+from presswear.validation.mean_check import mean_check
 
 # Largest change of a coordinate of the disturbed initial state, m or rad
 DISTURBANCE = 1e-9
@@ -38,7 +37,6 @@ FINENESS = (1, 2, 4, 8, 16)
 TOLERANCE_PARTS = (1, 10, 100, 1000)
 FIRST_TOUCHDOWNS = 10  # number of touchdowns with bounds
 CYCLES = 50  # number of cycles in the compared means, unless the scene has a number
-MEAN_BOUND = 0.1  # of the relative difference of two means
 PARTS = 40  # of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
 SLIDER_BOUND = 1e-6  # m, up to the horizon
@@ -58,6 +56,7 @@ INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house inte
 
 # numbers of a touchdown, SI
 TOUCHDOWN = ("joint", "time", "closing_speed", "peak_force")
+JOINT, TIME = range(2)  # the first of their columns
 Means = dict[str, dict[str, Estimate]]  # by engine and quantity
 
 
@@ -85,19 +84,21 @@ def touchdowns_of(run: Run) -> Array:
             time = memory["touchdown_time"]
             rows.append((k, time, records.onset[k], memory["peak_force"]))
     touchdowns = np.array(rows, float).reshape(-1, len(TOUCHDOWN))
-    return touchdowns[np.argsort(touchdowns[:, 1], kind="stable")]
+    return touchdowns[np.argsort(touchdowns[:, TIME], kind="stable")]
 
 
-def slider_difference(one: Trajectory, two: Trajectory) -> Array:
+def slider_difference(first: Trajectory, second: Trajectory) -> Array:
     """Return the distances of two sliders at evenly spaced common times, shape (n, 3).
 
     Columns are time, s, distance, m, and difference of the velocities, m/s.
     """
-    time = np.linspace(0.0, min(one.time[-1], two.time[-1]), GRID)
-    first = CubicHermiteSpline(one.time, one.slider[:, 0], one.slider[:, 1])
-    second = CubicHermiteSpline(two.time, two.slider[:, 0], two.slider[:, 1])
-    distance = np.abs(first(time) - second(time))
-    speed = np.abs(first(time, 1) - second(time, 1))
+    time = np.linspace(0.0, min(first.time[-1], second.time[-1]), GRID)
+    curves = []
+    for trajectory in (first, second):
+        place, velocity = trajectory.slider.T
+        curves.append(CubicHermiteSpline(trajectory.time, place, velocity))
+    distance = np.abs(curves[0](time) - curves[1](time))
+    speed = np.abs(curves[0](time, 1) - curves[1](time, 1))
     return np.column_stack([time, distance, speed])
 
 
@@ -108,23 +109,27 @@ def touchdown_differences(reference: Array, compared: Array) -> Array:
     touchdown that the compared run lacks.
     """
     differences = np.full((len(reference), 3), math.inf)
-    for joint in np.unique(reference[:, 0]):
-        rows = np.flatnonzero(reference[:, 0] == joint)
-        rows_compared = np.flatnonzero(compared[:, 0] == joint)
+    for joint in np.unique(reference[:, JOINT]):
+        rows = np.flatnonzero(reference[:, JOINT] == joint)
+        rows_compared = np.flatnonzero(compared[:, JOINT] == joint)
         count = min(len(rows), len(rows_compared))
         rows = rows[:count]
-        expected = reference[rows, 1:]
-        result = compared[rows_compared[:count], 1:]
+        expected = reference[rows, TIME:]
+        result = compared[rows_compared[:count], TIME:]
         differences[rows, 0] = result[:, 0] - expected[:, 0]
         differences[rows, 1:] = result[:, 1:] / expected[:, 1:] - 1.0
     return np.abs(differences)
 
 
-def divergence_time(one: Trajectory, two: Trajectory, distance: float) -> float | None:
+def divergence_time(
+    first: Trajectory, second: Trajectory, distance: float
+) -> float | None:
     """Return the time, s, at which slider or eccentricities first differ by a distance, m."""
-    time, largest, _ = slider_difference(one, two).T
-    for first, second in zip(one.eccentricity.T, two.eccentricity.T, strict=True):
-        between = np.interp(time, one.time, first) - np.interp(time, two.time, second)
+    time, largest, _ = slider_difference(first, second).T
+    pairs = zip(first.eccentricity.T, second.eccentricity.T, strict=True)
+    for ours, theirs in pairs:
+        there = np.interp(time, second.time, theirs)
+        between = np.interp(time, first.time, ours) - there
         largest = np.maximum(largest, np.abs(between))
     late = np.flatnonzero(largest >= distance)
     return float(time[late[0]]) if late.size else None
@@ -310,7 +315,7 @@ def _check_integrators(
     """Compare the times of the first touchdowns between two in-house integrators."""
     first = reference.touchdowns[:FIRST_TOUCHDOWNS]
     # The duration includes the last of these touchdowns.
-    plan = Plan(min(1.001 * first[-1, 1], end), 1, 1, by_clock=True)
+    plan = Plan(min(1.001 * first[-1, TIME], end), 1, 1, by_clock=True)
     engine = replace(precise, integrator="dopri5", coordinates="fewest")
     run = runner.run("dae with dopri5 in fewest coordinates", engine, plan)
     largest = float(touchdown_differences(first, touchdowns_of(run))[:, 0].max())
@@ -333,7 +338,7 @@ def _exudyn_checks(
     time, distance, speed = distances[name].T
     yield Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")
     if len(first):
-        early = time <= first[-1, 1]
+        early = time <= first[-1, TIME]
         count = f"{name}: first {len(first)}"
         times, speeds, forces = differences[-1].max(axis=0).tolist()
         largest = float(speed[early].max() / np.abs(reference.slider[:, 1]).max())
@@ -352,9 +357,12 @@ def _exudyn_checks(
             yield Check(words, float(distance[early].max()), TREE_SLIDER_BOUND, "m")
     if not is_tree:
         # Without touchdowns, the distance of the slider has the order.
-        errors = [each[:, 1].max() for each in distances.values()]
+        errors = [
+            distance.max() for _, distance, _ in map(np.transpose, distances.values())
+        ]
         if len(first):
-            errors = [np.sqrt(np.mean(each[:, 0] ** 2)) for each in differences]
+            times_off = (each[:, 0] for each in differences)
+            errors = [np.sqrt(np.mean(off**2)) for off in times_off]
         order = -order_of(FINENESS, errors)
         yield Check(
             f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND
@@ -383,38 +391,13 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
     checks = list[Check]()
     undecided = list[str]()
     for quantity in quantities:
-        one, two = (each[quantity] for each in means.values())
-        compared = mean_check(quantity, one, two, len(quantities))
+        ours, theirs = (each[quantity] for each in means.values())
+        compared = mean_check(quantity, ours, theirs, len(quantities))
         if isinstance(compared, Check):
             checks.append(compared)
         else:
             undecided.append(compared)
     return checks, undecided, means
-
-
-def mean_check(
-    quantity: str, one: Estimate, two: Estimate, count: int = 1
-) -> Check | str:
-    """Check the relative difference of two means, or say that their intervals are too wide.
-
-    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``.
-    It misses if the interval lies beyond it that holds for all of ``count`` comparisons
-    with 95 % (Bonferroni). Otherwise there is no verdict. The checked number is the end
-    of the interval that decides.
-    """
-    size = 0.5 * (abs(one.mean) + abs(two.mean))
-    if one.half_width is None or two.half_width is None or size == 0.0:
-        return f"mean {quantity}: no verdict, too few cycles"
-    difference = abs(one.mean - two.mean) / size
-    half = math.hypot(one.half_width, two.half_width) / size
-    if difference + half <= MEAN_BOUND:
-        return Check(f"mean {quantity}", difference + half, MEAN_BOUND, "relative")
-    quantile = NormalDist().inv_cdf
-    of_all = half * quantile(1.0 - 0.025 / count) / quantile(0.975)
-    if difference - of_all > MEAN_BOUND:
-        return Check(f"mean {quantity}", difference - of_all, MEAN_BOUND, "relative")
-    parts = f"{readable(100.0 * difference, 2)} ± {readable(100.0 * half, 2)} %"
-    return f"mean {quantity}: no verdict, difference {parts}"
 
 
 _COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
@@ -429,10 +412,11 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     curves = zip(result.differences.items(), _COLOURS, strict=False)
     for (label, curve), colour in curves:
         # A logarithm shows no zeros.
-        shown = curve[(curve[:, 0] <= end) & (curve[:, 1] > 0.0)]
-        time = shown[:, 0]
-        distance = shown[:, 1]
-        axes.semilogy(time, distance, color=colour, linewidth=0.9, label=label)
+        time, distance, _ = curve.T
+        rows = (time <= end) & (distance > 0.0)
+        axes.semilogy(
+            time[rows], distance[rows], color=colour, linewidth=0.9, label=label
+        )
     axes.axhline(
         SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0))
     )
@@ -451,4 +435,5 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
     label = "distance of the slider from the\nin-house reference (m)"
     axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)
-    return style.finished("difference", sheet)[0]
+    (drawing,) = style.finished("difference", sheet)
+    return drawing

@@ -15,6 +15,7 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.physics.constraints import constraints_of
 from presswear.validation import crosscheck
 from presswear.validation.cases import Check
+from presswear.validation.mean_check import MEAN_BOUND, mean_check
 
 
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])
@@ -155,25 +156,23 @@ def test_without_clearance_all_is_compared(
 def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
     theirs: pw.statistics.Estimate, verdict: bool | None
 ) -> None:
-    check = crosscheck.mean_check(
-        "peak force", pw.statistics.Estimate(100.0, 98.0, 102.0), theirs
-    )
+    check = mean_check("peak force", pw.statistics.Estimate(100.0, 98.0, 102.0), theirs)
     if isinstance(check, str):
         assert verdict is None
         assert "no verdict" in check
     else:
         assert check.passed is verdict
-        assert check.bound == crosscheck.MEAN_BOUND
+        assert check.bound == MEAN_BOUND
 
 
 def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
     # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
     one = pw.statistics.Estimate(100.0, 97.8, 102.2)
     two = pw.statistics.Estimate(116.7, 114.3, 119.1)
-    alone = crosscheck.mean_check("peak force", one, two)
+    alone = mean_check("peak force", one, two)
     assert isinstance(alone, Check)
     assert not alone.passed
-    assert isinstance(crosscheck.mean_check("peak force", one, two, 300), str)
+    assert isinstance(mean_check("peak force", one, two, 300), str)
 
 
 @pytest.mark.slow

@@ -24,6 +24,7 @@ from presswear.show.figures import (
     mechanism,
     motion,
     motor,
+    oil_film,
     style,
     wear,
 )
@@ -76,7 +77,7 @@ NAMES: dict[str, tuple[str, Callable[..., list[Drawing]]]] = {
     "drives": ("moving", motion.drive_work),
     "motor": ("moving", motor.speed_and_torque),
     "frame": ("moving", frame.stretch_over_angle),
-    "oil": ("all", motion.film_thickness),
+    "oil": ("all", oil_film.film_thickness),
 }
 # Sections and spectra, which are drawn by name only
 OF_MANY_CYCLES = ("poincare", "impacts", "spectrum")

@@ -1,5 +1,6 @@
 """Figures of the dynamics: phase portraits, sections, modes and spectra; bifurcation diagrams."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -218,61 +219,91 @@ def _axis(diagram: "Diagram") -> tuple[float, str]:
 def draw_diagram(diagram: "Diagram") -> Drawing:
     """Return the bifurcation diagram with both branches."""
     parameter = diagram.parameter
-    cycles = diagram.cycles
     joints = diagram.scene.loose_pins
-    has_exponent = cycles.exponent > 0
-    count = len(joints) + 1 + has_exponent
+    has_exponent = diagram.cycles.exponent > 0
+    count = len(joints) + has_exponent + 1
     sheet, grid = style.panels(count, 1, 0.8 + 1.9 * count, sharex=True)
-    column = grid[:, 0]
+    of_pins = grid[: len(joints), 0]
+    of_exponent = grid[len(joints), 0] if has_exponent else None
+    of_period = grid[-1, 0]
     pens = []
     factor, label = _axis(diagram)
-    size = float(np.clip(DOT_AREA / (len(parameter.values) * cycles.stored), 0.6, 6.0))
-    branches = zip(diagram.branches.items(), style.LINES, strict=False)
-    for (direction, branch), (colour, _) in branches:
-        word, marker = BRANCHES[direction]
+    for direction, (colour, _) in zip(diagram.branches, style.LINES, strict=False):
+        word, _ = BRANCHES[direction]
         pens.append(Pen(f"{word} {parameter.key}", colour))
-        value = factor * branch.value
-        for k, axes in enumerate(column[: len(joints)]):
-            x, y = np.moveaxis(branch.pins[:, :, -1, k], -1, 0)
-            angle = np.degrees(np.arctan2(y, x))
-            values = np.repeat(value[:, None], angle.shape[1], axis=1)
-            axes.scatter(
-                values, angle, s=size, color=colour, linewidths=0.0, rasterized=True
-            )
-        if has_exponent:
-            order = np.argsort(value)
-            mean, half = branch.exponent[order].T
-            line_style: dict[str, Any] = {
-                "color": colour,
-                "alpha": 0.2,
-                "linewidth": 0.0,
-            }
-            column[-2].fill_between(
-                value[order], mean - half, mean + half, **line_style
-            )
-            column[-2].plot(value[order], mean, color=colour, linewidth=0.8)
-        each = diagram.periods(direction)
-        periods = [np.nan if one is None else (one.period or NO_PERIOD) for one in each]
-        line_style = {"markersize": 3.0, "fillstyle": "none", "markeredgewidth": 0.5}
-        column[-1].plot(value, periods, marker, color=colour, **line_style)
-    for axes, joint in zip(column, joints, strict=False):
+        value = factor * diagram.branches[direction].value
+        _draw_pins(of_pins, diagram, direction, value, colour)
+        if of_exponent is not None:
+            _draw_exponent(of_exponent, diagram, direction, value, colour)
+        _draw_periods(of_period, diagram, direction, value, colour)
+    for axes, joint in zip(of_pins, joints, strict=True):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
-        axes.yaxis.set_major_locator(
-            MaxNLocator(5, steps=[1.0, 1.5, 3.0, 4.5, 9.0, 10.0])
-        )
-    if has_exponent:
-        column[-2].axhline(0.0, color=style.REFERENCE, linewidth=0.7)
-        column[-2].set_ylabel("largest Lyapunov\nexponent (1/s)")
-    column[-1].set_ylabel("period (cycles);\n0: no period")
-    column[-1].set_ylim(-0.5, max(MIN_PERIOD_AXIS, column[-1].get_ylim()[1]) + 0.5)
-    column[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    column[-1].set_xlabel(label)
-    return style.finished(
+        steps = [1.0, 1.5, 3.0, 4.5, 9.0, 10.0]
+        axes.yaxis.set_major_locator(MaxNLocator(5, steps=steps))
+    if of_exponent is not None:
+        of_exponent.axhline(0.0, color=style.REFERENCE, linewidth=0.7)
+        of_exponent.set_ylabel("largest Lyapunov\nexponent (1/s)")
+    of_period.set_ylabel("period (cycles);\n0: no period")
+    of_period.set_ylim(-0.5, max(MIN_PERIOD_AXIS, of_period.get_ylim()[1]) + 0.5)
+    of_period.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    of_period.set_xlabel(label)
+    (drawing,) = style.finished(
         "diagram",
         sheet,
         pens,
         has_exponent=has_exponent,
         parameter=parameter,
-        cycles=cycles,
+        cycles=diagram.cycles,
         summary=diagram.summary(),
-    )[0]
+    )
+    return drawing
+
+
+def _draw_pins(
+    panels: Sequence[Axes],
+    diagram: "Diagram",
+    direction: str,
+    value: Array,
+    colour: str,
+) -> None:
+    """Draw the directions of the pins at the end of the stored cycles over a parameter."""
+    dots = len(diagram.parameter.values) * diagram.cycles.stored
+    size = float(np.clip(DOT_AREA / dots, 0.6, 6.0))
+    at_end = diagram.branches[direction].pins[:, :, -1]  # of the phases of a cycle
+    for k, axes in enumerate(panels):
+        angle = np.degrees(np.arctan2(at_end[:, :, k, 1], at_end[:, :, k, 0]))
+        values = np.repeat(value[:, np.newaxis], angle.shape[1], axis=1)
+        axes.scatter(
+            values, angle, s=size, color=colour, linewidths=0.0, rasterized=True
+        )
+
+
+def _draw_exponent(
+    axes: Axes, diagram: "Diagram", direction: str, value: Array, colour: str
+) -> None:
+    """Draw the largest Lyapunov exponent with its interval over a parameter."""
+    order = np.argsort(value)
+    mean, half = diagram.branches[direction].exponent[order].T
+    axes.fill_between(
+        value[order], mean - half, mean + half, color=colour, alpha=0.2, linewidth=0.0
+    )
+    axes.plot(value[order], mean, color=colour, linewidth=0.8)
+
+
+def _draw_periods(
+    axes: Axes, diagram: "Diagram", direction: str, value: Array, colour: str
+) -> None:
+    """Draw the periods over a parameter; none at a value without a run."""
+    _, marker = BRANCHES[direction]
+    periods = []
+    for motion in diagram.periods(direction):
+        periods.append(np.nan if motion is None else motion.period or NO_PERIOD)
+    axes.plot(
+        value,
+        periods,
+        marker,
+        color=colour,
+        markersize=3.0,
+        fillstyle="none",
+        markeredgewidth=0.5,
+    )

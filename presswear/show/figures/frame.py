@@ -1,5 +1,7 @@
 """Figure of elastic frames: stretch and force over the crank angle."""
 
+from functools import partial
+
 import numpy as np
 
 from presswear.linkage.joints import Guide
@@ -24,12 +26,9 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), height, is_measured=True)
     marks: dict[str, str] = {}
     for k, (guide, axes) in enumerate(zip(guides, panels, strict=True)):
-
-        def stretch_of(stage: StageResult, k: int = k) -> Array:
-            return np.asarray(1e6 * stage.arrays["stretch"][:, k])
-
         pairs = zip(shown, moving, strict=True)
-        marks |= draw_with_moments(axes, result, pairs, stretch_of, window)
+        stretch = partial(_stretch, number=k)
+        marks |= draw_with_moments(axes, result, pairs, stretch, window)
         axes.set_ylabel(f"stretch of {guide.name} (µm)")
     window.label(panels, zones)
     for guide, axes in zip(guides, zones or panels, strict=True):
@@ -38,6 +37,11 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     return style.finished(
         "frame", sheet, pens, window=window, marks=marks.values(), guides=guides
     )
+
+
+def _stretch(stage: StageResult, number: int) -> Array:
+    """Return the stretch of an elastic frame over time, um."""
+    return np.asarray(1e6 * stage.arrays["stretch"][:, number])
 
 
 def _add_force(axes: Axes, linkage: Linkage, guide: Guide) -> None:

@@ -1,5 +1,6 @@
 """Figures of guides with clearance: tilt of the slide, paths of its corners, wear of its walls."""
 
+from functools import partial
 from itertools import chain, product
 
 from presswear.linkage.guide_corner import CORNERS, WALLS, largest_tilt
@@ -36,12 +37,9 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), 0.6 + 2.4 * len(guides))
     marks: dict[str, str] = {}
     for axes, guide in zip(panels, guides, strict=True):
-
-        def tilt_of(stage: StageResult, guide: Guide = guide) -> Array:
-            return 1e6 * tilt_series(stage, guide)
-
         pairs = zip(shown, moving, strict=True)
-        marks |= draw_with_moments(axes, result, pairs, tilt_of, window)
+        tilt = partial(_tilt, guide=guide)
+        marks |= draw_with_moments(axes, result, pairs, tilt, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     window.label(panels, zones)
@@ -49,6 +47,11 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     if not all(guide.is_moving for guide in guides):
         pens.append(_ALLOWED)
     return style.finished("tilt", sheet, pens, window=window, marks=marks.values())
+
+
+def _tilt(stage: StageResult, guide: Guide) -> Array:
+    """Return the tilt of the slide in a guide over time, um/m."""
+    return 1e6 * tilt_series(stage, guide)
 
 
 def _draw_limits(axes: Axes, result: Result, guide: Guide) -> None:

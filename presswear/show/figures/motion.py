@@ -1,12 +1,12 @@
 """Figures of motion: response, forces, paths of the pin centres, tonnage and drives."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MaxNLocator
 
 from presswear.linkage.drives import linear_bodies
 from presswear.linkage.process import Coining
@@ -14,10 +14,8 @@ from presswear.linkage.surface import SIDES
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.bottom_dead_centre import bottom_errors
 from presswear.results.drives import curves_of
-from presswear.results.oil_film import FULL_FILM, JointFilm, oil_films
 from presswear.results.result import Result
 from presswear.results.rigid_joints import ideal_curves
-from presswear.results.run_film import run_films
 from presswear.results.stage import StageResult
 from presswear.results.strokes import height_of, process_force, sampled_strokes
 from presswear.show.figures import style
@@ -28,7 +26,6 @@ from presswear.show.figures.style import (
     Sheet,
     Shown,
     ShownStage,
-    Stages,
 )
 from presswear.show.figures.window import Window, draw_with_moments, sampled
 from presswear.show.words import in_words_of
@@ -37,17 +34,11 @@ from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
 _BEYOND = 0.02  # of a cycle, by which it may reach beyond the times that are shown
-_TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
-_ROUND_GAP = replace(IDEAL, width=0.7)
+ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
-# of panels of the film over the cycle and in the working zone, and of the orbit
-_FILM_WIDTHS = (3.0, 2.0, 2.0)
-_FILM = Pen("oil film", style.LINES[0][0])
-_FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
-_ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
 
 
 def first_and_last(stages: Shown) -> list[ShownStage]:
@@ -63,12 +54,11 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the deviation of the output, then displacement, velocity and acceleration."""
     scene = result.scene
     shown, window = sampled(result, moving)
-    heights = (
-        [1.25, 1.25, 1.0] + [0.95] * len(shown) + [1.25] * bool(scene.clearance_joints)
-    )
-    height = 0.9 + min(1.15, (_TALLEST - 0.9) / sum(heights)) * sum(heights)
+    has_means = bool(scene.clearance_joints)
+    # deviation, displacement, velocity, acceleration of each stage, its means
+    heights = [1.25, 1.25, 1.0, *[0.95] * len(shown), *[1.25] * has_means]
+    height = 0.9 + min(1.15, (style.TALLEST - 0.9) / sum(heights)) * sum(heights)
     sheet, column, zones = window.rows(len(heights), height, height_ratios=heights)
-    jagged = column[3 : 3 + len(shown)]
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
     marks = _draw_deviation(column[0], result, shown, moving, window)
@@ -77,34 +67,16 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
         "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
     }
-    for axes, (label, (lines, ideal)) in zip(column[1:], curves.items(), strict=False):
+    for axes, (label, (lines, ideal)) in zip(column[1:3], curves.items(), strict=True):
         for stage, values in zip(shown, lines, strict=True):
             stage.pen.draw(axes, stage.data.time, values, linewidth=0.9)
         IDEAL.draw(axes, time, ideal)
         axes.set_ylabel(label)
-    for axes, stage in zip(jagged, shown, strict=True):
-        peaks = stage.data.each_cycle("acceleration_max")
-        largest = _draw_jagged(axes, stage, stage.data.acceleration, peaks, window)
-        style.note(axes, f"{stage.pen.label}, largest {readable(largest)} m/s²")
-        IDEAL.draw(axes, time, acceleration)
-        axes.set_ylabel("acceleration\n(m/s²)")
-    everything = np.concatenate(
-        [acceleration, *(stage.data.acceleration for stage in shown)]
-    )
-    low = float(everything.min())
-    reach = float(np.ptp(everything))
-    for axes in jagged:
-        axes.set_ylim(low - 0.05 * reach, low + 1.3 * reach)
-    interval = window.period / _MEANS_PER_CYCLE if scene.clearance_joints else None
-    if interval:  # means over it are differences of the velocity
-        middle = time[(time >= 0.5 * interval) & (time <= time[-1] - 0.5 * interval)]
-        series = [(stage.pen, stage.data.time, stage.data.velocity) for stage in moving]
-        for pen, times, speed in [*series, (IDEAL, time, velocity)]:
-            before = np.interp(middle - 0.5 * interval, times, speed)
-            after = np.interp(middle + 0.5 * interval, times, speed)
-            pen.draw(column[-1], middle, (after - before) / interval, linewidth=0.8)
-        mean = f"{readable(1e3 * interval, 2)} ms mean"
-        column[-1].set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
+    jagged = column[3 : 3 + len(shown)]
+    _draw_accelerations(jagged, shown, window, (time, acceleration))
+    interval = window.period / _MEANS_PER_CYCLE if has_means else None
+    if interval:
+        _draw_mean_accelerations(column[-1], moving, interval, (time, velocity))
     window.label(column, zones)
     return style.finished(
         "response",
@@ -115,6 +87,43 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
         interval=interval,
         marks=marks.values(),
     )
+
+
+def _draw_accelerations(
+    panels: Sequence[Axes], shown: Shown, window: Window, ideal: tuple[Array, Array]
+) -> None:
+    """Draw the acceleration of each stage, all at one scale; ``ideal`` are its time and values."""
+    for axes, stage in zip(panels, shown, strict=True):
+        peaks = stage.data.each_cycle("acceleration_max")
+        largest = _draw_jagged(axes, stage, stage.data.acceleration, peaks, window)
+        style.note(axes, f"{stage.pen.label}, largest {readable(largest)} m/s²")
+        IDEAL.draw(axes, *ideal)
+        axes.set_ylabel("acceleration\n(m/s²)")
+    series = (stage.data.acceleration for stage in shown)
+    everything = np.concatenate([ideal[1], *series])
+    low = float(everything.min())
+    reach = float(np.ptp(everything))
+    for axes in panels:
+        axes.set_ylim(low - 0.05 * reach, low + 1.3 * reach)
+
+
+def _draw_mean_accelerations(
+    axes: Axes, moving: Shown, interval: float, ideal: tuple[Array, Array]
+) -> None:
+    """Draw means of the acceleration over an interval, s: differences of the velocity.
+
+    ``ideal`` are the times that are shown and the ideal velocity.
+    """
+    time, _ = ideal
+    half = 0.5 * interval
+    middle = time[(time >= half) & (time <= time[-1] - half)]
+    series = [(stage.pen, stage.data.time, stage.data.velocity) for stage in moving]
+    for pen, times, velocity in [*series, (IDEAL, *ideal)]:
+        before = np.interp(middle - half, times, velocity)
+        after = np.interp(middle + half, times, velocity)
+        pen.draw(axes, middle, (after - before) / interval, linewidth=0.8)
+    mean = f"{readable(1e3 * interval, 2)} ms mean"
+    axes.set_ylabel(f"acceleration,\n{mean}\n(m/s²)")
 
 
 def _draw_deviation(
@@ -162,7 +171,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     shown = first_and_last(shown)
     places = list(product(result.scene.loose_pins, shown))
     if window.zone:
-        height = 0.8 + min(1.5, (_TALLEST - 0.8) / len(places)) * len(places)
+        height = 0.8 + min(1.5, (style.TALLEST - 0.8) / len(places)) * len(places)
         sheet, panels, zones = window.rows(len(places), height)
         lowest = panels[-1:]
     else:
@@ -273,7 +282,7 @@ def pin_panels(
     for axes, joint, stage in places:
         positions = draw(axes, stage, joint, factor)
         widest = max(widest, float(np.hypot(*positions).max(initial=0.0)))
-        _ROUND_GAP.draw(axes, *(factor * gaps[joint] * circle))
+        ROUND_GAP.draw(axes, *(factor * gaps[joint] * circle))
         axes.set_aspect("equal")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(4, symmetric=True))
@@ -287,7 +296,7 @@ def pin_panels(
     texts = list(joints_of)
     if len(texts) > 1:
         texts = [f"{gap} ({', '.join(names)})" for gap, names in joints_of.items()]
-    return sheet, replace(_ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
+    return sheet, replace(ROUND_GAP, label=f"clearance circle, c = {', '.join(texts)}")
 
 
 def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
@@ -357,7 +366,7 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         else:
             places.append((drive, "torque", "torque", "N m"))
         places.append((drive, "power", "power", "W"))
-    height = 0.8 + min(1.7, (_TALLEST - 0.8) / len(places)) * len(places)
+    height = 0.8 + min(1.7, (style.TALLEST - 0.8) / len(places)) * len(places)
     sheet, panels, zones = window.rows(len(places), height)
     curves = [(stage, curves_of(scene, stage.data)) for stage in shown]
     ideal, _ = ideal_curves(scene)
@@ -376,81 +385,3 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         axes.set_title(drive)
     window.label(panels, zones)
     return style.finished("drives", sheet, _pens(shown), window=window)
-
-
-def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
-    """Draw the oil film of each joint with a viscosity over the phase of the cycle, and its orbit.
-
-    The orbit is that of the centre of the pin in the circle of the clearance. With work
-    the working zone stands between both.
-    """
-    scene = result.scene
-    in_run = run_films(scene, stages[-1]) if stages else {}
-    films = {**oil_films(scene), **in_run}
-    if not films:
-        return []
-    height = min(0.6 + 2.2 * len(films), _TALLEST)
-    zone = _working_zone(result, stages)
-    widths = _FILM_WIDTHS if zone else _FILM_WIDTHS[::2]
-    sheet, grid = style.panels(len(films), len(widths), height, width_ratios=widths)
-    phase = scene.mechanism.linkage().phase
-    for row, (name, film) in zip(grid, films.items(), strict=True):
-        _draw_film(row[0], film, 1)
-        share = f"{100.0 * film.full_share:.3g} % of the cycle"
-        title = f"joint {name}: full film for\n{share}"
-        row[0].set_title(title)
-        row[0].set_ylabel("film (µm)")
-        row[0].set_xlim(0.0, 360.0)
-        row[0].xaxis.set_major_locator(MultipleLocator(90.0))
-        if zone:
-            _draw_film(row[1], film, 2)  # the zone may reach into the next cycle
-            row[0].axvspan(*zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
-            row[1].set_xlim(*zone)
-            row[1].set_title("working zone\n(grey at the left)", fontweight="normal")
-            row[1].set_xlabel(f"{phase} (degrees)")
-        _draw_orbit(row[-1], film)
-    grid[-1, 0].set_xlabel(f"{phase} since the start (degrees)")
-    grid[-1, -1].set_xlabel("x over the clearance")
-    pens = [_FILM, _FULL, _ROUGHNESS]
-    return style.finished(
-        "oil", sheet, pens, full=FULL_FILM, in_run=", ".join(in_run), zone=zone
-    )
-
-
-def _working_zone(result: Result, stages: Stages) -> tuple[float, float] | None:
-    """Return the working zone of the last stage as degrees of the cycle; None without work."""
-    moving = [
-        ShownStage(stage, _FILM)
-        for stage in stages[-1:]
-        if not stage.failed and stage.time.size > 1
-    ]
-    window = sampled(result, moving)[1] if moving else None
-    if window is None or window.zone is None:
-        return None
-    start, end = (window.degrees(time) for time in window.zone)
-    turn = 360.0 * math.floor(start / 360.0)
-    return start - turn, end - turn
-
-
-def _draw_film(axes: Axes, film: JointFilm, cycles: int) -> None:
-    """Draw the least thickness of a film over some cycles, which are equal."""
-    angle = np.add.outer(360.0 * np.arange(cycles), film.angle).ravel()
-    _FILM.draw(axes, angle, np.tile(film.thickness * style.MICRONS, cycles))
-    for pen, factor in ((_FULL, FULL_FILM), (_ROUGHNESS, 1.0)):
-        axes.axhline(factor * film.roughness * style.MICRONS, **pen.line_style)
-    axes.set_yscale("log")
-
-
-def _draw_orbit(axes: Axes, film: JointFilm) -> None:
-    """Draw the orbit of a pin in the circle of the clearance, with the place of the least film."""
-    place = film.orbit.place
-    least = film.thinnest
-    turn = np.linspace(0.0, 2.0 * math.pi, 181)
-    axes.plot(np.cos(turn), np.sin(turn), **_ROUND_GAP.line_style)
-    _FILM.draw(axes, place.real, place.imag)
-    axes.plot(place.real[least], place.imag[least], "o", color=_FULL.colour, ms=4.0)
-    thin = readable(style.MICRONS * float(film.thickness[least]))
-    title = f"least {thin} µm at {film.angle[least]:.0f}°"
-    axes.set_title(title, fontweight="normal")
-    axes.set_aspect("equal")
-    axes.set_ylabel("y over the clearance")

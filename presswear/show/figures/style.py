@@ -39,6 +39,7 @@ __all__ = ["Axes", "Sheet"]
 LineStyle = str | tuple[float, tuple[float, ...]]
 
 WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt
+TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 DOTS_PER_INCH = 200
 SHOWN_STAGES = 5  # stages in a figure; of more, evenly spaced ones are shown
 SHOWN_CYCLES = 2  # cycles whose motion is shown
