@@ -4,12 +4,14 @@ import argparse
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
+from presswear.cli.run import finish, has_no_options, run_scene, with_options
+from presswear.cli.run_observer import confirm, least_needed, needed
+from presswear.cli.several_runs import several_runs
 from presswear.linkage.materials import MATERIALS, listed_pair
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
@@ -19,13 +21,6 @@ from presswear.tools.errors import InputError
 from presswear.tools.files import name_for
 from presswear.tools.numbers import duration_text
 from presswear.tools.processes import cores
-
-if TYPE_CHECKING:
-    pass
-
-from presswear.cli.run import finish, has_no_options, run_scene, with_options
-from presswear.cli.run_observer import confirm, least_needed, needed
-from presswear.cli.several_runs import several_runs
 
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
 

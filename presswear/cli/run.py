@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from presswear.cli import terminal
+from presswear.cli.run_observer import RunObserver, least_needed
 from presswear.recording.observer import Observer
 from presswear.scene.catalog import title_of
 from presswear.scene.differences import changes_from
@@ -24,8 +25,6 @@ from presswear.tools.errors import InputError, RunFailed
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
     from presswear.results.result import Result
-
-from presswear.cli.run_observer import RunObserver, least_needed
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 LIVE_SIZE = (960, 640)  # of the window, pixels

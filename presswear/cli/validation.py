@@ -34,7 +34,9 @@ def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
             raise InputError(
                 f"--{name} {verb} --against; see presswear crosscheck --help"
             )
-    return (_against if arguments.against else _engines)(arguments, console)
+    if arguments.against:
+        return _against(arguments, console)
+    return _engines(arguments, console)
 
 
 def _engines(arguments: argparse.Namespace, console: Console) -> int:
@@ -57,14 +59,13 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "crosscheck.json", {"schema": 1, **outcome.as_dict()})
         save(draw_differences(outcome), folder)
-    reason = (
-        "trajectories diverge"
-        if outcome.diverged
-        else "the end; trajectories do not diverge"
-    )
+    reason = "the end; trajectories do not diverge"
+    if outcome.diverged:
+        reason = "trajectories diverge"
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
     checks = (
-        (c.quantity, c.unit, (c.value, c.bound), c.passed) for c in outcome.checks
+        (check.quantity, check.unit, (check.value, check.bound), check.passed)
+        for check in outcome.checks
     )
     _print_checks(console, (">difference", ">bound"), checks)
     print_lines(console, *outcome.undecided)
@@ -83,14 +84,14 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(folder)
     theirs = read_table(arguments.against)
     ours = table_of(terminal.load_result(folder, console), 0)
-    columns = compare_tables(
-        ours, theirs, arguments.until, arguments.tolerance or TOLERANCE
-    )
-    checks = (
-        (c.column, c.unit, (c.greatest, c.rms, c.bound), c.passed) for c in columns
-    )
+    tolerance = arguments.tolerance or TOLERANCE
+    differences = compare_tables(ours, theirs, arguments.until, tolerance)
+    checks = []
+    for item in differences:
+        numbers = (item.greatest, item.rms, item.bound)
+        checks.append((item.column, item.unit, numbers, item.passed))
     _print_checks(console, (">largest", ">rms", ">bound of rms"), checks)
-    return 0 if all(each.passed for each in columns) else 1
+    return 0 if all(item.passed for item in differences) else 1
 
 
 def _print_checks(
@@ -121,7 +122,8 @@ def verify(arguments: argparse.Namespace, console: Console) -> int:
         for k, case in enumerate(selected):
             report(f"{case.name}, {case.engine}", k / len(selected))
             outcomes.extend(cases.outcomes(case))
-    (_print_hard if arguments.hard else _print_references)(console, outcomes)
+    print_outcomes = _print_hard if arguments.hard else _print_references
+    print_outcomes(console, outcomes)
     missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
     refused = sum(outcome.verdict == "refused" for outcome in outcomes)
     others = f", {refused} refused, {missed} missed" if arguments.hard else ""
@@ -240,7 +242,9 @@ def _measure_steps(
 
 
 def _print_methods(console: Console, points: Any) -> None:
-    for problem in {id(point.problem): point.problem for point in points}.values():
+    from presswear.validation.benchmark import problems_of
+
+    for problem in problems_of(points):
         quantity = next(iter(problem.quantities))
         rows = [
             [p.method.label, f"{1e3 * p.timing.cpu:.3g}", f"{p.errors[quantity]:.1e}"]

@@ -8,8 +8,8 @@ from presswear.scene.setting_list import (
     settings_in,
 )
 
-_WORK = "Process and life"
-_RUN = "Run"
+_WORK_TITLE = "Process and life"
+_RUN_TITLE = "Run"
 # Keys outside the mechanism, the process and the life that a user changes first
 _FIRST = {
     "joints",
@@ -53,21 +53,22 @@ def settings_in_groups(scene: Scene, every: bool = False) -> dict[str, list[Sett
         for setting in settings_in(part)
     }
     groups: dict[str, list[Setting]] = {
-        title: [] for title in ("Mechanism", "Bearings", _WORK, _RUN, *parts)
+        title: []
+        for title in ("Mechanism", "Bearings", _WORK_TITLE, _RUN_TITLE, *parts)
     }
     for setting in applicable_settings_of(scene):
-        first, _, last = setting.key.rpartition(".")
-        if last not in _FIRST and first.partition(".")[0] in scene.bearing_joints:
-            first = first.partition(".")[0]  # a number of the user law of a joint
-        title = title_of.get(setting.key, _RUN)
+        owner, _, name = setting.key.rpartition(".")
+        if name not in _FIRST and owner.partition(".")[0] in scene.bearing_joints:
+            owner = owner.partition(".")[0]  # a number of the user law of a joint
+        title = title_of.get(setting.key, _RUN_TITLE)
         is_first = title == "Mechanism" or setting.key in _FIRST
-        if first in scene.bearing_joints:
+        if owner in scene.bearing_joints:
             title = "Bearings"
-            is_first = last in {*_FIRST, *SINGLE}
+            is_first = name in {*_FIRST, *SINGLE}
         elif setting.key == "conventions":
             title = "Conventions"
-        elif "process" in (first, last) or "life" in (first, last):
-            title = _WORK
+        elif "process" in (owner, name) or "life" in (owner, name):
+            title = _WORK_TITLE
             is_first = True
         if every or is_first:
             groups[title].append(setting)

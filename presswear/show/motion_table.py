@@ -50,40 +50,45 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     joints = scene.loose_pins
     start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
-    lines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
-    together = combine(list(lines.values())) if lines else None
+    timelines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
+    together = combine(list(timelines.values())) if timelines else None
     labels = {"": f"acceleration of {scene.output} (m/s²)"}
     labels |= {joint: f"force at {joint} (N)" for joint in joints}
     spectra_by_name = spectra_of(scene, stage)
     spectra = {label: spectra_by_name[name] for name, label in labels.items()}
-
-    def visits(line: Timeline) -> dict[str, str]:
-        """Return the share of the time in a mode, its visits per cycle and their mean duration."""
-        texts = {mode: f"{100.0 * share:.2f} %" for mode, share in line.shares.items()}
-        for mode in texts:
-            if (times := line.visits(mode)).size:
-                length = 1e3 * float(times.mean())
-                texts[mode] += f", {times.size / cycles:.3g} of {length:.3g} ms"
-        return texts
-
-    def changes(line: Timeline) -> dict[str, float]:
-        counts = line.transitions
-        pairs = np.argwhere(counts)
-        return {
-            f"{MODES[a]} to {MODES[b]}": float(counts[a, b]) / cycles for a, b in pairs
-        }
-
     return {
         "cycles": round(cycles) if abs(cycles - round(cycles)) < 1e-6 else cycles,
-        "modes": {joint: visits(line) for joint, line in lines.items()},
-        "together": visits(together) if together else {},
+        "modes": {joint: _visits(each, cycles) for joint, each in timelines.items()},
+        "together": _visits(together, cycles) if together else {},
         "shares": together.shares if together else {},
-        "changes": {joint: changes(line) for joint, line in lines.items()},
+        "changes": {joint: _changes(each, cycles) for joint, each in timelines.items()},
         "period": str(period_of(scene, stage)),
         "harmonics": {name: _amplitudes(one) for name, one in spectra.items()},
         "whole": {name: _harmonic_share(one) for name, one in spectra.items()},
         "resonance": {joint: resonance(stage, joint) for joint in joints},
     }
+
+
+def _visits(timeline: Timeline, cycles: float) -> dict[str, str]:
+    """Return the share of the time in each mode, its visits per cycle and their mean duration."""
+    texts = {}
+    for mode, share in timeline.shares.items():
+        texts[mode] = f"{100.0 * share:.2f} %"
+        times = timeline.visits(mode)
+        if times.size:
+            length = 1e3 * float(times.mean())
+            texts[mode] += f", {times.size / cycles:.3g} of {length:.3g} ms"
+    return texts
+
+
+def _changes(timeline: Timeline, cycles: float) -> dict[str, float]:
+    """Return how often one mode follows another in a cycle, by both modes."""
+    counts = timeline.transitions
+    changes = {}
+    for before, after in np.argwhere(counts):
+        words = f"{MODES[before]} to {MODES[after]}"
+        changes[words] = float(counts[before, after]) / cycles
+    return changes
 
 
 def _amplitudes(spectrum: Spectrum) -> str:

@@ -365,17 +365,12 @@ class Table:
     def csv(self) -> str:
         """Return the table as CSV; a comment in the second line holds the units."""
         columns = self.columns()
+        units = self._units()
+        names = [f"{name} {units.get(name, '')}".rstrip() for name in columns]
         text = io.StringIO()
-        units = {
-            column.key: column.unit for column in (*self.parameters, *self.responses)
-        }
-        names = [
-            f"{name} {units.get(name.removesuffix('_half_width'), '')}"
-            for name in columns
-        ]
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
-        text.write(f"# units: {','.join(map(str.rstrip, names))}\n")
+        text.write(f"# units: {','.join(names)}\n")
         for row in zip(*columns.values(), strict=True):
             writer.writerow([_csv_cell(value) for value in row])
         return text.getvalue()

@@ -178,6 +178,15 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
     return points
 
 
+def problems_of(points: Sequence[Point]) -> list[Problem]:
+    """Return the problems of points, those of one problem one after another."""
+    listed: list[Problem] = []
+    for point in points:
+        if not listed or listed[-1] is not point.problem:
+            listed.append(point.problem)
+    return listed
+
+
 def table(points: Sequence[Point]) -> list[dict[str, object]]:
     """Return one row for each problem, method and quantity; a method that failed has no numbers."""
     names = ("integrator", "parameter", "value", "is_default", "is_paper")
@@ -210,7 +219,7 @@ _MARK |= {"markerfacecolor": "none"}
 @matplotlib.rc_context(style.SETTINGS)
 def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
     """Draw the first two errors of each problem over the CPU time."""
-    listed = list({id(point.problem): point.problem for point in points}.values())
+    listed = problems_of(points)
     families = list(dict.fromkeys(point.method.family for point in points))
     sheet, grid = style.panels(len(listed), 2, 1.0 + 2.4 * len(listed))
     handles: dict[str, Any] = {}  # of the legend, by label

@@ -13,8 +13,9 @@ from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
-# height of a panel over its largest value, without and with a note
-_HEADROOM = (1.15, 1.4)
+# height of a panel over its largest value
+_HEADROOM = 1.15
+_HEADROOM_WITH_NOTE = 1.4
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
 _LIFE = Pen("life with its interval", style.LINES[2][0])
@@ -45,12 +46,11 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
         axes.xaxis.set_major_formatter(lambda value, _: f"{factor * value:g}")
     for axes in lowest:
         axes.set_xlabel(f"({unit} strokes)" if unit else "(strokes)")
-    pens = [
-        _MEAN,
-        _LIMIT,
-        *[_LIFE] * (life.ended == "limit"),
-        *[_SERVICE] * bool(services),
-    ]
+    pens = [_MEAN, _LIMIT]
+    if life.ended == "limit":
+        pens.append(_LIFE)
+    if services:
+        pens.append(_SERVICE)
     curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
     first = life.first if life.ended == "limit" else None
     return style.finished(
@@ -87,7 +87,8 @@ def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
             _LIMIT.draw(axes, (0.0, end), (limit.value, limit.value))
         else:
             style.note(axes, f"limit {limit_text(limit)}")
-    headroom = _HEADROOM[len(near) < len(limits)]
+    has_note = len(near) < len(limits)
+    headroom = _HEADROOM_WITH_NOTE if has_note else _HEADROOM
     axes.set_ylim(0.0, headroom * largest if largest > 0.0 else 1.0)
     style.label_values(axes, "", FOLLOWED[key.rpartition(".")[2]].unit, largest)
     is_first = life.first is not None and life.first.key == key

@@ -1,6 +1,7 @@
 """Figures of wear: depth over angle and over cycles, outlines and profiles of worn surfaces."""
 
 import math
+from collections.abc import Sequence
 from itertools import accumulate, product
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from matplotlib.ticker import MultipleLocator
 from presswear.linkage.surface import SIDES, Surface
 from presswear.results.joint_result import JointResult
 from presswear.results.result import Result
+from presswear.results.stage import WearStep
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Sheet, Shown, Stages
 from presswear.tools.arrays import Array
@@ -146,20 +148,17 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         return []
     joints = result.scene.loose_pins
     steps = [step for stage in result.stages for step in stage.wear_steps]
-    whole = sum(step.cycles_per_update for step in steps)
-    unit = "million" if whole >= LEAST_MILLION else "thousand"
-    factor = unit_factor("million") * (1.0 if unit == "million" else 1e3)
-    sizes = (factor * step.cycles_per_update for step in steps)
-    cycles = list(accumulate(sizes, initial=0.0))
-    ends = list(
-        accumulate((len(stage.wear_steps) for stage in result.stages), initial=0)
-    )
-    first = ends[stages[0].index]
-    last = ends[stages[-1].index + 1]
-    names = [(stage.index + 1, stage.wear_steps) for stage in stages]
-    updates = [
-        (cycles[ends[k]], result.stage_name(k)) for k, applied in names if applied
-    ]
+    cycles, unit = _cycles_at_ends(steps)
+    # steps before each stage, and all of them
+    counts = (len(stage.wear_steps) for stage in result.stages)
+    steps_before = list(accumulate(counts, initial=0))
+    first = steps_before[stages[0].index]
+    last = steps_before[stages[-1].index + 1]
+    updates = []  # cycles at the end of each wear update, and its name
+    for stage in stages:
+        if stage.wear_steps:
+            end = cycles[steps_before[stage.index + 1]]
+            updates.append((end, result.stage_name(stage.index + 1)))
     named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
     marker = "." if last - first < _MARKED_STEPS else ""
     sheet, panels, _ = style.panel_list(len(joints), 2.3)
@@ -191,6 +190,15 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     pens = _SURFACES.values()
     turns = style.maps_turn(result)
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
+
+
+def _cycles_at_ends(steps: Sequence[WearStep]) -> tuple[list[float], str]:
+    """Return the represented cycles at the start and after each step, and their unit."""
+    whole = sum(step.cycles_per_update for step in steps)
+    unit = "million" if whole >= LEAST_MILLION else "thousand"
+    factor = unit_factor("million") * (1.0 if unit == "million" else 1e3)
+    sizes = (factor * step.cycles_per_update for step in steps)
+    return list(accumulate(sizes, initial=0.0)), unit
 
 
 class _View(NamedTuple):

@@ -32,7 +32,7 @@ from presswear.show.replay.shapes import (
     mix,
     moved,
     ring,
-    strokes,
+    segments,
     two_digits,
 )
 from presswear.tools.arrays import Array
@@ -159,7 +159,7 @@ class EnlargedJoint:
             points = self.centre + self.gap_factor * eccentricity
             shares = 0.85 * (1.0 - np.arange(1, count + 1) / count)
             paints = [mix(self.paint, PAPER, share) for share in shares.tolist()]
-            drawn += strokes(points, 0.016 * self.radius, 86, paints)
+            drawn += segments(points, 0.016 * self.radius, 86, paints)
             drawn.append(
                 filled(circle(points[-1], 0.03 * self.radius, 16), 86, self.paint)
             )

@@ -243,7 +243,7 @@ def ring(
     return band(inner, outer, layer, paint)
 
 
-def strokes(
+def segments(
     points: Array, width: float, layer: int, paints: Sequence[Colour]
 ) -> list[Shape]:
     """Return the lines between successive points, shape (n, 2), one colour each."""
@@ -259,7 +259,7 @@ def strokes(
 
 def line(start: Point, end: Point, width: float, layer: int, paint: Colour) -> Shape:
     """Return a straight line of some width."""
-    return strokes(np.array([start, end], dtype=float), width, layer, [paint])[0]
+    return segments(np.array([start, end], dtype=float), width, layer, [paint])[0]
 
 
 def arrow(
