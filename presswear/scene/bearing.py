@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import InitVar, dataclass, fields
 from typing import Any, get_args
 
-from presswear.linkage.clearance_joint import SurfaceContact
 from presswear.linkage.friction_law import (
     RATE_PARAMETERS,
     STATE_PARAMETERS,
@@ -29,7 +28,6 @@ from presswear.linkage.normal_law import (
 )
 from presswear.linkage.oil import MAX_FILM_WIDTH, MIN_FILM_WIDTH, OILED_CLEARANCE
 from presswear.linkage.wear_law import ARCHARD, WEAR_PARAMETERS
-from presswear.scene.conventions import Conventions
 from presswear.scene.fits import fit_of, middle_of
 from presswear.tools.errors import InputError
 from presswear.tools.fields import choice, count, named_set, quantity
@@ -389,27 +387,6 @@ class Bearing(FrictionSettings, DryContact):
                 "allowed is 1"
             )
 
-    def check_conventions(self, where: str, conventions: Conventions) -> None:
-        """Raise InputError if the joint cannot wear with the conventions.
-
-        Asperities in an oil film and a user law of the pressure wear over an arc.
-        ``where`` is the start of the message.
-        """
-        if self.wears_by_pressure and conventions.wear_distribution != "arc":
-            raise InputError(
-                f"{where}wear_law = {self.wear_law}: with wear_distribution = "
-                f"{conventions.wear_distribution} allowed is a law without pressure; or use "
-                "wear_distribution = arc"
-            )
-        if not self.has_film or self.materials.wear_coefficient == 0.0:
-            return
-        for key, allowed in (("wear_distribution", "arc"), ("slip", "sliding")):
-            if getattr(conventions, key) != allowed:
-                raise InputError(
-                    f"{where}film = run: with {key} = {getattr(conventions, key)} allowed is "
-                    f"report; or use {key} = {allowed}"
-                )
-
     @property
     def unread(self) -> tuple[str, ...]:
         """Names of the settings that have no effect with this clearance and these laws."""
@@ -446,35 +423,6 @@ class Bearing(FrictionSettings, DryContact):
         pair = self.materials
         runs_in = pair.running_in != 1.0 and pair.running_in_depth is None
         return self.viscosity is not None or runs_in
-
-    def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
-        """Raise InputError if sizes and laws of a pin do not fit the contact of the surfaces.
-
-        ``where`` is the start of the message.
-        """
-        if self.clearance >= self.bearing_radius:
-            radius = f"the bearing radius, {written(self.bearing_radius, 'm')}"
-            clearance = written(self.clearance, "m")
-            raise InputError(
-                f"{where}clearance = {clearance}: allowed is below {radius}"
-            )
-        if contact != "foundation":
-            return
-        if self.elasticity not in (AUTO, "foundation"):
-            allowed = "with contact = 'foundation' allowed is auto or foundation, so that new and"
-            advice = f"worn surfaces have one law; use contact = 'radial' with {self.elasticity}"
-            raise InputError(
-                f"{where}elasticity = {self.elasticity}: {allowed} {advice}"
-            )
-        if self.exponent != 1.5:
-            allowed = (
-                "with contact = 'foundation' allowed is 1.5; or use contact = 'radial'"
-            )
-            raise InputError(f"{where}exponent = {self.exponent:g}: {allowed}")
-        if is_worn and not isinstance(self.normal_law, str):
-            allowed = f"one of {', '.join(DAMPINGS)}; or use contact = 'radial'"
-            law = f"{where}normal_law = {self.normal_law}"
-            raise InputError(f"{law}: with contact = 'foundation' allowed is {allowed}")
 
     @property
     def total_width(self) -> float:

@@ -14,20 +14,18 @@ from presswear.engines.settings import (
 )
 from presswear.linkage.guide_corner import largest_tilt
 from presswear.linkage.joints import Guide, closing_guides
-from presswear.linkage.load_laws import LOAD_PARAMETERS, check_load
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, check_reach
 from presswear.linkage.topology import branches_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
+from presswear.scene.bearing_checks import check_contact, check_conventions
 from presswear.scene.conventions import CONVENTIONS, Conventions
 from presswear.scene.guide_clearance import check_guide, deepest_wall
 from presswear.scene.initial_surfaces import initial_surfaces
 from presswear.scene.life_checks import check_life
-from presswear.scene.loaded_linkage import LoadedLinkage
 from presswear.scene.mechanism_kinds import AnyMechanism, mechanism_from
 from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
-from presswear.scene.pin_joints import check_user_friction, check_user_laws
 from presswear.scene.run_checks import (
     check_masses,
     check_open_tree,
@@ -36,12 +34,11 @@ from presswear.scene.run_checks import (
     check_torque_limits,
 )
 from presswear.scene.stage_names import stage_name
-from presswear.tools.compiled_law import check_compiles
+from presswear.scene.user_laws import LinkageWithUserLaws
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.fields import choice, count, named_set, one_of, quantity
 from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked, check_type, converted, from_plain, plain
-from presswear.tools.user_function import UserFunction
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))
@@ -52,7 +49,7 @@ LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 
 
 
 @dataclass(frozen=True)
-class Scene(LoadedLinkage, Checked):
+class Scene(LinkageWithUserLaws, Checked):
     """Mechanism, bearings and all other settings of a run.
 
     Attributes
@@ -236,8 +233,8 @@ class Scene(LoadedLinkage, Checked):
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, bearing in self.bearings_of_pins.items():
             prefix = f"{name}." if name else ""
-            bearing.check_contact(prefix, self.conventions.contact, is_worn)
-            bearing.check_conventions(prefix, self.conventions)
+            check_contact(bearing, prefix, self.conventions.contact, is_worn)
+            check_conventions(bearing, prefix, self.conventions)
         for guide in self.loose_guides:
             self._check_guide(guide)
 
@@ -334,60 +331,6 @@ class Scene(LoadedLinkage, Checked):
             guide.name: deepest_wall(self.bearing(guide.name), guide)
             for guide in self.worn_guides
         }
-
-    def check_user_laws(self) -> None:
-        """Raise InputError if a user law returns no number or creates energy; executes the law."""
-        self.check_trusted()
-        for joint in self.all_loose_joints:
-            check_user_laws(self.bearing(joint), joint, self.conventions)
-        for joint in self.rigid_bearings:
-            check_user_friction(self.bearing(joint), joint)
-        for key, law in self.user_laws.items():
-            if key.startswith(("loads[", "drives[")):
-                check_load(key, law)
-                check_compiles(law, key, LOAD_PARAMETERS)
-
-    @property
-    def user_laws(self) -> dict[str, UserFunction]:
-        """User laws, source code, by keys such as ``A.normal_law`` and ``loads[0].law``."""
-        laws = {
-            f"{joint}.{key}": getattr(self.bearing(joint), key)
-            for joint in self.all_loose_joints
-            for key in ("normal_law", "friction_law", "wear_law")
-        }
-        laws |= {
-            f"{one}.friction_law": self.bearing(one).friction_law
-            for one in self.rigid_bearings
-        }
-        applied = enumerate(self.mechanism.linkage().loads)
-        laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
-        drives = enumerate(self.mechanism.linkage().drives)
-        laws |= {
-            f"drives[{k}].motor.law": getattr(drive.motor, "law", None)
-            for k, drive in drives
-        }
-        return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
-
-    @property
-    def has_untrusted_loads(self) -> bool:
-        """True if ideal torques would execute source code that was read from a result."""
-        laws = self.user_laws.items()
-        return any(key.startswith("loads[") and not law.is_trusted for key, law in laws)
-
-    @property
-    def is_trusted(self) -> bool:
-        """True if no source code was read from a result that may not be executed."""
-        return all(law.is_trusted for law in self.user_laws.values())
-
-    def check_trusted(self) -> None:
-        """Raise UntrustedLaw if a run would execute source code that was read from a result."""
-        for key, law in self.user_laws.items():
-            law.check_trusted(key)
-
-    def trust(self) -> None:
-        """Allow this process to execute the source code of the user laws."""
-        for law in self.user_laws.values():
-            law.trusted()
 
     @property
     def replicate_count(self) -> int:

@@ -10,45 +10,26 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
-
-from presswear.linkage.surface import SIDES
-from presswear.physics.statics import total_clearance
-from presswear.physics.wear import worn_volume
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.columns import Column as CycleColumn
-from presswear.recording.statistics import STARTUP_CYCLES, Estimate
-from presswear.recording.statistics.estimate import greatest
-from presswear.results.bottom_dead_centre import rise
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
-from presswear.results.joint_result import JointResult
-from presswear.results.motor_load import leader_speed, motor_loads
+from presswear.results.motor_load import motor_loads
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
-from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.options import FOLLOWED
 from presswear.scene.scene import Scene
+from presswear.sweeps import response_readers as read
 from presswear.sweeps.parameters import Column
+from presswear.sweeps.response_readers import Response
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
-
-
-class Response(NamedTuple):
-    """Value of a response."""
-
-    value: float | None
-    half_width: float | None = None  # of its 95 % interval
-    censored: bool = False  # whether the value is a lower bound
-
 
 User = Callable[[Result], float]
 
 OF_WORN = ("depth", "wear_volume")
-
 
 Needed = Literal[
     "", "life", "motor", "elastic frame", "guide with clearance", "oil film"
@@ -72,121 +53,6 @@ class Definition(NamedTuple):
     needs: Needed = ""  # what a scene, or a joint, must have
 
 
-def _response(estimate: Estimate | None) -> Response | None:
-    return None if estimate is None else Response(estimate.mean, estimate.half_width)
-
-
-def _earlier(result: Result, stage: StageResult, joint: str) -> list[JointStatistics]:
-    """Return the statistics of a joint in the stages before a stage."""
-    joints = [
-        one.joints[joint].stored for one in result.stages if one.index < stage.index
-    ]
-    return [statistics for statistics in joints if statistics is not None]
-
-
-def _depth(result: Result, stage: StageResult, joint: JointResult) -> Response:
-    """Return the largest depth; its interval is available after a single wear update."""
-    value, side = max((float(joint.depth(side).max()), side) for side in SIDES)
-    earlier = _earlier(result, stage, joint.name)
-    if len(earlier) != 1 or result.scene.surfaces or side not in earlier[0].wear_peaks:
-        return Response(value)
-    return Response(value, earlier[0].wear_peaks[side].depth.half_width)
-
-
-def _volume(result: Result, stage: StageResult, joint: JointResult) -> Response:
-    """Return the worn volume; the errors of wear updates are independent."""
-    clearances = {one.name: one for one in result.scene.linkage().clearances}
-    value = worn_volume(
-        clearances[joint.name], np.array([joint.depth(side) for side in SIDES])
-    )
-    halves = [one.wear_volume.half_width for one in _earlier(result, stage, joint.name)]
-    if not halves or None in halves:
-        return Response(value)
-    return Response(value, math.hypot(*(half for half in halves if half is not None)))
-
-
-def _rate(result: Result, stage: StageResult, joint: JointResult) -> Response | None:
-    per_stroke = 1.0 / stage.cycles_per_update
-    return _response(
-        joint.stored.wear_volume.scaled(per_stroke) if joint.stored else None
-    )
-
-
-def _drift(result: Result, stage: StageResult, joint: None) -> Response | None:
-    change = rise(stage, result.stages[0])
-    return Response(0.0, 0.0) if change and stage.index == 0 else _response(change)
-
-
-def _clearance(result: Result, stage: StageResult, joint: None) -> Response:
-    return Response(total_clearance(result.scene.linkage(stage.surfaces)))
-
-
-def _of_speed(name: str, factor: float = 1.0) -> Callable[..., Response | None]:
-    """Return the function that reads a number of the first motor's speed."""
-
-    def read(result: Result, stage: StageResult, joint: None) -> Response | None:
-        speed = leader_speed(result.scene, stage)
-        estimate: Estimate | None = None if speed is None else getattr(speed, name)
-        return _response(None if estimate is None else estimate.scaled(factor))
-
-    return read
-
-
-def _greatest_of(
-    loads: Callable[[Scene, StageResult], Any], name: str
-) -> Callable[..., Response | None]:
-    """Return the function that reads the greatest number of the motors, or of the frames."""
-
-    def read(result: Result, stage: StageResult, joint: None) -> Response | None:
-        each = (getattr(load, name) for load in loads(result.scene, stage).values())
-        return _response(greatest(filter(None, each)))
-
-    return read
-
-
-def _wall_wear(result: Result, stage: StageResult, joint: None) -> Response | None:
-    sides = (walls.values() for walls in stage.statistics.walls.values())
-    depths = (wall.depth_per_cycle for wall in chain.from_iterable(sides))
-    return _response(greatest(depths))
-
-
-def _settled(result: Result, stage: StageResult, joint: None) -> Response | None:
-    settling = stage.statistics.settling
-    return None if settling is None else Response(settling.settled / settling.runs)
-
-
-def _life(result: Result, stage: None, joint: None) -> Response | None:
-    if (life := result.life) is None:
-        return None
-    return Response(life.strokes, life.interval.half_width, life.first is None)
-
-
-def _at(path: str) -> Callable[..., Response | None]:
-    """Return the function that reads an estimate at a path of attributes of a joint or a stage."""
-
-    def read(
-        result: Result, stage: StageResult, joint: JointResult | None
-    ) -> Response | None:
-        value: Any = joint or stage
-        for name in path.split("."):
-            value = value and getattr(value, name)
-        return _response(value)
-
-    return read
-
-
-def _mean(name: str) -> Callable[..., Response | None]:
-    """Return the function that reads the mean of a recorded number over cycles."""
-
-    def read(
-        result: Result, stage: StageResult, joint: JointResult | None
-    ) -> Response | None:
-        statistics = joint.stored if joint else stage.statistics
-        return _response(statistics.means.get(name) if statistics else None)
-
-    return read
-
-
 def _means(
     scope: Literal["joint", "stage"],
     columns: tuple[CycleColumn, ...],
@@ -198,7 +64,7 @@ def _means(
             column.unit.removeprefix("1"),
             f"{column.mean_label}, mean over cycles",
             scope,
-            _mean(column.name),
+            read.mean_of(column.name),
             in_table=False,
             needs=needs,
         )
@@ -213,119 +79,125 @@ def _meaning(name: str) -> tuple[str, str]:
 
 RESPONSES = {
     "force_max": Definition(
-        *_meaning("force_max"), "joint", _at("stored.peak_force_per_cycle")
+        *_meaning("force_max"), "joint", read.at_path("stored.peak_force_per_cycle")
     ),
-    "depth": Definition(*_meaning("depth"), "joint", _depth),
-    "wear_volume": Definition(*_meaning("wear_volume"), "joint", _volume),
+    "depth": Definition(*_meaning("depth"), "joint", read.depth),
+    "wear_volume": Definition(*_meaning("wear_volume"), "joint", read.worn_volume_of),
     "wear_rate": Definition(
-        "m^3", "volume that bearing and pin lose in a stroke", "joint", _rate
+        "m^3", "volume that bearing and pin lose in a stroke", "joint", read.wear_rate
     ),
     "contacts": Definition(
-        "", "contacts in a cycle", "joint", _at("stored.contacts_per_cycle")
+        "", "contacts in a cycle", "joint", read.at_path("stored.contacts_per_cycle")
     ),
     # With its sign, in contrast to the limits of a life
     "bdc_error": Definition(
         "m",
         "error of the height of bottom dead centre, mean; negative is deeper",
         "stage",
-        _at("statistics.bdc.error"),
+        read.at_path("statistics.bdc.error"),
     ),
     "bdc_drift": Definition(
         "m",
         "change of the mean height of bottom dead centre; negative is deeper",
         "stage",
-        _drift,
+        read.bdc_drift,
     ),
     "repeatability": Definition(
-        *_meaning("repeatability"), "stage", _at("statistics.bdc.standard_deviation")
+        *_meaning("repeatability"),
+        "stage",
+        read.at_path("statistics.bdc.standard_deviation"),
     ),
     "total_clearance": Definition(
-        *_meaning("total_clearance"), "stage", _clearance, optional=True
+        *_meaning("total_clearance"), "stage", read.clearance, optional=True
     ),
     "drive_work": Definition(
         "J",
         "work of all drives in a cycle, less the change of stored energy",
         "stage",
-        _at("statistics.drive_work_per_cycle"),
+        read.at_path("statistics.drive_work_per_cycle"),
     ),
     "strokes_per_minute": Definition(
         "",
         "strokes a minute that the motor reaches",
         "stage",
-        _of_speed("stroke_rate", 60.0),
+        read.of_speed("stroke_rate", 60.0),
         needs="motor",
     ),
     "speed_drop": Definition(
         "",
         "drop of the motor's speed by the work, part of the speed",
         "stage",
-        _of_speed("drop"),
+        read.of_speed("drop"),
         needs="motor",
     ),
     "motor_rms": Definition(
         "",
         "rms over rated torque of the motor, the greatest",
         "stage",
-        _greatest_of(motor_loads, "rms_fraction"),
+        read.greatest_of(motor_loads, "rms_fraction"),
         needs="motor",
     ),
     "slip_loss": Definition(
         "J",
         "slip loss of the motor in a cycle, the greatest",
         "stage",
-        _greatest_of(motor_loads, "slip_loss"),
+        read.greatest_of(motor_loads, "slip_loss"),
         needs="motor",
     ),
     "frame_stretch": Definition(
         "m",
         "stretch of the frame at its greatest force in the work",
         "stage",
-        _greatest_of(frame_loads, "stretch"),
+        read.greatest_of(frame_loads, "stretch"),
         needs="elastic frame",
     ),
     "reverse_force": Definition(
         "",
         "reverse force of the frame over its greatest force",
         "stage",
-        _greatest_of(frame_loads, "reverse_fraction"),
+        read.greatest_of(frame_loads, "reverse_fraction"),
         needs="elastic frame",
     ),
     "slide_tilt": Definition(
         "",
         "tilt of the slide, rad: at the fracture, else at the touch, else at the bottom",
         "stage",
-        _greatest_of(guide_tilts, "working"),
+        read.greatest_of(guide_tilts, "working"),
         needs="guide with clearance",
     ),
     "slide_tilt_max": Definition(
         "",
         "greatest tilt of the slide in a stroke, rad",
         "stage",
-        _greatest_of(guide_tilts, "greatest"),
+        read.greatest_of(guide_tilts, "greatest"),
         needs="guide with clearance",
     ),
     "corner_force": Definition(
         "N",
         "greatest normal force of a corner of the slide in a cycle",
         "stage",
-        _greatest_of(guide_tilts, "corner_force"),
+        read.greatest_of(guide_tilts, "corner_force"),
         needs="guide with clearance",
     ),
     "wall_wear": Definition(
         "m",
         "depth that a stroke wears off the deepest place of a wall",
         "stage",
-        _wall_wear,
+        read.wall_wear,
         needs="guide with clearance",
     ),
     "settled": Definition(
         "",
         "share of the runs that came to rest on a regular motion",
         "stage",
-        _settled,
+        read.settled_share,
     ),
     "life": Definition(
-        "", "strokes until the first limit is exceeded", "result", _life, needs="life"
+        "",
+        "strokes until the first limit is exceeded",
+        "result",
+        read.service_life,
+        needs="life",
     ),
     **_means("joint", JOINT_CYCLE),
     **_means("joint", FILM_CYCLE, needs="oil film"),

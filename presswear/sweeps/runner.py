@@ -31,9 +31,9 @@ from presswear.recording.observer import Observer
 from presswear.results.folder import program_digest
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
+from presswear.sweeps.response_readers import Response
 from presswear.sweeps.responses import (
     Requested,
-    Response,
     User,
     responses_of,
     user_responses,

@@ -20,9 +20,9 @@ from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.response_limits import ResponseLimit, parse_limits
+from presswear.sweeps.response_readers import Response
 from presswear.sweeps.responses import (
     Requested,
-    Response,
     User,
     digest_of,
     freedom_of,

@@ -13,6 +13,7 @@ import presswear as pw
 from presswear.sweeps import responses
 from presswear.sweeps.parameters import Column
 from presswear.sweeps.response_limits import ResponseLimit, parse_limits
+from presswear.sweeps.response_readers import Response
 
 QUICK = {
     "engine": "dae",
@@ -64,7 +65,7 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
     heights = result.stages[1].each_cycle("bottom_height") - SCENE.bottom
     assert heights.min() <= second <= heights.max()
     assert values["bdc_drift@1"].value == pytest.approx(second - first, rel=1e-9, abs=0)
-    assert values["bdc_drift@0"] == responses.Response(0.0, 0.0)
+    assert values["bdc_drift@0"] == Response(0.0, 0.0)
     assert min(first, second) < 0.0
     texts = [responses.RESPONSES[name].text for name in ("bdc_error", "bdc_drift")]
     assert all(
@@ -81,7 +82,7 @@ def test_declared_means_are_stored_and_reported_on_request(result: pw.Result) ->
     values = responses.responses_of(result, USUAL)
     first, last = (stage.statistics for stage in result.stages)
     estimate = first.joints["A"].means["closed_time"]
-    expected = responses.Response(estimate.mean, estimate.half_width)
+    expected = Response(estimate.mean, estimate.half_width)
     assert values["A.closed_time@0"] == expected
     assert values["steps"].value == last.means["steps"].mean
     assert "A.least_film" not in responses.available(SCENE)
@@ -126,7 +127,7 @@ def test_responses_may_be_user_functions(result: pw.Result) -> None:
     assert [column.key for column in requested.columns] == ["peak", "A.force_max"]
     assert requested.columns[0].text == "Highest force at A in all stages."
     values = responses.user_responses(result, requested.functions)
-    assert values == {"peak": responses.Response(peak(result))}
+    assert values == {"peak": Response(peak(result))}
     assert requested.extra != responses.request(SCENE, [highest]).extra
     with pytest.raises(
         pw.InputError, match="response word = 'a word': must be a number"

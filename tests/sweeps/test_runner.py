@@ -19,7 +19,8 @@ import pytest
 
 import presswear as pw
 from presswear.sweeps import runner
-from presswear.sweeps.responses import Response, request
+from presswear.sweeps.response_readers import Response
+from presswear.sweeps.responses import request
 from presswear.sweeps.sweep import load_sweep
 from presswear.tools.errors import InputError, RunFailed
 
