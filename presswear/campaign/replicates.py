@@ -123,8 +123,10 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
 def linkage_on(scene: Scene, depth: Array) -> Linkage:
     """Return the linkage of a scene on surfaces worn by a depth, m; see ``map_shape``."""
     linkage = scene.linkage()
-    initial = [(one.bearing_surface, one.pin_surface) for one in linkage.clearances]
-    is_worn = any(surface.is_worn for sides in initial for surface in sides)
+    is_worn = any(
+        joint.bearing_surface.is_worn or joint.pin_surface.is_worn
+        for joint in linkage.clearances
+    )
     if not (is_worn or depth.any()):
         return linkage
     return _linkage_on(scene, depth.shape, depth.tobytes())
@@ -136,10 +138,8 @@ def _linkage_on(scene: Scene, shape: tuple[int, ...], numbers: bytes) -> Linkage
     linkage = scene.linkage()
     surfaces = {}
     for joint, (bearing, pin) in zip(linkage.clearances, depth, strict=True):
-        surfaces[joint.name] = (
-            Surface(bearing[: joint.bins]),
-            Surface(pin[: joint.bins]),
-        )
+        bins = joint.bins
+        surfaces[joint.name] = Surface(bearing[:bins]), Surface(pin[:bins])
     for guide, (left, right) in walls_of(linkage, depth).items():
         surfaces[guide] = Surface(left), Surface(right)
     return scene.linkage(surfaces)
@@ -154,23 +154,29 @@ def worn_out(
 ) -> Finding | None:
     """Return a finding on the first surface that is worn deeper than the model holds.
 
-    See ``linkage.clearance_joint.deepest_wear``. The shape of
-    the depth is (..., joints, 2, bins), m; ``strokes`` wore it.
+    See ``linkage.clearance_joint.deepest_wear``. The shape of the depth is
+    (..., joints, 2, bins), m; ``strokes`` wore it.
     """
     deepest = depth.max(axis=-1, initial=0.0)
     allowed = np.array([joint.deepest_wear for joint in joints])[:, np.newaxis]
-    for *run, k, side in np.argwhere(deepest > allowed)[:1]:
-        worn = quantity_text(deepest[(*run, k, side)], "m")
-        limit = quantity_text(joints[k].deepest_wear, "m")
-        clearance = quantity_text(joints[k].clearance, "m")
-        part = "wall" if isinstance(joints[k], GuideCorner) else SIDES[side]
-        what = f"{where}the {part} would lose {worn}, more than {limit}, "
-        what += f"with a clearance of {clearance}"
-        tenth = 0.1 * strokes * joints[k].clearance / float(deepest[(*run, k, side)])
-        advice = f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
-        advice += "; or check wear_coefficient"
-        return Finding("wear", what, time, joints[k].name, advice)
-    return None
+    places = np.argwhere(deepest > allowed)
+    if not len(places):
+        return None
+    first = tuple(places[0])
+    joint = joints[first[-2]]
+    worn = float(deepest[first])
+    part = "wall" if isinstance(joint, GuideCorner) else SIDES[first[-1]]
+    limit = quantity_text(joint.deepest_wear, "m")
+    what = (
+        f"{where}the {part} would lose {quantity_text(worn, 'm')}, more than {limit}, "
+    )
+    what += f"with a clearance of {quantity_text(joint.clearance, 'm')}"
+    tenth = 0.1 * strokes * joint.clearance / worn
+    advice = (
+        f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
+    )
+    advice += "; or check wear_coefficient"
+    return Finding("wear", what, time, joint.name, advice)
 
 
 @dataclass(frozen=True)
@@ -187,12 +193,10 @@ class RunSpec:
 
     def plan(self, scene: Scene) -> Plan:
         """Return the plan of each run, without observers."""
-        # Strokes on work are samples of the loads of joints and drives.
-        recorded = (
-            Plan.recorded_cycles
-            if scene.process is None
-            else STARTUP_CYCLES + RANGE_STROKES
-        )
+        recorded = Plan.recorded_cycles
+        if scene.process is not None:
+            # Strokes on work are samples of the loads of joints and drives.
+            recorded = STARTUP_CYCLES + RANGE_STROKES
         recording = scene.recording
         if recording.recorded_cycles is not None:
             recorded = recording.recorded_cycles
@@ -236,9 +240,8 @@ class RunState:
         """Return the finished run on surfaces, shape (joints, 2, bins), m."""
         assert self.status is not None
         assert self.end is not None
-        recorder = recorder_of(
-            linkage_on(scene, depth), start_of(scene), spec.plan(scene)
-        )
+        linkage = linkage_on(scene, depth)
+        recorder = recorder_of(linkage, start_of(scene), spec.plan(scene))
         recorder.load(part(self.arrays, "recorder"))
         diagnostics = dict(self.diagnostics)
         return Run(
@@ -303,9 +306,9 @@ class _RunningPart(Observer):
         self._started = clock.perf_counter()
         self._is_interrupted = False
         self.arrays = unit.part.arrays
-        self._resumed = (
-            0 if self.arrays is None else len(self.arrays["recorder/cycles"])
-        )
+        self._resumed = 0
+        if self.arrays is not None:
+            self._resumed = len(self.arrays["recorder/cycles"])
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         cycles = len(recorder.cycles)
@@ -344,10 +347,21 @@ class _OnPiece(Observer):
         return False
 
 
+# Numbers of a cycle, and the names of their errors in ``StageStatistics``
 _CHECKED = {
     "load_distance": "load_distance_step_error",
     "force_max": "peak_force_step_error",
 }
+
+
+def _values_of(recorder: Recorder, piece: int) -> Array:
+    """Return the checked numbers of a piece, (numbers, joints); nan if it did not end."""
+    joints = range(recorder.records.memory.size)
+    values = np.full((len(_CHECKED), len(joints)), np.nan)
+    if piece < len(recorder.cycles):
+        for row, name in zip(values, _CHECKED, strict=True):
+            row[:] = [recorder.each_cycle(name, k)[piece] for k in joints]
+    return values
 
 
 @dataclass(frozen=True)
@@ -372,10 +386,9 @@ class StepCheck:
         scene = self.scene
         linkage = linkage_on(self.scene, self.depth)
         cycle = scene.mechanism.period
-        joints = range(len(linkage.clearances))
         engine = scene.solver.for_cycle(cycle)
         finer: Engine | None = engine.finer(REFINEMENT)
-        if finer is None or not joints:
+        if finer is None or not linkage.clearances:
             return {}
         simulate_finer = finer.simulate
         start = start_of(scene, self.replicate)
@@ -385,26 +398,18 @@ class StepCheck:
         plan = replace(plan, report=lambda part, recorder: report(part))
         fine: dict[int, Array] = {}
 
-        def values_of(recorder: Recorder, piece: int) -> Array:
-            if piece >= len(recorder.cycles):
-                return np.full((len(_CHECKED), len(joints)), np.nan)
-            return np.array(
-                [[recorder.each_cycle(n, k)[piece] for k in joints] for n in _CHECKED]
-            )
-
         def refine(piece: int, state: Callable[[], State]) -> None:
             if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
                 again = replace(plan, cycles=piece + 1, resume=state())
-                fine[piece] = values_of(
-                    simulate_finer(linkage, start, again).recorder, piece
-                )
+                repeated = simulate_finer(linkage, start, again)
+                fine[piece] = _values_of(repeated.recorder, piece)
 
         run = engine.simulate(
             linkage, start, replace(plan, observers=(_OnPiece(refine),))
         )
         if run.status == "failed" or np.isnan([*fine.values()]).any():
             return {}
-        usual = np.sum([values_of(run.recorder, piece) for piece in fine], axis=0)
+        usual = np.sum([_values_of(run.recorder, piece) for piece in fine], axis=0)
         change = np.abs(np.sum([*fine.values()], axis=0) - usual)
         relative = np.divide(change, usual, out=np.zeros_like(usual), where=usual > 0.0)
         return dict(zip(_CHECKED.values(), relative.max(axis=1).tolist(), strict=True))

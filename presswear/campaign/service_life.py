@@ -93,11 +93,11 @@ def run_refinements(
 def _check_new(limits: Sequence[Limit], refinement: Refinement) -> None:
     """Raise InputError if a limit is below the interval of the value in the first block."""
     for limit in limits:
-        values = [
-            refinement.curve(limit.key, np.array([k]))
-            for k in range(refinement.histories)
-        ]
-        if np.mean(values) - (half_width(np.ravel(values)) or 0.0) >= limit.value:
+        histories = range(refinement.histories)
+        curves = [refinement.curve(limit.key, np.array([k])) for k in histories]
+        values = np.ravel(curves)
+        lowest = values.mean() - (half_width(values) or 0.0)
+        if lowest >= limit.value:
             raise _exceeded_when_new(limit, refinement)
 
 
@@ -115,15 +115,14 @@ def next_block(
     """Return the next block, or maintenance, of a refinement; None if it is finished."""
     blocks = refinement.blocks
     if not blocks:
-        return BlockPlan(
-            MIN_BLOCK, min(problem.first_share, problem.at_most / MIN_BLOCK)
-        )
+        return _first_block(problem, problem.at_most)
     last = blocks[-1]
-    interval = blocks[-1].interval
-    is_used_up = (
-        last.strokes >= problem.at_most or refinement.cycles >= 2 * problem.max_cycles
-    )
-    if last.ended_by or is_used_up or refinement.determines(problem.limits):
+    interval = last.interval
+    has_all_strokes = last.strokes >= problem.at_most
+    has_all_cycles = refinement.cycles >= 2 * problem.max_cycles
+    if last.ended_by or has_all_strokes or has_all_cycles:
+        return None
+    if refinement.determines(problem.limits):
         return None
     is_last = interval == len(problem.services)
     until = problem.at_most if is_last else problem.services[interval].strokes
@@ -132,30 +131,41 @@ def next_block(
     if not last.cycles:
         # After maintenance the rate is that of the bushing before it: the new state
         # runs first.
-        return BlockPlan(
-            MIN_BLOCK, min(problem.first_share, (until - last.strokes) / MIN_BLOCK)
-        )
+        return _first_block(problem, until - last.strokes)
     finished = [
         block for block in blocks if block.cycles and block.interval == interval
     ]
     rate = sum(block.rate for block in finished[-2:]) / len(finished[-2:])
     share = refinement.change / rate if rate > 0.0 else math.inf
-    if len(finished) > 1:
-        share = min(
-            share, MAX_STEP_GROWTH * (last.strokes - blocks[-2].strokes) / last.cycles
-        )
     share = min(share, (until - last.strokes) / refinement.block)
     if len(finished) == 1:
         return BlockPlan(refinement.block, share)
-    # Each cycle stands for the strokes after it, at the rate on the surfaces before it.
-    # Compared with the trapezoidal rule, the sum lacks half of the change of the rate
-    # in each cycle.  All histories get the mean, so that no scatter adds up.  The new
-    # state was observed at the start of the next block.
+    present = (last.strokes - finished[-2].strokes) / last.cycles
+    share = min(share, MAX_STEP_GROWTH * present)
+    extra = _lacking_depth(finished, present) / refinement.block
+    return BlockPlan(refinement.block, share, extra)
+
+
+def _first_block(problem: LifeProblem, strokes: float) -> BlockPlan:
+    """Return the first block on new surfaces, of which some strokes remain."""
+    return BlockPlan(MIN_BLOCK, min(problem.first_share, strokes / MIN_BLOCK))
+
+
+def _lacking_depth(finished: Sequence[LoadBlock], share: float) -> Array:
+    """Return the depth that the last block lacks, (joints, 2, bins), m.
+
+    Each cycle stands for ``share`` strokes after it, at the rate on the surfaces before
+    it. Compared with the trapezoidal rule, the sum lacks half of the change of the rate
+    in each cycle.  All histories get the mean, so that no scatter adds up.  The new
+    state was observed at the start of the next block.
+    """
     before = finished[-2]
-    distance = 0.5 * (last.cycles + (before.cycles if len(finished) > 2 else 0))
-    stood_for = (last.strokes - before.strokes) / last.cycles
-    lacking = 0.5 * stood_for * last.cycles / distance * (last.removed - before.removed)
-    return BlockPlan(refinement.block, share, lacking / refinement.block)
+    last = finished[-1]
+    distance = 0.5 * last.cycles
+    if len(finished) > 2:
+        distance += 0.5 * before.cycles
+    change = last.removed - before.removed
+    return 0.5 * share * last.cycles / distance * change
 
 
 def next_refinement(
@@ -166,32 +176,34 @@ def next_refinement(
     InputError if a limit is exceeded when new.
     """
     last = refinements[-1]
-    has_coarser = len(refinements) > 1
+    has_coarser = len(refinements) > 1  # else no error of the steps is known
     life = estimate_life(refinements, problem.limits)
     if life.strokes == 0.0:
         limit = next(limit for limit in problem.limits if last.crossing([limit]) == 0.0)
         raise _exceeded_when_new(limit, last)
     if has_coarser and (life.error <= problem.tolerance or math.isinf(life.strokes)):
         return None
-    each = finished_cycles(refinements, problem.limits)
-    finished = each[-1]
-    cycles = next_cycles(problem, life.sampling, each)
+    all_finished = finished_cycles(refinements, problem.limits)
+    finished = all_finished[-1]
+    cycles = next_cycles(problem, life.sampling, all_finished)
     if has_coarser and cycles * last.histories > problem.max_cycles:
         return None
     block = max(round(BLOCK_GROWTH * math.sqrt(cycles)), MIN_BLOCK)
     # The first cycles of a life stand for few strokes, however fine the steps are. The
     # number of the other cycles is proportional to the fineness.
     rates = np.array([block.rate for block in last.blocks[1:]])
-    change = float(
-        rates @ np.diff(np.minimum(last.strokes, last.crossing(problem.limits)))
-    )
+    strokes = np.minimum(last.strokes, last.crossing(problem.limits))
+    change = float(rates @ np.diff(strokes))
     scaled = min(max(change / last.change, 1.0), max(finished, 1.0))
     return Refinement(last.change * scaled / (cycles - finished + scaled), block)
 
 
 def finished_cycles(refinements: Refinements, limits: Sequence[Limit]) -> list[float]:
     """Return the cycles of each history up to the life, or to the end, in each refinement."""
-    return [max(each.cycles_until(each.crossing(limits)), 1.0) for each in refinements]
+    return [
+        max(refinement.cycles_until(refinement.crossing(limits)), 1.0)
+        for refinement in refinements
+    ]
 
 
 def next_cycles(

@@ -59,6 +59,21 @@ class StageWear:
             flattening=None,
         )
 
+    def of_sides(self, k: int, sides: list[int], bins: int) -> "StageWear":
+        """Return the wear of joint ``k``, the sum of some sides, arrays over its bins."""
+
+        def of_sides(maps: Array) -> Array:
+            return np.asarray(maps[..., k, sides, :bins].sum(axis=-2))
+
+        return replace(
+            self,
+            added_depth=of_sides(self.added_depth),
+            maps=of_sides(self.maps),
+            coarser=None if self.coarser is None else of_sides(self.coarser),
+            by_replicate=of_sides(self.by_replicate),
+            flattening=None if self.flattening is None else of_sides(self.flattening),
+        )
+
     def series(self, values: Array) -> list[Array]:
         """Return values of the samples by run."""
         return np.split(values, np.cumsum(self.successive)[:-1])
@@ -121,48 +136,44 @@ def stage_wear_of(
 def wear_peaks_of(
     joint: ClearanceJoint, k: int, wear: StageWear
 ) -> dict[str, WearPeak]:
-    """Return the deepest places of the wear map of one joint by side.
+    """Return the deepest places of the wear map of one joint by side."""
+    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
+    if joint.map_frame == "fixed":
+        sides["both"] = [0, 1]
+    return {
+        name: _peak_of_map(wear.of_sides(k, rows, joint.bins))
+        for name, rows in sides.items()
+    }
+
+
+def _peak_of_map(wear: StageWear) -> WearPeak:
+    """Return the deepest place of one wear map.
 
     The largest of many noisy bins is biased, which the bootstrap corrects.  A smoothed
     map has no such bias, and a bootstrap of a few maps is not valid. The interval is
     then that of the samples at the deepest place.
     """
-    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
-    if joint.map_frame == "fixed":
-        sides["both"] = [0, 1]
-    is_at_place = wear.is_smoothed or len(wear.maps) < BOOTSTRAP_SAMPLES
-    peaks = {}
-
-    def of_sides(maps: Array, rows: list[int]) -> Array:
-        return np.asarray(maps[..., k, rows, : joint.bins].sum(axis=-2))
-
-    for name, rows in sides.items():
-        depth = of_sides(wear.added_depth, rows)
-        samples = of_sides(wear.maps, rows)
-        place = int(depth.argmax())
-        value = float(depth.max())
-        error = None
-        if wear.coarser is not None:
-            coarser = float(of_sides(wear.coarser, rows).max())
-            error = STEP_SAFETY * abs(value - coarser)
-        deepest = Estimate(value)
-        angle = Estimate(float(bin_centres(joint.bins)[place]))
-        if len(samples):
-            centre = np.average(samples, axis=0, weights=wear.weights)
-            share = inefficiency(wear.series(samples[:, place]))
-            draws = centre + math.sqrt(share) * (
-                resampled(samples, wear.weights) - centre
-            )
-            deepest, angle = peak_of(depth, draws, len(samples), centre)
-            if is_at_place:
-                half = half_width_of_runs(wear.series(samples[:, place]))
-                deepest = Estimate.symmetric(value, half, len(samples))
-                deepest = widened(deepest, value - float(centre[place]))
-            if wear.flattening is not None:
-                deepest = widened(
-                    deepest, float(of_sides(wear.flattening, rows)[place])
-                )
-            deepest = widened(deepest, error or 0.0)
-            deepest = deepest.positive if is_at_place else deepest
-        peaks[name] = WearPeak(deepest, angle, error)
-    return peaks
+    depth = wear.added_depth
+    samples = wear.maps
+    place = int(depth.argmax())
+    value = float(depth[place])
+    error = None
+    if wear.coarser is not None:
+        error = STEP_SAFETY * abs(value - float(wear.coarser.max()))
+    if not len(samples):
+        angle = float(bin_centres(depth.size)[place])
+        return WearPeak(Estimate(value), Estimate(angle), error)
+    centre = np.average(samples, axis=0, weights=wear.weights)
+    share = inefficiency(wear.series(samples[:, place]))
+    deviations = resampled(samples, wear.weights) - centre
+    draws = centre + math.sqrt(share) * deviations
+    deepest, direction = peak_of(depth, draws, len(samples), centre)
+    is_at_place = wear.is_smoothed or len(samples) < BOOTSTRAP_SAMPLES
+    if is_at_place:
+        half_width = half_width_of_runs(wear.series(samples[:, place]))
+        deepest = Estimate.symmetric(value, half_width, len(samples))
+        deepest = widened(deepest, value - float(centre[place]))
+    if wear.flattening is not None:
+        deepest = widened(deepest, float(wear.flattening[place]))
+    deepest = widened(deepest, error or 0.0)
+    return WearPeak(deepest.positive if is_at_place else deepest, direction, error)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from presswear.campaign.cycles_of_life import cycles_left
 from presswear.campaign.ensemble import (
     WATCHED_CYCLES,
     WATCHED_SECONDS,
+    Ensemble,
     EnsembleState,
     Runner,
 )
@@ -70,6 +71,16 @@ class LifeState:
     settled: EnsembleState | None = None
 
 
+class _Interval(NamedTuple):
+    """Service interval that a load block goes on with."""
+
+    number: int
+    strokes: float  # since the start of the life
+    first: Array  # depth of its surfaces when it started, m
+    earlier: Array  # depth of its surfaces before the block, m
+    cycles: int  # of its earlier blocks, in each history
+
+
 @dataclass
 class WearHistories:
     """Wear histories of a scene."""
@@ -97,9 +108,9 @@ class WearHistories:
         """Motions on the surfaces at the start; None if no cycle is complete."""
         runs = self._watched_runs
         rows = [run.arrays["recorder/cycles"] for run in runs if run]
-        return (
-            settling_of(self.runner.scene.linkage().clearances, rows) if rows else None
-        )
+        if not rows:
+            return None
+        return settling_of(self.runner.scene.linkage().clearances, rows)
 
     def watch(self) -> None:
         """Run the histories without wear, which shows whether the motion settles.
@@ -150,6 +161,14 @@ class WearHistories:
         scene = self.runner.scene
         return scene.wear_updates + (scene.cycles is not None)
 
+    def remaining(self, refinements: Refinements) -> tuple[float, float]:
+        """Return cycles of all replicates and time, s, that life and stages will still take."""
+        blocks = refinements[-1].blocks
+        cycles = cycles_left(self.problem, refinements)
+        cycles += self.later_stages * _stage_cycles(self.runner, blocks)
+        seconds = cycles * blocks[-1].wall_s / max(blocks[-1].cycles, 1)
+        return cycles * self.runner.scene.replicate_count, seconds
+
     def limit_first_block(self) -> LifeProblem:
         """Return the problem with a first block that wears no more than a coarse step.
 
@@ -197,73 +216,100 @@ class WearHistories:
         if isinstance(plan, Service):
             return self._maintain(before[-1], plan)
         runner = self.runner
-        scene = self.runner.scene
+        scene = runner.scene
         count = scene.replicate_count
-        interval, strokes = (
-            (before[-1].interval, before[-1].strokes) if before else (0, 0.0)
-        )
-        blocks = [block for block in before if block.interval == interval]
-        # A service interval starts on the surfaces after maintenance, or on those of
-        # the scene.
-        first = blocks[0].depth if blocks and not blocks[0].cycles else self.initial
-        earlier = blocks[-1].depth if blocks else first
-        running = self.start_up(interval)
+        interval = self._interval_of(before)
+        running = self.start_up(interval.number)
         start_up = running.cycles // count or STARTUP_CYCLES
-        finished = start_up + sum(block.cycles for block in blocks)
-        if self.state.place == (number, interval) and self.state.running.runs:
+        finished = start_up + interval.cycles
+        place = (number, interval.number)
+        if self.state.place == place and self.state.running.runs:
             running = self.state.running
         runner.done -= running.cycles / count
         running = replace(running, until=(finished + plan.cycles,) * count)
-        self.state = replace(self.state, place=(number, interval), running=running)
-        start = 0 if before else start_up
-        runner.later = max(
-            cycles_left(self.problem, refinements) - plan.cycles - start, 0.0
-        )
+        self.state = replace(self.state, place=place, running=running)
+        later = cycles_left(self.problem, refinements) - plan.cycles
+        if not before:
+            later -= start_up
+        runner.later = max(later, 0.0)
         runner.later += self.later_stages * _stage_cycles(runner, before)
 
         laws = depth_laws_of(scene.linkage().clearances)
-        wear = wear_update.CycleWear(plan.share, laws, plan.extra)
-        label = f"life, refinement {number}, {large(strokes, digits=2)} strokes"
-        place = number + _MAX_INTERVALS * interval
-        spec = RunSpec(_MAX_CYCLES, wear=wear, number=place, label=label)
+        spec = RunSpec(
+            _MAX_CYCLES,
+            wear=wear_update.CycleWear(plan.share, laws, plan.extra),
+            number=number + _MAX_INTERVALS * interval.number,
+            label=f"life, refinement {number}, {large(interval.strokes, digits=2)} strokes",
+        )
         ensemble = runner.run(
-            first, spec, running, lambda state: self.store(running=state)
+            interval.first, spec, running, lambda state: self.store(running=state)
         )
         if ensemble.failure:
             if not before:
                 raise RunFailed(ensemble.failure, ensemble.finding)
             return replace(before[-1], cycles=0, ended_by=ensemble.failure)
+        wall = ensemble.state.wall - running.wall
+        block = self._block_of(ensemble, interval, finished, plan.share, wall)
+        if not before:
+            self._check_reach(block.depth, block.strokes)
+        return block
+
+    def _interval_of(self, before: Sequence[LoadBlock]) -> _Interval:
+        """Return the service interval that a refinement goes on with after some blocks.
+
+        It starts on the surfaces after maintenance, or on those of the scene.
+        """
+        number = before[-1].interval if before else 0
+        strokes = before[-1].strokes if before else 0.0
+        blocks = [block for block in before if block.interval == number]
+        first = self.initial
+        if blocks and not blocks[0].cycles:
+            first = blocks[0].depth
+        earlier = blocks[-1].depth if blocks else first
+        cycles = sum(block.cycles for block in blocks)
+        return _Interval(number, strokes, first, earlier, cycles)
+
+    def _block_of(
+        self,
+        ensemble: Ensemble,
+        interval: _Interval,
+        finished: int,
+        share: float,
+        wall: float,
+    ) -> LoadBlock:
+        """Return the block that runs add to their ``finished`` cycles.
+
+        A history whose surfaces are worn out ends early: all are taken back to that
+        cycle.
+        """
         joints = ensemble.linkage.clearances
-        recorders = ensemble.recorders
+        rows = [recorder.cycles for recorder in ensemble.recorders]
         depth = ensemble.surface_depth
         worn = worn_out(joints, depth)
-        # A history whose surfaces are worn out ends early: all are taken back to that
-        # cycle.
-        counts = np.array([len(recorder.cycles) - finished for recorder in recorders])
+        counts = np.array([len(cycles) - finished for cycles in rows])
         cycles = int(counts.min())
+        strokes = share * cycles
+        earlier = interval.earlier
         part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
         depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
-        rows = np.array(
-            [recorder.cycles[finished : finished + cycles] for recorder in recorders]
-        )
-        removed = (depth - earlier).mean(axis=0) / (plan.share * cycles)
+        until = finished + cycles
+        removed = (depth - earlier).mean(axis=0) / strokes
+        laws = depth_laws_of(joints)
         archard = archard_depth(laws, depth) - archard_depth(laws, earlier)
-        if not before:
-            self._check_reach(depth, plan.share * cycles)
         return LoadBlock(
-            strokes + plan.share * cycles,
-            cycles,
-            interval,
-            self._levels(depth),
-            samples_of(scene, rows),
-            wear_update.largest_change(joints, removed),
-            archard.mean(axis=0) / (plan.share * cycles),
-            depth,
-            f"{worn.joint}: {worn.what}" if worn else "",
-            ensemble.state.wall - running.wall,
-            _settled(
-                joints, [recorder.cycles[: finished + cycles] for recorder in recorders]
+            strokes=interval.strokes + strokes,
+            cycles=cycles,
+            interval=interval.number,
+            levels=self._levels(depth),
+            samples=samples_of(
+                self.runner.scene, np.array([run[finished:until] for run in rows])
             ),
+            rate=wear_update.largest_change(joints, removed),
+            removed=archard.mean(axis=0) / strokes,
+            depth=depth,
+            ended_by=f"{worn.joint}: {worn.what}" if worn else "",
+            wall_s=wall,
+            settled=_settled(joints, [run[:until] for run in rows]),
         )
 
     def _maintain(self, last: LoadBlock, service: Service) -> LoadBlock:
@@ -350,18 +396,13 @@ def run_life(
 
     def keep_blocks(refinements: Refinements) -> None:
         histories.store(refinements=tuple(refinements))
-        if len(refinements) == 1 and len(refinements[0].blocks) == MEASURED_BLOCKS:
-            left = cycles_left(problem, refinements)
-            left += histories.later_stages * _stage_cycles(
-                runner, refinements[0].blocks
-            )
-            last = refinements[0].blocks[-1]
-            each = last.wall_s / max(last.cycles, 1)
-            announce(left * scene.replicate_count, left * each)
-        first = refinements[0]
-        count = len(first.blocks)
-        is_running = len(refinements) == 1 and next_block(problem, first) is not None
-        if is_running and count > 1 and count.bit_count() == 1:
+        if len(refinements) > 1:
+            return
+        count = len(refinements[0].blocks)
+        if count == MEASURED_BLOCKS:
+            announce(*histories.remaining(refinements))
+        is_power_of_two = count > 1 and count.bit_count() == 1
+        if is_power_of_two and next_block(problem, refinements[0]) is not None:
             early = life_by_rate(scene, problem, refinements)
             if early is not None:
                 report(early)
@@ -382,11 +423,9 @@ def _settled(
 ) -> int | None:
     """Return how many wear histories repeat at their end, from their rows of cycles."""
     settling = settling_of(joints, histories)
-    return (
-        None
-        if settling is None or settling.verdict == "unwatched"
-        else settling.settled
-    )
+    if settling is None or settling.verdict == "unwatched":
+        return None
+    return settling.settled
 
 
 def _stage_cycles(runner: Runner, blocks: Sequence[LoadBlock]) -> float:

@@ -66,16 +66,20 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     """Return the sections of the page without the figures of the paper."""
     failures = failures_of(evidence)
     runs: dict[str, Table | None] = {"": run_table(evidence)}
-    if first := next(iter(evidence.results.values()), None):
+    first = next(iter(evidence.results.values()), None)
+    if first is not None:
         runs["Parameters of the first setting"] = setting_tables(first)["parameters"]
         runs["Provenance"] = provenance_table(first)
-    numbers = {"": number_table(evidence), "Ratios of depths": ratio_table(evidence)}
-    numbers["Ranges of wear"] = range_table(evidence)
+    numbers = {
+        "": number_table(evidence),
+        "Ratios of depths": ratio_table(evidence),
+        "Ranges of wear": range_table(evidence),
+    }
     assumptions = {
         "Geometries": geometry_table(evidence),
         "Wear coefficient": fit_table(evidence),
+        "One assumption changed": sensitivity_table(evidence, failures),
     }
-    assumptions["One assumption changed"] = sensitivity_table(evidence, failures)
     claim_text = TEXTS["claims"].format(
         comparisons=COMPARISONS, least=100 * verdicts.NO_EFFECT
     )
@@ -136,7 +140,7 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     second = ours["second wear"]
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,
-        text={name: text_of(one) for name, one in ours.items()},
+        text={name: text_of(estimate) for name, estimate in ours.items()},
         printed=printed,
         # The ratio of total depths includes the first wear, so that 1 is subtracted.
         runs_away=second is not None and second.mean - 1.0 > RUNAWAY,

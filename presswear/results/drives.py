@@ -42,23 +42,23 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     ideal = ideal_drives(scene)
     rubbing = rubbing_drives(scene)
     settling = stage.statistics.settling
-    of_drives = drive_numbers(scene, stage)
-    numbers = {}
+    is_uneven = stage.statistics.high_bumps or (settling and settling.is_mixture)
+    by_cycle = drive_numbers(scene, stage)
+    numbers: dict[str, dict[str, float]] = {}
     peaks = {}
     for k, body in enumerate(ideal):
-        columns = dict(zip(names_of(DRIVE_CYCLE), of_drives[:, k].T, strict=True))
-        peaks[body] = [
-            mean_of_strokes(np.abs(columns[f"{name}_peak"]))
-            for name in ("torque", "power")
-        ]
-        if stage.statistics.high_bumps or (settling and settling.is_mixture):
-            peaks[body] = [peak and peak.without_interval for peak in peaks[body]]
-        numbers[body] = {
-            name: farthest_from_zero(values)
-            if name.endswith("peak")
-            else float(values.mean())
-            for name, values in columns.items()
-        }
+        columns = dict(zip(names_of(DRIVE_CYCLE), by_cycle[:, k].T, strict=True))
+        torque = mean_of_strokes(np.abs(columns["torque_peak"]))
+        power = mean_of_strokes(np.abs(columns["power_peak"]))
+        if is_uneven:
+            torque = torque and torque.without_interval
+            power = power and power.without_interval
+        peaks[body] = torque, power
+        numbers[body] = {}
+        for name, values in columns.items():
+            is_peak = name.endswith("peak")
+            value = farthest_from_zero(values) if is_peak else values.mean()
+            numbers[body][name] = float(value)
     period = scene.mechanism.period
     if stage.has_clock:
         period = float(durations(scene, stage).mean())

@@ -17,9 +17,8 @@ MOST = 14.0  # largest |ln f|: a factor of a million
 _COARSE = 2801  # nodes of the grid over all f
 _FINE = 401  # nodes over the f that have a density
 _DENSITY = 1e-10  # relative density below which f is left out
-CONFLICT = (
-    2.58  # standard deviations; 99 % of readings agree with the prior within them
-)
+# standard deviations; 99 % of readings agree with the prior within them
+CONFLICT = 2.58
 MISFIT = 0.05  # probability of residuals below which errors are widened
 LEAST_SCATTER = 0.01  # of the prior, for a scene without a scatter
 _TAIL = 3  # part of the shape, from its end, that gives the slope beyond it: a third
@@ -55,17 +54,16 @@ class Shape:
     def at(self, strokes: Array) -> Array:
         """Return the value after some strokes."""
         beyond = np.maximum(strokes - self.strokes[-1], 0.0)
-        inner = np.interp(strokes, self.strokes, self.values)
-        return np.asarray(inner + self.slope * beyond)
+        value = np.interp(strokes, self.strokes, self.values)
+        return np.asarray(value + self.slope * beyond)
 
     def strokes_until(self, value: Array) -> Array:
         """Return the strokes after which a value is reached; infinite if it never is."""
         beyond = np.maximum(value - self.values[-1], 0.0)
-        inner = np.interp(value, self.values, self.strokes)
-        slope = self.slope
+        strokes = np.interp(value, self.values, self.strokes)
         with np.errstate(divide="ignore", invalid="ignore"):
-            more = np.where(beyond > 0.0, beyond / slope, 0.0)
-        return np.asarray(inner + more)
+            more = np.where(beyond > 0.0, beyond / self.slope, 0.0)
+        return np.asarray(strokes + more)
 
 
 @dataclass(frozen=True)
@@ -128,8 +126,8 @@ def posterior_of(shape: Shape, observed: Observed, scatter: float) -> Posterior:
     """Return the posterior of the wear coefficient of a joint.
 
     Where the readings contradict the prior, they are used alone. Where residuals are
-    larger than the errors of the readings explain (``MISFIT``), the errors are widened by Birge's
-    ratio. Errors that are unknown are integrated over, with Jeffreys' prior.
+    larger than the errors of the readings explain (``MISFIT``), the errors are widened
+    by Birge's ratio. Errors that are unknown are integrated over, with Jeffreys' prior.
 
     Parameters
     ----------
@@ -157,15 +155,21 @@ def posterior_of(shape: Shape, observed: Observed, scatter: float) -> Posterior:
         return np.asarray(np.exp(exponent - exponent.max()))
 
     for _ in range(3):  # accurate readings leave a narrow density
-        dense = density(grid) > _DENSITY
-        first = max(int(np.argmax(dense)) - 1, 0)
-        last = min(len(dense) - int(np.argmax(dense[::-1])), len(grid) - 1)
+        dense = np.flatnonzero(density(grid) > _DENSITY)
+        first = max(dense[0] - 1, 0)
+        last = min(dense[-1] + 1, len(grid) - 1)
         grid = np.linspace(grid[first], grid[last], _FINE)
     final = density(grid)
     _, new = observed.squares(shape, grid)
     error = _new_error(shape, observed, best) if observed.has_baseline else 0.0
     return Posterior(
-        grid, final / final.sum(), new, widening * error, has_prior, widening, misfit
+        grid,
+        final / final.sum(),
+        new,
+        new_error=widening * error,
+        has_prior=has_prior,
+        widening=widening,
+        misfit=misfit,
     )
 
 
@@ -184,7 +188,8 @@ def _best_fit(shape: Shape, observed: Observed, grid: Array) -> tuple[float, flo
         squares, _ = observed.squares(shape, grid)
         k = int(np.argmin(squares))
         best = float(grid[k])
-        low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
+        low = grid[max(k - 1, 0)]
+        high = grid[min(k + 1, len(grid) - 1)]
         grid = np.linspace(low, high, _FINE)
     step = 1e-3
     ends, _ = observed.squares(shape, best + step * np.array([-1.0, 0.0, 1.0]))

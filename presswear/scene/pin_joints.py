@@ -71,11 +71,14 @@ def normal_stiffness(
     )
 
 
+def _user_law(law: object) -> UserFunction | None:
+    return law if isinstance(law, UserFunction) else None
+
+
 def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:
     """Return the normal force law with its parameters."""
-    law = bearing.normal_law
-    user_law = law if isinstance(law, UserFunction) else None
-    name = "lankarani-nikravesh" if user_law else str(law)
+    user_law = _user_law(bearing.normal_law)
+    name = "lankarani-nikravesh" if user_law else str(bearing.normal_law)
     elasticity = elastic_law(bearing, conventions.contact)
     return NormalLaw(
         stiffness=normal_stiffness(bearing, elasticity, conventions.stiffness),
@@ -89,30 +92,41 @@ def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:
 
 def check_user_laws(bearing: Bearing, joint: str, conventions: Conventions) -> None:
     """Raise InputError if a user law returns no number or creates energy; executes the law."""
-    if isinstance(law := bearing.normal_law, UserFunction):
+    normal_law = _user_law(bearing.normal_law)
+    if normal_law is not None:
         key = f"{joint}.normal_law"
         normal = normal_law_of(bearing, conventions)
-        state = {
-            name: getattr(normal, name) for name in ("stiffness", "exponent", "damping")
+        values = {
+            "stiffness": normal.stiffness,
+            "exponent": normal.exponent,
+            "damping": normal.damping,
+            "clearance": bearing.clearance,
         }
-        check_normal(key, law, {**state, "clearance": bearing.clearance})
-        check_compiles(law, key, NORMAL_PARAMETERS)
-    if isinstance(law := bearing.wear_law, UserFunction):
+        check_normal(key, normal_law, values)
+        check_compiles(normal_law, key, NORMAL_PARAMETERS)
+    wear_law = _user_law(bearing.wear_law)
+    if wear_law is not None:
         key = f"{joint}.wear_law"
-        check_wear(key, law, bearing.materials.wear_coefficient)
-        check_compiles(law, key, WEAR_PARAMETERS)
+        check_wear(key, wear_law, bearing.materials.wear_coefficient)
+        check_compiles(wear_law, key, WEAR_PARAMETERS)
     check_user_friction(bearing, joint)
 
 
 def check_user_friction(bearing: Bearing, joint: str) -> None:
     """Raise InputError if a user friction law is unsound; see ``check_user_laws``."""
-    if isinstance(law := bearing.friction_law, UserFunction):
-        key = f"{joint}.friction_law"
-        ramp = {"lower_speed": bearing.lower_speed, "upper_speed": bearing.upper_speed}
-        check_friction(key, law, {"coefficient": bearing.friction, **ramp})
-        if has_state(law):
-            check_compiles(rate_of(law), key, RATE_PARAMETERS)
-        check_compiles(law, key, STATE_PARAMETERS)
+    law = _user_law(bearing.friction_law)
+    if law is None:
+        return
+    key = f"{joint}.friction_law"
+    values = {
+        "coefficient": bearing.friction,
+        "lower_speed": bearing.lower_speed,
+        "upper_speed": bearing.upper_speed,
+    }
+    check_friction(key, law, values)
+    if has_state(law):
+        check_compiles(rate_of(law), key, RATE_PARAMETERS)
+    check_compiles(law, key, STATE_PARAMETERS)
 
 
 def rigid_joint(bearing: Bearing, revolute: Revolute) -> Revolute:
@@ -166,7 +180,7 @@ def clearance_joint(
         running_in_depth=bearing.materials.running_in_depth or bearing.roughness,
         pressure_exponent=bearing.materials.pressure_exponent,
         pressure_reference=bearing.materials.pressure_reference,
-        user_law=law if isinstance(law := bearing.wear_law, UserFunction) else None,
+        user_law=_user_law(bearing.wear_law),
     )
     return ClearanceJoint(
         revolute.name,

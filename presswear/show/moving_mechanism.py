@@ -79,9 +79,9 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
     stage_name = result.stage_name(stage.index)
     text = f"One stroke of the stage “{stage_name}”; its control moves it."
     if joints:
+        shown = [linkage.clearances[k] for k in joints]
         gaps = ", ".join(
-            f"{linkage.clearances[k].name} {quantity_text(linkage.clearances[k].clearance, 'm')}"
-            for k in joints
+            f"{joint.name} {quantity_text(joint.clearance, 'm')}" for joint in shown
         )
         text += f" The dashed circles have the radius of the clearance, much enlarged: {gaps}. "
         text += "The dot is the centre of the pin. Red: force of the pin on its bearing; the "
@@ -132,8 +132,8 @@ def _radius(count: int) -> float:
 
 
 def _factor(joint: ClearanceJoint, count: int) -> float:
-    """Return the scale of an enlarged clearance, units of the picture per mm."""
-    return 1e-3 * (1.0 - _PIN) * _radius(count) / joint.clearance
+    """Return the scale of an enlarged clearance, units of the picture per m."""
+    return (1.0 - _PIN) * _radius(count) / joint.clearance
 
 
 def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
@@ -142,11 +142,9 @@ def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
     result = np.zeros((len(film.time), len(joints), 4))
     for column, k in enumerate(joints):
         joint = linkage.clearances[k]
-        bearing, pin = (
-            shapes.points_of(linkage, film.position, side)[:, :2]
-            for side in (joint.bearing, joint.pin)
-        )
-        result[:, column, :2] = 1e3 * _factor(joint, len(joints)) * (pin - bearing)
+        bearing = shapes.points_of(linkage, film.position, joint.bearing)[:, :2]
+        pin = shapes.points_of(linkage, film.position, joint.pin)[:, :2]
+        result[:, column, :2] = _factor(joint, len(joints)) * (pin - bearing)
         row = film.joints[:, k]
         normal = row[:, [X, Y]]
         across = np.column_stack([-normal[:, 1], normal[:, 0]])
@@ -169,29 +167,16 @@ def _numbers(
 def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> Markup:
     """Return the picture with all bodies at their origin, upright by a flip of its y axis."""
     radius = _radius(len(joints))
-    width = drawing.size[0] + (2.0 * radius + 70.0 if joints else 0.0)
+    width = drawing.size[0]
+    if joints:
+        width += 2.0 * radius + 70.0
     parts = [
-        f'<svg viewBox="0 0 {width:.0f} {_HEIGHT:.0f}" role="img" aria-label="mechanism">'
+        f'<svg viewBox="0 0 {width:.0f} {_HEIGHT:.0f}" role="img" aria-label="mechanism">',
+        f'<g transform="matrix(1 0 0 -1 0 {_HEIGHT:.0f})">',
+        *_frame_parts(linkage, film, drawing),
+        *_body_parts(linkage, film, drawing),
+        "</g>",
     ]
-    parts.append(f'<g transform="matrix(1 0 0 -1 0 {_HEIGHT:.0f})">')
-    parts += _frame_parts(linkage, film, drawing)
-    bar = shapes.BAR * float(np.hypot(*drawing.size)) / drawing.scale
-    for k, body in enumerate(linkage.bodies):
-        colour = shapes.colour_of(k)
-        outline = drawing.scale * shapes.body_outline(linkage, body.name, 0.7 * bar)
-        style = f'fill="{colour}" fill-opacity="0.45" stroke="{colour}"'
-        holes = "".join(
-            f'<circle cx="{drawing.scale * end.x:.1f}" cy="{drawing.scale * end.y:.1f}" r="2"/>'
-            for end in shapes.attachments(linkage, body.name)
-        )
-        slots = ""
-        for guide in shapes.slots_of(linkage, body.name):
-            slot = shapes.slot_outline(linkage, film.position, guide, 0.7 * bar)
-            path = _path(drawing.scale * slot)
-            slots += f'<path d="{path}" fill="none" stroke="{colour}"/>'
-        shown = f'<path d="{_path(outline)}" {style}/>{slots}{holes}'
-        parts.append(f'<g class="body">{shown}</g>')
-    parts.append("</g>")
     middle = drawing.size[0] + radius + 50.0
     for column, k in enumerate(joints):
         centre = _HEIGHT * (column + 0.5) / max(len(joints), 2)
@@ -210,13 +195,34 @@ def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> 
     return Markup("".join([*parts, "</svg>"]))
 
 
+def _body_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
+    """Return the outline of each body with its holes and slots."""
+    parts = []
+    bar = shapes.BAR * float(np.hypot(*drawing.size)) / drawing.scale
+    for k, body in enumerate(linkage.bodies):
+        colour = shapes.colour_of(k)
+        outline = drawing.scale * shapes.body_outline(linkage, body.name, 0.7 * bar)
+        style = f'fill="{colour}" fill-opacity="0.45" stroke="{colour}"'
+        shown = f'<path d="{_path(outline)}" {style}/>'
+        for guide in shapes.slots_of(linkage, body.name):
+            slot = shapes.slot_outline(linkage, film.position, guide, 0.7 * bar)
+            path = _path(drawing.scale * slot)
+            shown += f'<path d="{path}" fill="none" stroke="{colour}"/>'
+        for end in shapes.attachments(linkage, body.name):
+            x = drawing.scale * end.x
+            y = drawing.scale * end.y
+            shown += f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2"/>'
+        parts.append(f'<g class="body">{shown}</g>')
+    return parts
+
+
 def _frame_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
     """Return the joints of the frame and the guides."""
     parts = []
     for point in shapes.attachments(linkage, GROUND):
         x, y = drawing.scale * (np.array([point.x, point.y]) - drawing.low)
-        d = _path(np.array([[x, y], [x - 7.0, y - 11.0], [x + 7.0, y - 11.0]]))
-        parts.append(f'<path d="{d}" fill="#c9ced6" stroke="#555"/>')
+        triangle = np.array([[x, y], [x - 7.0, y - 11.0], [x + 7.0, y - 11.0]])
+        parts.append(f'<path d="{_path(triangle)}" fill="#c9ced6" stroke="#555"/>')
     for guide in shapes.guides_of(linkage):
         if guide.is_moving:
             continue

@@ -108,13 +108,16 @@ def _guides_of(scene: Scene, stage: StageResult) -> Record:
     """Return the tilts and loads of slides by guide; tilts in um/m, shares by state."""
     guides: Record = {}
     for name, tilt in guide_tilts(scene, stage).items():
-        each = {key: getattr(tilt, key) for key in _TILTS}
         guides[name] = {
-            key: estimate and estimate.scaled(1e6) for key, estimate in each.items()
+            "force": tilt.corner_force,
+            "loss": tilt.friction_loss,
+            "time": tilt.time_shares,
+            "load": tilt.load_shares,
+            "walls": _walls_of(stage, name),
         }
-        guides[name] |= {"force": tilt.corner_force, "loss": tilt.friction_loss}
-        guides[name] |= {"time": tilt.time_shares, "load": tilt.load_shares}
-        guides[name]["walls"] = _walls_of(stage, name)
+        for key in _TILTS:
+            estimate = getattr(tilt, key)
+            guides[name][key] = estimate and estimate.scaled(1e6)
     return guides
 
 
@@ -145,7 +148,7 @@ def heights_at_rest(
         heights = statics.heights_at_bottom(linkage, (pull, -pull, 0.0))
     except (InputError, RunFailed):
         return None  # the output stands still, or no equilibrium is found
-    up, down, rest = map(float, heights)
+    up, down, rest = (float(height) for height in heights)
     return {"clearance": up - down, "rise": up - rest}
 
 
@@ -153,11 +156,12 @@ def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | N
     """Return depth, m, and angle, rad, of the deepest wear by side; no angle without wear."""
     maps = stage.joints[joint]
     depths = {side: maps.depth(side) for side in SIDES}
-    depths["both"] = np.sum([*depths.values()], axis=0)
+    depths["both"] = np.sum(list(depths.values()), axis=0)
     deepest = {}
     for side, depth in depths.items():
-        angle = float(maps.angle[int(depth.argmax())]) if np.any(depth > 0.0) else None
-        deepest[side] = float(depth.max()), angle
+        place = int(depth.argmax())
+        angle = float(maps.angle[place]) if depth[place] > 0.0 else None
+        deepest[side] = float(depth[place]), angle
     return deepest
 
 
@@ -192,7 +196,8 @@ def drive_table(result: Result) -> Table | None:
     records: list[Record] = []
     names = stage_names(result, result.stages)
     for name, stage in zip(names, result.stages, strict=True):
-        if drives := drives_of(scene, stage):
+        drives = drives_of(scene, stage)
+        if drives:
             duty = {body: drive.duty for body, drive in drives.items()}
             records.append({"name": name, "duty": duty, "energy": stage.statistics})
     if not records:

@@ -40,7 +40,8 @@ def analyze(
     points = points_of(table, key)
     kind = plan.sample.partition(":")[0]
     notes = []
-    result = surrogate = spread = None
+    result = None
+    surrogate = None
     try:
         result = sensitivity(points, kind)
     except InputError as error:
@@ -50,29 +51,44 @@ def analyze(
     except InputError as error:
         if plan.sample:
             notes.append(f"{error}.")
+    spread = None
     scatter = [plan.distributions.get(column.key) for column in points.parameters]
-    complete = [item for item in scatter if item is not None]
-    if len(complete) == len(scatter):
-        reason = "" if surrogate is None else surrogate.outside(complete)
-        if reason:
-            notes.append(f"The surrogate gives no distribution: {reason}.")
-        elif surrogate is not None:
-            spread = surrogate.spread(complete, limit)
+    distributions = [item for item in scatter if item is not None]
+    if len(distributions) == len(scatter):
+        if surrogate is not None:
+            reason = surrogate.outside(distributions)
+            if reason:
+                notes.append(f"The surrogate gives no distribution: {reason}.")
+            else:
+                spread = surrogate.spread(distributions, limit)
         if spread is None and kind in ("sobol", "latin"):
             spread = spread_of_rows(table, key, limit)
+    return Analysis(
+        points,
+        result,
+        surrogate,
+        spread,
+        limit,
+        (*notes, *_point_notes(points, key)),
+        failed_text(table),
+    )
+
+
+def _point_notes(points: Points, key: str) -> list[str]:
+    """Return notes on lower bounds and on chaotic motion among the values of a response."""
+    notes = []
     if points.censored.any():
         count = whole(int(points.censored.sum()))
         notes.append(
             f"The values of {count} points are lower bounds; indices use the bounds."
         )
-    if (chaos := chaotic_share(points)) is not None:
+    chaos = chaotic_share(points)
+    if chaos is not None:
         notes.append(
             f"Scatter of chaotic motion is {percent_text(chaos)} of the variance of single runs "
             f"of {key}; the rest comes from the parameters."
         )
-    return Analysis(
-        points, result, surrogate, spread, limit, tuple(notes), failed_text(table)
-    )
+    return notes
 
 
 def percent_text(share: tuple[float, float, float]) -> str:

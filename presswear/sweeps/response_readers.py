@@ -60,10 +60,10 @@ def worn_volume_of(result: Result, stage: StageResult, joint: JointResult) -> Re
     value = worn_volume(clearances[joint.name], depths)
     updates = _earlier(result, stage, joint.name)
     half_widths = [update.wear_volume.half_width for update in updates]
-    known = [half_width for half_width in half_widths if half_width is not None]
-    if not updates or len(known) < len(updates):
+    errors = [half_width for half_width in half_widths if half_width is not None]
+    if not updates or len(errors) < len(updates):
         return Response(value)
-    return Response(value, math.hypot(*known))
+    return Response(value, math.hypot(*errors))
 
 
 def wear_rate(

@@ -253,34 +253,28 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     optional = []
     functions = []
     for item in responses or in_table:
-        if not isinstance(item, str):
+        if isinstance(item, str):
+            name, _, stage = item.strip().partition("@")
+            if name not in offered:
+                raise unknown("response", name, offered)
+            definition = offered[name]
+            key = name
+            if "@" in item:
+                _check_stage(item, stage, definition, scene)
+                key = f"{name}@{int(stage)}"
+            if _is_zero(scene, name):
+                raise InputError(
+                    f"response {name} is 0 without a wear update: request "
+                    f"{name.rpartition('.')[0]}.wear_rate, the volume that a stroke wears, "
+                    "or set wear_updates = 1 with cycles_per_update"
+                )
+            columns.append(Column(key, definition.unit, definition.text))
+            if definition.optional and name not in optional:
+                optional.append(name)
+        else:
             summary = (inspect.getdoc(item) or "").partition("\n")[0]
             columns.append(Column(item.__name__, "", summary))
             functions.append(item)
-            continue
-        name, at, stage = item.strip().partition("@")
-        if name not in offered:
-            raise unknown("response", name, offered)
-        definition = offered[name]
-        if at and (
-            definition.scope == "result" or not (stage.isascii() and stage.isdigit())
-        ):
-            raise InputError(
-                f"response {item}: expected NAME or NAME@STAGE, with a stage from 0"
-            )
-        if at and int(stage) > scene.wear_updates:
-            allowed = f"0 to wear_updates = {scene.wear_updates}"
-            raise InputError(f"response {item}: the stage must be {allowed}")
-        if _is_zero(scene, name):
-            raise InputError(
-                f"response {name} is 0 without a wear update: request "
-                f"{name.rpartition('.')[0]}.wear_rate, the volume that a stroke wears, "
-                "or set wear_updates = 1 with cycles_per_update"
-            )
-        key = f"{name}@{int(stage)}" if at else name
-        columns.append(Column(key, definition.unit, definition.text))
-        if definition.optional and name not in optional:
-            optional.append(name)
     for name, count in Counter(column.key for column in columns).items():
         if count > 1:
             raise InputError(f"response {name} is repeated")
@@ -294,6 +288,18 @@ def _is_zero(scene: Scene, name: str) -> bool:
     return is_of_worn and scene.wear_updates == 0 and not scene.surfaces
 
 
+def _check_stage(item: str, stage: str, definition: Definition, scene: Scene) -> None:
+    """Raise InputError unless a stage of a requested response exists."""
+    is_number = stage.isascii() and stage.isdigit()
+    if definition.scope == "result" or not is_number:
+        raise InputError(
+            f"response {item}: expected NAME or NAME@STAGE, with a stage from 0"
+        )
+    if int(stage) > scene.wear_updates:
+        allowed = f"0 to wear_updates = {scene.wear_updates}"
+        raise InputError(f"response {item}: the stage must be {allowed}")
+
+
 def freedom_of(scene: Scene, key: str) -> float:
     """Return the degrees of freedom of the interval of a response; infinite: not fixed by a scene.
 
@@ -304,9 +310,11 @@ def freedom_of(scene: Scene, key: str) -> float:
     quantity = name.rpartition(".")[2]
     number = int(stage) if at else scene.wear_updates
     is_sum = quantity in ("depth", "wear_volume")
-    is_wear = quantity == "wear_rate"
-    is_worn = number - is_sum > 0 and quantity != "repeatability"
-    if quantity == "life" or is_worn or ((is_sum or is_wear) and scene.wears_in_steps):
+    is_wear = is_sum or quantity == "wear_rate"
+    # The wear until a stage comes from the stages before it.
+    source = number - 1 if is_sum else number
+    is_worn = source > 0 and quantity != "repeatability"
+    if quantity == "life" or is_worn or (is_wear and scene.wears_in_steps):
         return scene.replicate_count - 1.0 if scene.replicate_count > 1 else math.inf
     if scene.cycles is None:
         return math.inf
@@ -330,25 +338,26 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
     A response without a stage is that of the last one.
     """
     values: dict[str, Response | None] = {}
-    pins = result.scene.loose_pins
     joints_of = {}
     for stage in result.stages:
         all_joints = stage.joints
-        joints_of[stage.index] = [all_joints[pin] for pin in pins]
+        joints_of[stage.index] = [all_joints[pin] for pin in result.scene.loose_pins]
     for name, response in RESPONSES.items():
         if response.scope == "result":
             values[name] = response.function(result, None, None)
-        elif not response.optional or name in requested.optional:
-            for stage in result.stages:
-                joints = joints_of[stage.index] if response.scope == "joint" else [None]
-                for joint in joints:
-                    key = f"{joint.name}.{name}" if joint else name
-                    value = response.function(result, stage, joint)
-                    values[f"{key}@{stage.index}"] = value
+            continue
+        if response.optional and name not in requested.optional:
+            continue
+        for stage in result.stages:
+            joints = joints_of[stage.index] if response.scope == "joint" else [None]
+            for joint in joints:
+                key = f"{joint.name}.{name}" if joint else name
+                value = response.function(result, stage, joint)
+                values[f"{key}@{stage.index}"] = value
     last = f"@{result.stages[-1].index}"
-    values |= {
-        key.removesuffix(last): values[key] for key in values if key.endswith(last)
-    }
+    for key, value in list(values.items()):
+        if key.endswith(last):
+            values[key.removesuffix(last)] = value
     return {key: value for key, value in values.items() if value is not None}
 
 

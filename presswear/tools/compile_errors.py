@@ -18,8 +18,8 @@ from numba.core.lowering import BaseLower
 from presswear.tools.errors import InputError, KernelError, RunFailed
 from presswear.tools.user_function import is_user_law
 
-_NUMBA = f"{Path(numba.__file__).parent}"
-_PACKAGE = f"{Path(__file__).parents[1]}"
+_NUMBA = str(Path(numba.__file__).parent)
+_PACKAGE = str(Path(__file__).parents[1])
 _TYPE = re.compile(
     r"Literal\[\w+\]\((.+?)\)|Function\(<(?:built-in function|class) '?(\w+)'?>\)"
 )
@@ -81,22 +81,26 @@ class ShortErrors:
         # Numba has no common base for its errors: a wrong field of a record is a
         # KeyError.
         if _failures.function is not None:
-            function, _failures.function = _failures.function, None
-            text = f"no field {error}" if isinstance(error, KeyError) else f"{error}"
+            function = _failures.function
+            _failures.function = None
+            text = f"no field {error}" if isinstance(error, KeyError) else str(error)
             raise KernelError(describe(function, text)) from None
         if self.lazy_failure is not None:
-            failure, self.lazy_failure = self.lazy_failure, None
+            failure = self.lazy_failure
+            self.lazy_failure = None
             raise failure from None
-        if (short := _short(error, trace)) is not None:
+        short = _short(error, trace)
+        if short is not None:
             raise short from None
 
 
 def _short(error: Exception, trace: TracebackType | None) -> Exception | None:
     """Return the error of a user law or a kernel with the place where it was raised, or None."""
     for frame, number in reversed([*traceback.walk_tb(trace)]):
-        file, name = frame.f_code.co_filename, frame.f_code.co_name
+        file = frame.f_code.co_filename
+        name = frame.f_code.co_name
         statement = linecache.getline(file, number).strip()
-        cause = f"{error}" or type(error).__name__
+        cause = str(error) or type(error).__name__
         if is_user_law(file):
             place = f'{file[1:-1]}, line {number}, {name}: "{statement}"'
             return InputError(f"user law fails: {place}: {cause}")
@@ -131,7 +135,8 @@ def _with_place(add_error: Callable[..., None]) -> Callable[..., None]:
         if frame is not None:
             lower = frame.f_locals["self"]
             if config.BOUNDSCHECK or is_user_law(lower.loc.filename):
-                loc, func_name = lower.loc, lower.func_ir.func_id.func_name
+                loc = lower.loc
+                func_name = lower.func_ir.func_id.func_name
         add_error(convention, builder, error, exc_args, loc, func_name)
 
     return add
@@ -185,19 +190,15 @@ def reason(text: str) -> str:
     """Return the reason in a message of numba as one line."""
     if _ALLOCATES in text:
         return "kernels cannot allocate memory"
-    shown_lines = [line.strip() for line in text.splitlines()]
-    shown_lines = [
-        line for line in shown_lines if line and not line.startswith("Failed in ")
-    ]
-    first = shown_lines[0] if shown_lines else "numba gives no reason"
-    if first.startswith("No implementation of function") and (
-        call := re.search(">>> (.+)", text)
-    ):
+    lines = (line.strip() for line in text.splitlines())
+    shown_lines = (line for line in lines if line and not line.startswith("Failed in "))
+    first = next(shown_lines, "numba gives no reason")
+    call = re.search(">>> (.+)", text)
+    if call and first.startswith("No implementation of function"):
         name, _, kinds = call[1].partition("(")
         first = f"{name} is not defined for the types ({kinds}"
-    if first.startswith("Cannot bind") and (
-        cause := re.search(r'"TypeError: (.+)"', first)
-    ):
+    cause = re.search(r'"TypeError: (.+)"', first)
+    if cause and first.startswith("Cannot bind"):
         first = cause[1].rstrip(".")
     first = first.removesuffix(". Raised from None")
     first = _TYPE.sub(lambda match: match[1] or match[2], first)

@@ -122,14 +122,15 @@ class KernelCache:
 
     def files(self, signature: Any, context: Any) -> list[Path]:
         """Return the file of the user and, if the processor can execute it, that of the wheel."""
-        triple, *processor = context.codegen().magic_tuple()
+        triple, name, features = context.codegen().magic_tuple()
         fields = [list(fields_of(kind)) for kind in signature]
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        folders = {base / "presswear" / "kernels": processor}
-        if all(map(binding.get_host_cpu_features().get, _WHEEL_FEATURES)):
-            folders[_PACKAGE / "kernels"] = [*_WHEEL_PROCESSOR]
+        processors = {base / "presswear" / "kernels": (name, features)}
+        available = binding.get_host_cpu_features()
+        if all(available.get(feature) for feature in _WHEEL_FEATURES):
+            processors[_PACKAGE / "kernels"] = _WHEEL_PROCESSOR
         files = []
-        for folder, processor in folders.items():
+        for folder, processor in processors.items():
             key = (self._key, signature, fields, triple, *processor)
             files.append(folder / digest(repr(key).encode()))
         return files
@@ -140,7 +141,8 @@ class KernelCache:
         if code is None:
             with suppress(Exception):  # nothing can be stored
                 self._take_lock(self.files(signature, context)[0])
-                code = self._stored(signature, context)  # it may have come meanwhile
+                # Another process may have stored it meanwhile.
+                code = self._stored(signature, context)
             if code is not None:
                 self._release()
         return code
@@ -167,7 +169,7 @@ class KernelCache:
     def save_overload(self, signature: Any, result: Any) -> None:
         """Store code, and remove files not used for long; do nothing where none can be written."""
         try:
-            file, *_ = self.files(signature, result.target_context)
+            file = self.files(signature, result.target_context)[0]
             if _is_usable(file.parent):
                 content = serialize.dumps(result._reduce())
                 part = file.with_suffix(f".{os.getpid()}")

@@ -60,8 +60,8 @@ class Quantity:
 
     def written(self, value: float, digits: int = 6) -> str:
         """Return a value with the unit in which engineers write it."""
-        shown = self.in_unit_of(value)
-        return shown.with_unit(f"{value / shown.size:.{digits}g}")
+        converted = self.in_unit_of(value)
+        return converted.with_unit(f"{value / converted.size:.{digits}g}")
 
     def typeset(self, value: float) -> str:
         """Return a value as ``written`` does, with powers as signs: ``1.2·10⁻⁶ mm³/(N m)``."""
@@ -71,13 +71,14 @@ class Quantity:
     def texts(self, *values: Any) -> tuple[list[str], str]:
         """Return values as text in the unit in which engineers write the largest, and that unit."""
         numbers = [abs(value) for value in values if isinstance(value, int | float)]
-        shown = self.in_unit_of(max(numbers, default=0.0))
-        size = shown.size
-        texts = (
-            short_number(x / size) if isinstance(x, float | int) else f"{x}"
-            for x in values
-        )
-        return [*texts], shown.unit.replace("^2", "²").replace("^3", "³")
+        converted = self.in_unit_of(max(numbers, default=0.0))
+        texts = []
+        for value in values:
+            if isinstance(value, int | float):
+                texts.append(short_number(value / converted.size))
+            else:
+                texts.append(str(value))
+        return texts, converted.unit.replace("^2", "²").replace("^3", "³")
 
     def in_unit_of(self, value: float) -> "Quantity":
         """Return the quantity in the unit in which engineers write a value."""
@@ -111,10 +112,9 @@ class Quantity:
         is_above = self.low < value if self.open_low else self.low <= value
         if not (is_above and value <= self.high) or math.isinf(value):
             text = f"{value:g}"
-            if (
-                self.low <= float(text) <= self.high
-            ):  # outside by less than six digits show
-                text = f"{value!r}"
+            # The value is outside by less than six digits show.
+            if self.low <= float(text) <= self.high:
+                text = repr(value)
             raise InputError(
                 f"{name} = {self.with_unit(text)}: allowed is {self.range_text()}"
             )
@@ -153,40 +153,48 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     for unit in meaning.unit.split(" or "):
         units |= UNITS.get(unit, {unit: 1.0})
     label = f"{name} = {text!r}"
+    _check_separators(label, text)
     allowed = f"allowed is {meaning.in_unit_of(meaning.low).range_text()}"
-    advice = [
-        f"{words}, {digits[0].translate(signs) + text[digits.end() :]!r}"
-        for words, (form, signs) in _SEPARATED.items()
-        if (digits := re.match(rf"\s*[+-]?{form}(?![\d.,'’])", text, re.ASCII))
-    ]
-    if advice:
-        raise InputError(f"{label}: {'; or '.join(advice)}")
     match = _NUMBER.match(text)
     if match is None:
-        raise InputError(
-            f"{label} is not a number{' with a unit' * bool(meaning.unit)}; {allowed}"
-        )
-    value, symbol = float(match[1]), _POWER.sub("^", match[2].translate(_SIGNS))
-    symbol = re.sub(r"\s+", " ", symbol).strip()
+        expected = "a number with a unit" if meaning.unit else "a number"
+        raise InputError(f"{label} is not {expected}; {allowed}")
+    value = float(match[1])
+    symbol = _POWER.sub("^", match[2].translate(_SIGNS))
+    symbol = " ".join(symbol.split())
     if symbol.startswith("pi") and "rad" in meaning.unit:
-        value, symbol = value * math.pi, symbol[2:].strip()
+        value *= math.pi
+        symbol = symbol.removeprefix("pi").strip()
+    known_units = f"known are {', '.join(units)}"
     if meaning.unit and not symbol:
         if value != 0.0:
-            raise InputError(
-                f"{label} has no unit; known are {', '.join(units)}; {allowed}"
-            )
+            raise InputError(f"{label} has no unit; {known_units}; {allowed}")
         symbol = next(iter(units))
     if symbol not in units:
-        pure = f"a pure number{', or one in %,' * (not meaning.whole)} is expected"
-        fault = f"unknown unit {shown(symbol)}; known are {', '.join(units)}"
-        raise InputError(f"{label}: {fault if meaning.unit else pure}")
-    value *= units[symbol]
+        fault = f"unknown unit {shown(symbol)}; {known_units}"
+        if not meaning.unit:
+            percent = "" if meaning.whole else ", or one in %,"
+            fault = f"a pure number{percent} is expected"
+        raise InputError(f"{label}: {fault}")
+    size = units[symbol]
+    value *= size
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     try:
         meaning.check(name, number)
     except InputError:
-        if meaning.unit:  # in the unit of the text
-            size = units[symbol]
+        if meaning.unit:  # with the allowed range in the unit of the text
             meaning.in_unit(symbol, size).check(name, float(f"{number / size:.12g}"))
         raise
     return number
+
+
+def _check_separators(label: str, text: str) -> None:
+    """Raise InputError if a number has a decimal comma or separators of thousands."""
+    advice = []
+    for words, (form, signs) in _SEPARATED.items():
+        digits = re.match(rf"\s*[+-]?{form}(?![\d.,'’])", text, re.ASCII)
+        if digits:
+            mended = digits[0].translate(signs) + text[digits.end() :]
+            advice.append(f"{words}, {mended!r}")
+    if advice:
+        raise InputError(f"{label}: {'; or '.join(advice)}")

@@ -109,38 +109,11 @@ class UserFunction:
         if isinstance(value, UserFunction):
             function = value
         elif isinstance(value, dict):
-            if not is_stored_function(value) or not all(
-                isinstance(value[name], str) for name in ("name", "source")
-            ):
-                raise InputError(
-                    f"{key} = {value!r}: must have texts under name and source"
-                )
-            function = UserFunction(value["name"], value["source"])
-            stored = value.get("values", {})
-            if stored:
-                function = function.with_values(key, stored, parameters or ())
-        elif getattr(value, "__name__", "") == "<lambda>":
-            raise InputError(
-                f"{key}: a lambda has no name; define the function with def"
-            )
+            function = _read_stored(key, value, parameters or ())
         elif callable(value):
-            try:
-                source = textwrap.dedent(inspect.getsource(value))
-                function = UserFunction(value.__name__, source).trusted()
-            except (OSError, TypeError, AttributeError):
-                fault = f"the source of {value!r} cannot be read"
-                raise InputError(
-                    f"{key}: {fault}; define the function in a file"
-                ) from None
+            function = _read_function(key, value)
         else:
-            file, _, name = str(value).rpartition(":")
-            try:
-                function = UserFunction(name, read_text(Path(file))).trusted()
-                _files[function.source] = file
-            except InputError as error:
-                raise InputError(
-                    f"{key} = {value!r}: must be FILE.py:NAME; {error}"
-                ) from None
+            function = _read_file(key, str(value))
         if parameters is not None:
             function.parameters(key, parameters)
         return function
@@ -157,12 +130,8 @@ class UserFunction:
         if self.name not in functions:
             raise unknown(f"function in {key}", self.name, tuple(functions))
         arguments = functions[self.name].args
-        if (
-            arguments.vararg
-            or arguments.kwarg
-            or arguments.kwonlyargs
-            or arguments.posonlyargs
-        ):
+        starred = arguments.vararg or arguments.kwarg
+        if starred or arguments.kwonlyargs or arguments.posonlyargs:
             raise InputError(
                 f"{key}: {self.name} must have plain parameters, no * and no **"
             )
@@ -190,14 +159,16 @@ class UserFunction:
     ) -> list[tuple[LawNumber, float]]:
         """Return the numbers of the law with their present values, SI."""
         values = dict(self.values)
-        numbers = self.numbers(key, allowed)
-        return [(one, values.get(one.name, one.default)) for one in numbers]
+        return [
+            (number, values.get(number.name, number.default))
+            for number in self.numbers(key, allowed)
+        ]
 
     def with_values(
         self, key: str, values: Mapping[str, Any], allowed: tuple[str, ...]
     ) -> "UserFunction":
         """Return the law with values of its numbers, SI or texts with a unit, in their ranges."""
-        numbers = {one.name: one for one in self.numbers(key, allowed)}
+        numbers = {number.name: number for number in self.numbers(key, allowed)}
         present = dict(self.values)
         for name, value in values.items():
             if name not in numbers:
@@ -243,16 +214,10 @@ class UserFunction:
         try:
             result = self.in_python()(**arguments)
         except (Exception, SystemExit) as error:
-            is_outside = isinstance(error, NameError)
-            hint = (
-                "; define everything inside it, or pass FILE.py:NAME"
-                if is_outside
-                else ""
-            )
             reason = self._failure(error)
-            raise InputError(
-                f"{key}: {self.name} fails at {place}: {reason}{hint}"
-            ) from None
+            if isinstance(error, NameError):
+                reason += "; define everything inside it, or pass FILE.py:NAME"
+            raise InputError(f"{key}: {self.name} fails at {place}: {reason}") from None
         is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
         if not is_number or not math.isfinite(result):
             raise InputError(
@@ -273,12 +238,11 @@ class UserFunction:
         if name not in used:
             return None
         function = self.in_python()
+        held = {key: values[key] for key in used if key != name}
 
         def value(x: float) -> float:
             try:
-                return float(
-                    function(**{key: x if key == name else values[key] for key in used})
-                )
+                return float(function(**held, **{name: x}))
             except (ArithmeticError, ValueError):
                 return math.nan
             except Exception as error:
@@ -287,20 +251,22 @@ class UserFunction:
                     f"{self.name} fails at {name} = {x:g}: {reason}"
                 ) from None
 
-        above = [10.0 ** (0.25 * k) for k in range(-24, 1)]
-        places = [-x for x in reversed(above)] + [0.0] + above
+        positive = [10.0 ** (0.25 * k) for k in range(-24, 1)]
+        places = [-x for x in reversed(positive)] + [0.0] + positive
         sizes = [value(x) for x in places]
         least = _JUMP_SIZE * max(abs(size) for size in sizes)
-        for (low, below), (high, beyond) in pairwise(zip(places, sizes, strict=True)):
-            while abs(beyond - below) > least and high - low > _JUMP_WIDTH:
+        for (low, below), (high, above) in pairwise(zip(places, sizes, strict=True)):
+            while abs(above - below) > least and high - low > _JUMP_WIDTH:
                 middle = 0.5 * (low + high)
                 between = value(middle)
-                if abs(between - below) > abs(beyond - between):
-                    high, beyond = middle, between
+                if abs(between - below) > abs(above - between):
+                    high = middle
+                    above = between
                 else:
-                    low, below = middle, between
-            if abs(beyond - below) > least:
-                return round(low, 8) + 0.0, below, beyond  # no negative zero
+                    low = middle
+                    below = between
+            if abs(above - below) > least:
+                return round(low, 8) + 0.0, below, above  # no negative zero
         return None
 
     def check_runs(self, key: str, allowed: tuple[str, ...]) -> None:
@@ -318,10 +284,10 @@ class UserFunction:
             ) from None
         for k in range(_POINTS):
             # Sizes from 1e-6 to about 1, signs and order different for each parameter.
-            point = {
-                name: (-1.0) ** (k // (i + 1)) * 2.0 ** -((7 * k + 3 * i) % _POINTS)
-                for i, name in enumerate(names)
-            }
+            point = {}
+            for i, name in enumerate(names):
+                sign = (-1.0) ** (k // (i + 1))
+                point[name] = sign * 2.0 ** -((7 * k + 3 * i) % _POINTS)
             try:
                 function(**point)
             except (ArithmeticError, ValueError):
@@ -330,6 +296,43 @@ class UserFunction:
                 raise InputError(
                     f"{key}: {self.name} fails: {self._failure(error)}"
                 ) from None
+
+
+def _read_stored(
+    key: str, data: dict[str, Any], parameters: tuple[str, ...]
+) -> UserFunction:
+    """Return a function from its stored form, which is not trusted."""
+    texts = [data.get("name"), data.get("source")]
+    are_texts = all(isinstance(text, str) for text in texts)
+    if not (is_stored_function(data) and are_texts):
+        raise InputError(f"{key} = {data!r}: must have texts under name and source")
+    function = UserFunction(data["name"], data["source"])
+    values = data.get("values", {})
+    return function.with_values(key, values, parameters) if values else function
+
+
+def _read_function(key: str, function: Callable[..., Any]) -> UserFunction:
+    """Return a user function from a function of Python."""
+    name = getattr(function, "__name__", "")
+    if name == "<lambda>":
+        raise InputError(f"{key}: a lambda has no name; define the function with def")
+    try:
+        source = textwrap.dedent(inspect.getsource(function))
+        return UserFunction(function.__name__, source).trusted()
+    except (OSError, TypeError, AttributeError):
+        fault = f"the source of {function!r} cannot be read"
+        raise InputError(f"{key}: {fault}; define the function in a file") from None
+
+
+def _read_file(key: str, text: str) -> UserFunction:
+    """Return a user function from ``FILE.py:NAME``."""
+    file, _, name = text.rpartition(":")
+    try:
+        function = UserFunction(name, read_text(Path(file))).trusted()
+    except InputError as error:
+        raise InputError(f"{key} = {text!r}: must be FILE.py:NAME; {error}") from None
+    _files[function.source] = file
+    return function
 
 
 @cache

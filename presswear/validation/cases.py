@@ -126,20 +126,22 @@ def sound(run: Run, plan: Plan) -> Run:
         "cycles": [recorder.cycles],
         "wear": [recorder.maps.sampled],
         "state": [run.end.position, run.end.velocity],
-        "energy": [x for x in run.diagnostics.values() if isinstance(x, float)],
+        "energy": [
+            value for value in run.diagnostics.values() if isinstance(value, float)
+        ],
         "contacts": [contacts(k) for k in range(len(records.memory))],
     }
     for name, values in arrays.items():
-        if not all(np.isfinite(each).all() for each in values):
+        if not all(np.isfinite(array).all() for array in values):
             raise RunFailed(f"not finite: {name}")
-    if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
-        raise RunFailed(
-            f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s"
-        )
+    end = plan.cycle * plan.cycles
+    if abs(run.time - end) > 1e-9:
+        raise RunFailed(f"ended at {run.time:.9g} s, not at {end:.9g} s")
     unresolved = int(records.counters["unresolved"].sum())
     count = int(records.counters["contacts"].sum())
     is_worn = depths_of(records.packed).any()
-    if unresolved > (GRAZED * count if is_worn else 0):
+    allowed = GRAZED * count if is_worn else 0
+    if unresolved > allowed:
         raise RunFailed(f"{unresolved} of {count} contacts unresolved")
     return run
 
@@ -199,4 +201,4 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
 
 def part_of(report: Progress, start: float, size: float, prefix: str = "") -> Progress:
     """Return the progress of a part of a whole that starts at a fraction and has a size."""
-    return lambda word, part: report(f"{prefix}{word}", start + size * part)
+    return lambda name, part: report(prefix + name, start + size * part)

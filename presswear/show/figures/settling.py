@@ -31,15 +31,16 @@ def draw_settling(result: FinalMotions, settled: FinalMotionsAt) -> Drawing:
     sheet, grid = style.panels(1, 2, 3.4, is_measured=True)
     _draw_survival(grid[0, 0], settled)
     joint = _draw_starts(grid[0, 1], result, settled)
-    pens = [CURVE, *([FIT] if settled.half_life else [])]
-    return style.finished(
+    pens = [CURVE, FIT] if settled.half_life else [CURVE]
+    (drawing,) = style.finished(
         "settling",
         sheet,
         pens,
         startup=STARTUP_CYCLES,
         summary=summary(result, settled),
         joint=joint,
-    )[0]
+    )
+    return drawing
 
 
 def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
@@ -53,11 +54,10 @@ def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
         age = late - STARTUP_CYCLES
         first = 100.0 * share[min(STARTUP_CYCLES, len(share) - 1)]
         FIT.draw(axes, late, first * 0.5 ** (age / life.mean))
-        low, high = life.low or life.mean, life.high or life.mean
         axes.fill_between(
             late,
-            first * 0.5 ** (age / low),
-            first * 0.5 ** (age / high),
+            first * 0.5 ** (age / (life.low or life.mean)),
+            first * 0.5 ** (age / (life.high or life.mean)),
             color=FIT.colour,
             alpha=_BAND,
             linewidth=0.0,
@@ -71,11 +71,12 @@ def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
 
 def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> str:
     """Draw where the pin with the largest force starts, by final motion; return its joint."""
-    forces = np.array(
-        [[one.peak_force[j] for j in settled.joints] for one in settled.motions]
-    )
-    k = int(forces.max(axis=0).argmax()) if forces.size else 0
-    joint = settled.joints[k]
+    largest = dict.fromkeys(settled.joints, 0.0)
+    for motion in settled.motions:
+        for name in largest:
+            largest[name] = max(largest[name], motion.peak_force[name])
+    joint = max(largest, key=lambda name: largest[name])
+    k = settled.joints.index(joint)
     clearance = result.scene.bearing(joint).clearance
     factor, unit = unit_scale("m", clearance)
     for number, motion in enumerate(settled.motions):
@@ -93,7 +94,8 @@ def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> s
     circle = factor * clearance * np.array([np.cos(turn), np.sin(turn)])
     axes.plot(*circle, color=style.REFERENCE, linewidth=0.7)
     axes.set_aspect("equal")
-    axes.set_ylim(*(factor * clearance * np.array([-1.1, 1.1])))
+    limit = 1.1 * factor * clearance
+    axes.set_ylim(-limit, limit)
     axes.set_xlabel(f"start of the pin at {joint}, x ({unit})")
     axes.set_ylabel(f"start of the pin at {joint}, y ({unit})")
     # Above the axes, where no marker of the legend is taken for a start.
@@ -144,13 +146,8 @@ def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
     colour = style.LINES[0][0]
     life = settled.half_life
     if life is not None:
-        low, high = life.low or life.mean, life.high or life.mean
-        axes.errorbar(
-            value,
-            life.mean,
-            [[life.mean - low], [high - life.mean]],
-            fmt="o",
-            color=colour,
-        )
+        below = life.mean - (life.low or life.mean)
+        above = (life.high or life.mean) - life.mean
+        axes.errorbar(value, life.mean, [[below], [above]], fmt="o", color=colour)
     elif settled.least_half_life is not None:
         axes.plot(value, settled.least_half_life, "^", color=colour, fillstyle="none")
