@@ -19,9 +19,9 @@ from presswear.recording.series_rows import ROWS_AT_LEAST, ROWS_AT_MOST
 from presswear.results.folder import INTERVAL
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Quantity
-from presswear.tools.serialize import checked_arguments
 
 ENGINES = {kind.word: kind for kind in (ExudynTree, ExudynJoints, InHouse)}
 DURATION = Quantity("s", 0.0, 1e6, "", "duration of a run", open_low=True)

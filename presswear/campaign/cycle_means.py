@@ -15,10 +15,14 @@ def mean_over_cycles(
     recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
 ) -> Estimate:
     """Return the mean over cycles of a quantity; see ``pooled``."""
-    rows = (
-        [run.each_cycle(name, joint) for run in runs] for runs in (recorders, alone)
-    )
-    return pooled(*rows)[0]
+    return _pooled_mean(recorders, alone, lambda run: run.each_cycle(name, joint))
+
+
+def _pooled_mean(
+    recorders: Recorders, alone: Recorders, values: Callable[[Recorder], Array]
+) -> Estimate:
+    first = [values(run) for run in recorders]
+    return pooled(first, [values(run) for run in alone])[0]
 
 
 def mean_without_interval(
@@ -73,4 +77,4 @@ def mean_drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
     def used(run: Recorder) -> Array:
         return run.each_cycle("drive_work") - run.each_cycle("stored_energy_change")
 
-    return pooled(*([used(run) for run in runs] for runs in (recorders, alone)))[0]
+    return _pooled_mean(recorders, alone, used)

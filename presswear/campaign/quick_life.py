@@ -36,6 +36,11 @@ class WearRates:
     # by ``JOINT.depth``, m, ``JOINT.wear_volume``, m^3, and ``GUIDE.tilt``, rad
     wear: dict[str, Estimate]
 
+    def depth_text(self, joint: str) -> str:
+        """Return the depth of a joint in a million strokes, um, as a text."""
+        rate = self.wear[f"{joint}.depth"].mean / self.strokes
+        return readable(1e12 * rate, 2)
+
     def of_joints(
         self, surfaces: str, since: float, until: float
     ) -> tuple[WearRate, ...]:
@@ -92,11 +97,8 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     first = next((limit for limit in limits if limit.strokes == strokes), None)
     depths = []
     for name in joints:
-        rates = (
-            1e12 * each.wear[f"{name}.depth"].mean / each.strokes
-            for each in (new, worn)
-        )
-        depths.append(f"{name} {' and '.join(readable(rate, 2) for rate in rates)}")
+        rates = [surfaces.depth_text(name) for surfaces in (new, worn)]
+        depths.append(f"{name} {' and '.join(rates)}")
     message = (
         f"no error of steps: wear rates of the new surfaces for {large(new.strokes, digits=2)} "
         "strokes, then of the surfaces worn once (deepest place, µm in 10⁶ strokes: "
@@ -118,7 +120,8 @@ def _limit(
     """Return the strokes up to a limit, with the scatter of both rates and no error of steps."""
     wear = limited_wear(scene.linkage(), limit)
     depth, depth_rate = _depth_and_rate(wear, worn, stage)
-    value, rate = wear.numbers(depth), wear.numbers(depth_rate)
+    value = wear.numbers(depth)
+    rate = wear.numbers(depth_rate)
     level = float(value.max())
     strokes = math.inf
     if level >= wear.bound:

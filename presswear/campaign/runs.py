@@ -19,11 +19,11 @@ from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed, shown
 from presswear.tools.files import check_name, inside
 from presswear.tools.processes import Report, Workers, check_jobs, cores
-from presswear.tools.serialize import checked_arguments
 
 # imported by worker processes before the first job
 WORK_MODULE = "presswear.campaign.replicates"

@@ -24,7 +24,8 @@ from presswear.tools.choices import Choice
 from presswear.tools.errors import InputError
 from presswear.tools.fields import choice, count, meaning_of, quantity
 from presswear.tools.quantities import Quantity
-from presswear.tools.serialize import Named, check_fields, check_type
+from presswear.tools.serialize import Named, check_fields
+from presswear.tools.type_check import check_type
 
 if TYPE_CHECKING:
     from presswear.engines.base import Plan, Run, Start

@@ -5,9 +5,10 @@ from dataclasses import InitVar, dataclass, field
 from typing import Annotated, Any, cast
 
 from presswear.linkage.points import MAX_LENGTH, Place
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity
-from presswear.tools.serialize import Checked, checked_arguments, converted
+from presswear.tools.serialize import Checked, converted
 
 MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
 

@@ -34,8 +34,9 @@ from presswear.linkage.parts import (
 )
 from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.spring import AnySpring
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError
-from presswear.tools.serialize import Checked, checked_arguments, make, plain
+from presswear.tools.serialize import Checked, make, plain
 
 # Parts of a linkage that are tables of a file
 _TABLES = ("bodies", "joints", "drives", "springs", "loads")

@@ -26,7 +26,7 @@ _ROWS = tomllib.loads(
 CHORD = "chord"
 PLACE = Place(WEAR, 1, "A")  # of the depth
 RUNS = [run_name(BASE, WEAR)]
-RUNS += [run_name(case, WEAR) for *_, case, _ in _ROWS if case in SENSITIVITIES]
+RUNS += [run_name(case, WEAR) for _, _, _, case, _ in _ROWS if case in SENSITIVITIES]
 
 
 def chord_ratio(scene: pw.Scene) -> float:
@@ -42,14 +42,13 @@ def effect(evidence: Evidence, case: str) -> pw.statistics.Estimate | float | No
     """Return the change of the depth under a case, relative to that as printed."""
     if case == CHORD:
         return chord_ratio(base_scene(WEAR)) - 1.0
-    pair = [evidence.estimate(name, PLACE, "depth") for name in (case, BASE)]
-    ours = [one for one in pair if one is not None and one.mean > 0.0]
-    if len(ours) < 2:
+    depths = [evidence.estimate(name, PLACE, "depth") for name in (case, BASE)]
+    positive = [depth for depth in depths if depth is not None and depth.mean > 0.0]
+    if len(positive) < 2:
         return None
-    change = ratio(ours[:1], ours[1:])
-    low, high = (
-        None if end is None else end - 1.0 for end in (change.low, change.high)
-    )
+    change = ratio(positive[:1], positive[1:])
+    low = None if change.low is None else change.low - 1.0
+    high = None if change.high is None else change.high - 1.0
     return pw.statistics.Estimate(change.mean - 1.0, low, high)
 
 

@@ -17,11 +17,11 @@ from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import HELD_OPEN
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity, written
-from presswear.tools.serialize import checked_arguments
 
 # Default force for a total clearance: least value, N, and ratio to the weight
 LEAST_PULL = 100.0

@@ -7,8 +7,8 @@ from presswear.recording.statistics import Estimate
 from presswear.recording.statistics.estimate import weighted_sum
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
-from presswear.tools.serialize import checked_arguments
 
 
 def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:

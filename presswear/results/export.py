@@ -116,17 +116,17 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     force = process_force(result.scene, item)
     if force is not None:
         columns["process_force"] = force
-    for name, joint in item.joints.items() if item.has_joint_series else ():
-        for column in JOINT_SERIES:
-            columns[f"{name}_{column.table_name}"] = joint.series(column.name)
+    if item.has_joint_series:
+        for name, joint in item.joints.items():
+            for column in JOINT_SERIES:
+                columns[f"{name}_{column.table_name}"] = joint.series(column.name)
     linear = linear_bodies(result.scene.base_linkage.drives)
     for body, curve in curves_of(result.scene, item).items():
-        labels = _LINEAR_DRIVE if body in linear else dict.fromkeys(_DRIVE)
-        series = {
-            f"{body}_{label or key}": getattr(curve, key)
-            for key, label in labels.items()
-        }
-        columns |= {name: values for name, values in series.items() if values.size}
+        for key in _DRIVE:
+            label = _LINEAR_DRIVE[key] if body in linear else key
+            values = getattr(curve, key)
+            if values.size:
+                columns[f"{body}_{label}"] = values
     linkage = result.scene.linkage()
     for k, guide in enumerate(linkage.elastic_guides):
         columns[f"{guide.name}_stretch"] = item.arrays["stretch"][:, k]
@@ -142,15 +142,11 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
     work.
     """
     strokes = result.strokes(stage)
-    if strokes is None or not len(strokes.contact):
-        why = (
-            "the scene has no process"
-            if strokes is None
-            else "no stroke touches the work"
-        )
-        raise InputError(
-            f"stage {stage} of {result.scene.name} has no strokes to write: {why}"
-        )
+    fault = f"stage {stage} of {result.scene.name} has no strokes to write"
+    if strokes is None:
+        raise InputError(f"{fault}: the scene has no process")
+    if not len(strokes.contact):
+        raise InputError(f"{fault}: no stroke touches the work")
     columns = np.hstack([strokes.contact, strokes.fracture, strokes.separation])
     return dict(zip(_MOMENTS, columns.T, strict=True))
 
@@ -181,9 +177,8 @@ def life_table(result: Result) -> dict[str, Array]:
     columns = {"strokes": curves.pop("strokes")}
     for key, values in curves.items():
         name = key.replace(".", "_")
-        columns |= dict(
-            zip((name, f"{name}_low", f"{name}_high"), values.T, strict=True)
-        )
+        mean, low, high = values.T
+        columns |= {name: mean, f"{name}_low": low, f"{name}_high": high}
     return columns
 
 
@@ -199,20 +194,11 @@ def write_table(path: Path, table: Table) -> None:
         write_whole(path, lambda file: _write_matlab(file, table))
         return
     # The names come first: numpy.genfromtxt takes them from the first line.
-    head = f"{','.join(table)}\n# units: {','.join(f'{name} {unit_of(name)}' for name in table)}"
+    units = ",".join(f"{name} {unit_of(name)}" for name in table)
+    head = f"{','.join(table)}\n# units: {units}"
     rows = np.column_stack(list(table.values()))
-    write_whole(
-        path,
-        lambda file: np.savetxt(
-            file,
-            rows,
-            fmt="%.17g",
-            delimiter=",",
-            header=head,
-            comments="",
-            encoding="utf-8",
-        ),
-    )
+    form = {"fmt": "%.17g", "delimiter": ",", "comments": "", "encoding": "utf-8"}
+    write_whole(path, lambda file: np.savetxt(file, rows, header=head, **form))
 
 
 def _write_matlab(file: BinaryIO, table: Table) -> None:
@@ -257,24 +243,20 @@ def read_table(path: Path) -> dict[str, Array]:
 
 
 def _read_csv(path: Path) -> dict[str, Array]:
-    lines = read_text(path).splitlines()
-    lines = [
-        line for line in lines if line.strip() and not line.lstrip().startswith("#")
-    ]
+    stripped = (line.strip() for line in read_text(path).splitlines())
+    lines = [line for line in stripped if line and not line.startswith("#")]
     header = "".join(lines[:1])
     separator = separator_of(header)
     names = [name.strip().strip('"') for name in header.split(separator)]
+    rows = np.zeros((0, 0))
     try:
-        rows = (
-            np.loadtxt(lines[1:], delimiter=separator, ndmin=2)
-            if lines[1:]
-            else np.zeros((0, 0))
-        )
+        if lines[1:]:
+            rows = np.loadtxt(lines[1:], delimiter=separator, ndmin=2)
     except ValueError as error:
         # numpy counts such rows from 0
         place = re.compile(r"at row (\d+), column")
         text = place.sub(
-            lambda match: f"in row {int(match[1]) + 1}, column", f"{error}"
+            lambda match: f"in row {int(match[1]) + 1}, column", str(error)
         )
         raise InputError(f"{path}: {text}") from None
     if len(set(names)) < len(names):
@@ -284,6 +266,10 @@ def _read_csv(path: Path) -> dict[str, Array]:
             f"{path}: {rows.shape[1]} values in a row for {len(names)} columns"
         )
     return dict(zip(names, rows.reshape(-1, len(names)).T, strict=True))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def compare_tables(
@@ -320,11 +306,13 @@ def compare_tables(
         if name != "time":
             curve = curves.get(name) or PchipInterpolator(time, ours[name])
             expected = curve(theirs["time"][common])
-            off = values[common] - expected
-            rms, size = (float(np.sqrt(np.mean(part**2))) for part in (off, expected))
-            greatest = float(np.abs(off).max())
-            bound = tolerance * size
-            differences.append(
-                ColumnDifference(name, unit_of(name), greatest, rms, bound)
+            deviation = values[common] - expected
+            difference = ColumnDifference(
+                name,
+                unit_of(name),
+                greatest=float(np.abs(deviation).max()),
+                rms=_rms(deviation),
+                bound=tolerance * _rms(expected),
             )
+            differences.append(difference)
     return differences

@@ -36,6 +36,7 @@ from presswear.results.wear_posterior import (
 )
 from presswear.scene.options import CLEARANCES, FOLLOWED, Limit
 from presswear.scene.scene import Scene
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import (
@@ -45,7 +46,6 @@ from presswear.tools.numbers import (
     readable,
     unit_scale,
 )
-from presswear.tools.serialize import checked_arguments
 
 _LEVELS = np.array([0.025, 0.5, 0.975])
 _STROKES = 401  # even nodes of the distribution of the life

@@ -6,10 +6,11 @@ from pathlib import Path
 
 from presswear.scene.files import read_table
 from presswear.scene.options import FOLLOWED
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Quantity, parse_quantity
-from presswear.tools.serialize import check_type, checked_arguments
+from presswear.tools.type_check import check_type
 
 FILE = "readings.csv"  # in the folder of a result
 HEADER = "joint,strokes,diametral_clearance (mm),error (mm)"

@@ -39,11 +39,12 @@ from presswear.scene.files import TABLE, read_profiles
 from presswear.scene.initial_surfaces import Surfaces
 from presswear.scene.scene import Scene
 from presswear.scene.stage_names import stage_name
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, printable, shown
 from presswear.tools.files import check_folder, holder, read_checked
 from presswear.tools.numbers import MM3_PER_MILLION, counted, large, readable
-from presswear.tools.serialize import check_type, checked_arguments
+from presswear.tools.type_check import check_type
 
 if TYPE_CHECKING:
     import pandas

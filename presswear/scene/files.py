@@ -19,12 +19,13 @@ from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import MOTOR, SERVO, TABLES, name_of_key
 from presswear.scene.setting_list import DEFAULT, IN_FILE, Setting, settings_of
 from presswear.scene.settings import changed, on_surfaces
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
 from presswear.tools.choices import NONE, Choice
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.files import read_text, separator_of
 from presswear.tools.quantities import Quantity, parse_quantity
-from presswear.tools.serialize import LARGEST, checked_arguments
+from presswear.tools.serialize import LARGEST
 
 SUFFIX = ".toml"
 TABLE = ".csv"  # ending of a table of measured profiles

@@ -22,7 +22,7 @@ from presswear.scene.clearance_linkage import with_bearings
 from presswear.scene.conventions import Conventions
 from presswear.scene.wall_maps import with_wall_maps
 from presswear.tools.arrays import Array
-from presswear.tools.serialize import check_type
+from presswear.tools.type_check import check_type
 
 
 class LoadedLinkage(BearingJoints):

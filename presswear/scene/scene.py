@@ -38,7 +38,8 @@ from presswear.scene.user_laws import LinkageWithUserLaws
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.fields import choice, count, named_set, one_of, quantity
 from presswear.tools.quantities import written
-from presswear.tools.serialize import Checked, check_type, converted, from_plain, plain
+from presswear.tools.serialize import Checked, converted, from_plain, plain
+from presswear.tools.type_check import check_type
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))

@@ -22,9 +22,9 @@ from presswear.scene.setting_keys import (
     settings_by_key,
 )
 from presswear.scene.setting_list import COMMON, IN_FILE, SET, fields_of, has_settings
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.choices import NONE, ON, Choice
 from presswear.tools.errors import InputError
-from presswear.tools.serialize import checked_arguments
 
 
 @checked_arguments

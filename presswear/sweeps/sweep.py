@@ -28,6 +28,7 @@ from presswear.sweeps.responses import (
     freedom_of,
     request,
 )
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.choices import Choice
 from presswear.tools.errors import InputError, RunFailed, not_installed, printable
 from presswear.tools.files import (
@@ -39,13 +40,8 @@ from presswear.tools.files import (
     write_bytes,
 )
 from presswear.tools.processes import check_jobs
-from presswear.tools.serialize import (
-    check_type,
-    checked_arguments,
-    read_json,
-    typed,
-    write_json,
-)
+from presswear.tools.serialize import read_json, typed, write_json
+from presswear.tools.type_check import check_type
 
 if TYPE_CHECKING:
     import pandas

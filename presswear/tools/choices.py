@@ -111,8 +111,8 @@ class Choice:
         if not numbers or value in self.words:
             return value
         law = self.convert(name, value)
-        names = {one.name for one in law.numbers(name, self.parameters)}
-        values = {key: one for key, one in numbers.items() if key in names}
+        names = {number.name for number in law.numbers(name, self.parameters)}
+        values = {key: value for key, value in numbers.items() if key in names}
         return law.with_values(name, values, self.parameters)
 
     def _convert_part(self, kinds: Mapping[str, Any], name: str, value: Any) -> Any:
@@ -149,11 +149,12 @@ class Choice:
                 return
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
-        allowed = ", ".join(self.allowed()) + nearest(f"{value}", self.words)
-        if absent := not_modelled(f"{value}"):
+        allowed = ", ".join(self.allowed()) + nearest(str(value), self.words)
+        absent = not_modelled(str(value))
+        if absent:
             allowed += f". {absent}"
         raise InputError(f"{name} = {shown(value)}: allowed is one of {allowed}")
 
 
 def _by_name(data: Mapping[Any, Any]) -> dict[str, Any]:
-    return {f"{key}": value for key, value in data.items()}
+    return {str(key): value for key, value in data.items()}

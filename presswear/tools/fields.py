@@ -83,7 +83,7 @@ def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     meaning = item.metadata.get("meaning")
     if meaning is None:
         annotations = getattr(item.type, "__metadata__", ())
-        meanings = (one for one in annotations if isinstance(one, Quantity | Choice))
+        meanings = (part for part in annotations if isinstance(part, Quantity | Choice))
         meaning = next(meanings, None)
     if isinstance(meaning, Choice) and callable(meaning.words):
         return replace(meaning, words=meaning.words(owner))

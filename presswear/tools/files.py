@@ -26,10 +26,8 @@ LOCK = "lock"  # name of the file that is locked
 # of a file that is read into memory, unless its size is known better
 MOST_BYTES = 2**28
 MAX_NAME = 255  # bytes of a name in common file systems
-_LEFT = {
-    LOCK,
-    "result.json.part",
-}  # files that a run leaves that is killed at its start
+# files that a run leaves that is killed at its start
+_LEFT = {LOCK, "result.json.part"}
 # errors of ``lock``: another process has it
 BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 _TRIES = 5
@@ -93,11 +91,9 @@ def read_checked(
 
     A pipe or a device, which may have no end, is not read.
     """
+    without_waiting = getattr(os, "O_NONBLOCK", 0)  # for the other end of a pipe
     try:
-        # A pipe would be waited for.
-        with open(
-            os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb"
-        ) as file:
+        with open(os.open(path, os.O_RDONLY | without_waiting), "rb") as file:
             status = os.fstat(file.fileno())
             if not stat.S_ISREG(status.st_mode):
                 raise InputError(f"{path}: it is not a regular file")
@@ -149,7 +145,8 @@ def name_for(text: str) -> str:
 def check_ending(path: Path, *endings: str, option: str = "") -> str:
     """Return the ending of a file name in lower case; raise InputError unless it is allowed."""
     check_name(path)
-    label, ending = f"{option} {path}".lstrip(), path.suffix.lower()
+    label = f"{option} {path}".lstrip()
+    ending = path.suffix.lower()
     if ending not in endings:
         raise InputError(f"{label}: the name must end in {' or '.join(endings)}")
     if path.is_dir():
@@ -166,9 +163,8 @@ def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> N
         return
     if path.exists():
         raise InputError(f"{path}: it is not a {kind}")
-    missing = next(
-        (one for one in (*reversed(path.parents), path) if not one.exists()), path
-    )
+    from_the_top = (*reversed(path.parents), path)
+    missing = next((part for part in from_the_top if not part.exists()), path)
     is_near = is_wanted if missing == path else Path.is_dir
     beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
     hint = nearest(missing.name, (item.name for item in beside if is_near(item)))
@@ -208,7 +204,8 @@ class FolderLock:
     """
 
     def __init__(self, path: Path) -> None:
-        self.path, self.warning = path, ""
+        self.path = path
+        self.warning = ""
         _check_link(path / LOCK)
         self._made = tuple(
             folder for folder in (path, *path.parents) if not folder.exists()
@@ -271,13 +268,13 @@ def lock(file: IO[str], waits: bool = False) -> int:
             import msvcrt
 
             file.seek(1 << 30)  # behind the text, which other processes may read
-            msvcrt.locking(
-                file.fileno(), msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK, 1
-            )
+            mode = msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK
+            msvcrt.locking(file.fileno(), mode, 1)
         else:
             import fcntl
 
-            fcntl.flock(file.fileno(), fcntl.LOCK_EX | (0 if waits else fcntl.LOCK_NB))
+            mode = fcntl.LOCK_EX if waits else fcntl.LOCK_EX | fcntl.LOCK_NB
+            fcntl.flock(file.fileno(), mode)
     except OSError as error:
         return error.errno or errno.EIO
     return 0
@@ -306,8 +303,8 @@ def only_writer(path: Path, resume: bool = False) -> Iterator[None]:
         raise InputError(
             f"folder {path}: it exists and is not empty; name a new folder"
         )
-    lock = FolderLock(path)
+    folder = FolderLock(path)
     try:
         yield
     finally:
-        lock.release()
+        folder.release()

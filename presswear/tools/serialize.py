@@ -9,9 +9,8 @@ SI, texts with units, lists of any sort and plain data alike. ``plain`` and
 import inspect
 import json
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
-from functools import cache, partial, wraps
 from numbers import Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -25,29 +24,24 @@ from typing import (
     cast,
     get_args,
     get_origin,
-    get_type_hints,
 )
 
 import numpy as np
 
-from presswear.tools.arrays import numbers_of
+from presswear.tools.arguments import check_names
 from presswear.tools.choices import NONE, Choice
-from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.errors import InputError, shown
 from presswear.tools.fields import meaning_of
 from presswear.tools.files import MOST_BYTES, read_checked, write_bytes
 from presswear.tools.quantities import Quantity, plain_number
-from presswear.tools.symbols import SYMBOLS
+from presswear.tools.type_check import is_list, refusal
 
 T = TypeVar("T")
-F = TypeVar("F", bound=Callable[..., Any])
 
 LARGEST = 1e15  # of any number, SI: that of the stiffest contact
 _MOST_PARTS = 4_000_000  # lists of a document; a sweep has one for each of its rows
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
 _NAMES = ("name", "body")  # first fields by which messages tell the owner
-_WORDS: dict[Any, str] = {float: "finite number", int: "whole number", str: "text"}
-_WORDS |= {bool: "True or False", NoneType: "None"}
-_WORDS |= {tuple: "list", Sequence: "list", Mapping: "mapping"}
 
 
 def check_fields(owner: Any) -> None:
@@ -73,127 +67,6 @@ def check_fields(owner: Any) -> None:
             result = converted(name, value, kind)
         if result is not value:
             object.__setattr__(owner, item.name, result)
-
-
-def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> None:
-    """Raise InputError for a name that no field or parameter has, with the one that is meant."""
-    for name in names:
-        if name in allowed:
-            continue
-        meant = SYMBOLS.get(name, "")
-        parts = (
-            f" of {key}" for key, one in allowed.items() if hasattr(one.default, meant)
-        )
-        part = next(parts, "")
-        if part or meant in allowed:
-            raise InputError(f"unknown {what} {name!r}: {name} is {meant}{part}")
-        raise unknown(what, name, allowed)
-
-
-def checked_arguments(function: F) -> F:
-    """Decorate a function of the face: a misspelt or a wrong argument raises InputError.
-
-    Arguments are compared with their annotations, not converted.
-    """
-    signature = inspect.signature(function)
-
-    @wraps(function)
-    def checked(*values: Any, **named: Any) -> Any:
-        check_names(f"argument of {function.__name__}", named, signature.parameters)
-        hints = get_type_hints(function, include_extras=True)
-        for name, value in signature.bind_partial(*values, **named).arguments.items():
-            check_type(name, value, hints[name])
-        return function(*values, **named)
-
-    return cast(F, checked)
-
-
-def takes_numbers(function: F) -> F:
-    """Decorate a function of arrays: it takes lists, too; wrong arguments raise InputError."""
-    signature = inspect.signature(function)
-    hints = cache(partial(get_type_hints, function))
-
-    @wraps(function)
-    def checked(*values: Any, **named: Any) -> Any:
-        try:
-            arguments = signature.bind(*values, **named)
-        except TypeError as error:
-            raise InputError(f"{function.__name__}: {error}") from None
-        passed = arguments.arguments
-        for name, value in passed.items():
-            passed[name] = _with_arrays(name, value, hints()[name])
-        try:
-            return function(*arguments.args, **arguments.kwargs)
-        except (ValueError, IndexError, ArithmeticError, TypeError) as error:
-            if isinstance(error, InputError):
-                raise
-            sizes = ", ".join(
-                f"{name} of shape {value.shape}"
-                if isinstance(value, np.ndarray)
-                else f"{name} = {shown(value)}"
-                for name, value in passed.items()
-            )
-            raise InputError(f"{function.__name__}: {sizes}: {error}") from None
-
-    return cast(F, checked)
-
-
-def _with_arrays(name: str, value: Any, kind: Any) -> Any:
-    """Return an argument with arrays in place of lists; InputError if it does not fit."""
-    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
-    if value is None and NoneType in kinds:
-        return None
-    if get_origin(kinds[0]) is np.ndarray:
-        is_number = not (np.ndim(value) or value is None) and float in kinds
-        return value if is_number else numbers_of(name, value)
-    if get_origin(kind) is Sequence and get_origin(get_args(kind)[0]) is np.ndarray:
-        is_list = isinstance(value, Collection) and not isinstance(value, str | Mapping)
-        check_type(name, value if is_list else None, Sequence[Any])
-        return [numbers_of(name, one) for one in value]
-    check_type(name, value, kind)
-    return value
-
-
-def check_type(name: str, value: Any, kind: Any) -> None:
-    """Raise InputError unless a value is of an annotated type; texts are no numbers here."""
-    if not _is_of(name, value, kind):
-        raise _refusal(name, value, kind)
-
-
-def _is_of(name: str, value: Any, kind: Any) -> bool:
-    origin, inner = get_origin(kind) or kind, get_args(kind)
-    if kind is Any:
-        return True
-    if origin in (Union, UnionType):
-        if value is None:
-            return NoneType in inner
-        return any(_is_of(name, value, one) for one in inner)
-    if origin is Annotated:
-        inner[1].check(name, plain_number(value))
-        return True
-    if origin is Literal:
-        return isinstance(value, str) and value in inner
-    if kind in (float, int):
-        number = plain_number(value)
-        return isinstance(number, int | kind) and not isinstance(number, bool)
-    if origin in (Sequence, tuple):
-        is_list = isinstance(value, Collection) and not isinstance(
-            value, str | bytes | Mapping
-        )
-        if not is_list or getattr(value, "ndim", 1) == 0:
-            return False
-        if origin is tuple and inner[-1] is not Ellipsis:
-            pairs = zip(value, inner, strict=False)
-            return len(value) == len(inner) and all(_is_of(name, *one) for one in pairs)
-        return all(_is_of(name, one, inner[0]) for one in value)
-    if origin is Mapping:
-        is_mapping = isinstance(value, Mapping) and all(
-            isinstance(key, str) for key in value
-        )
-        return is_mapping and all(_is_of(name, one, inner[1]) for one in value.values())
-    if origin is Callable:
-        return callable(value)
-    return isinstance(value, origin)
 
 
 class Named:
@@ -222,13 +95,16 @@ def documented(owner: type[T], example: T | None = None) -> type[T]:
     ``example`` is an instance, where the words of a choice depend on it.
     """
     text = inspect.cleandoc(owner.__doc__ or "")
-    described, lines = {line.partition(" : ")[0] for line in text.splitlines()}, []
+    described = {line.partition(" : ")[0] for line in text.splitlines()}
+    lines = []
     for item in fields(cast(Any, owner)):
-        meaning, default = meaning_of(item, example), item.default
+        meaning = meaning_of(item, example)
+        default = item.default
         if item.name in described or meaning is None:
             continue
         if isinstance(meaning, Choice):
-            allowed, default = ", ".join(meaning.allowed()), meaning.shown(default)
+            allowed = ", ".join(meaning.allowed())
+            default = meaning.shown(default)
         else:
             allowed = meaning.range_text()
         ending = "" if default is MISSING else f", default {default}"
@@ -244,7 +120,8 @@ def converted(name: str, value: Any, kind: Any) -> Any:
     The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert``
     alike.
     """
-    origin, inner = get_origin(kind) or kind, get_args(kind)
+    origin = get_origin(kind) or kind
+    inner = get_args(kind)
     if kind is Any:
         return value
     if origin is Annotated:
@@ -254,18 +131,17 @@ def converted(name: str, value: Any, kind: Any) -> Any:
     if origin in (tuple, Sequence):
         return _as_tuple(name, value, kind)
     if origin is Mapping and isinstance(value, Mapping):
-        return {
-            converted(f"name in {name}", key, inner[0]): converted(
-                _part_name(name, f".{key}"), item, inner[1]
-            )
-            for key, item in value.items()
-        }
+        result = {}
+        for key, item in value.items():
+            word = converted(f"name in {name}", key, inner[0])
+            result[word] = converted(_part_name(name, f".{key}"), item, inner[1])
+        return result
     if kind in (float, int):
         number = plain_number(value)
         if isinstance(number, int | kind) and not isinstance(number, bool):
             if -LARGEST <= number <= LARGEST:
                 return kind(number)
-            raise InputError(f"{_refusal(name, value, kind)}, {LARGEST:g} at most")
+            raise InputError(f"{refusal(name, value, kind)}, {LARGEST:g} at most")
     elif origin is Literal:
         Choice(inner).check(name, value)
         return value
@@ -273,7 +149,7 @@ def converted(name: str, value: Any, kind: Any) -> Any:
         return make(name, cast(Any, origin), value)
     elif isinstance(value, origin):
         return value
-    raise _refusal(name, value, kind)
+    raise refusal(name, value, kind)
 
 
 def _part_name(name: str, part: str) -> str:
@@ -281,59 +157,44 @@ def _part_name(name: str, part: str) -> str:
     return f"{head}{part}{of}{owner}"
 
 
-def _refusal(name: str, value: Any, kind: Any) -> InputError:
-    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
-    origins = (
-        get_args(one)[0] if get_origin(one) is Annotated else one for one in kinds
-    )
-    origins = (get_origin(one) or one for one in origins)
-    words = " or ".join(dict.fromkeys(_WORDS.get(one, one.__name__) for one in origins))
-    article = "an" if words[0] in "AEIOU" else "a"
-    examples = [one.example for one in kinds if hasattr(one, "example")]
-    hint = f", such as {examples[0]}" if examples else ""
-    return InputError(f"{name} = {shown(value)}: {article} {words} is expected{hint}")
-
-
 def _as_one_of(name: str, value: Any, kind: Any) -> Any:
     """Return a value as the first type of a union that takes it."""
-    kinds, deeper = get_args(kind), None
-    classes: list[Any] = [one for one in kinds if is_dataclass(one)]
-    takes_mapping = any(get_origin(one) is Mapping for one in kinds)
+    kinds = get_args(kind)
+    deeper = None
+    classes: list[Any] = [member for member in kinds if is_dataclass(member)]
+    takes_mapping = any(get_origin(member) is Mapping for member in kinds)
     if isinstance(value, Mapping) and classes and not takes_mapping:
-        return make(name, min(classes, key=lambda one: _misfit(one, value)), value)
-    for one in kinds:
+        nearest = min(classes, key=lambda member: _misfit(member, value))
+        return make(name, nearest, value)
+    for member in kinds:
         try:
-            return converted(name, value, one)
+            return converted(name, value, member)
         except InputError as error:
             # The value as a whole is of this type, but a part of it is not.
             if isinstance(value, Real) or not str(error).startswith(f"{name} = "):
                 deeper = deeper or error
-    raise deeper or _refusal(name, value, kind)
+    raise deeper or refusal(name, value, kind)
 
 
 def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
     """Return how many keys of plain data a data class lacks, and how many are missing there."""
     parameters = inspect.signature(kind).parameters
-    needed = {key for key, one in parameters.items() if one.default is one.empty}
+    needed = {key for key, item in parameters.items() if item.default is item.empty}
     return len(data.keys() - parameters.keys()), len(needed - data.keys())
 
 
 def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
-    is_list = isinstance(value, Collection) and not isinstance(
-        value, str | bytes | Mapping
-    )
-    if (
-        not is_list or getattr(value, "ndim", 1) == 0
-    ):  # numpy calls a scalar array a collection
-        raise _refusal(name, value, kind)
-    inner, rows = get_args(kind), list(value)
-    if get_origin(kind) is not tuple or inner[-1] is Ellipsis:
-        inner = (inner[0],) * len(rows)
-    if len(rows) != len(inner):
-        raise InputError(f"{name} = {shown(value)}: a list of {len(inner)} is expected")
+    if not is_list(value):
+        raise refusal(name, value, kind)
+    kinds = get_args(kind)
+    rows = list(value)
+    if get_origin(kind) is not tuple or kinds[-1] is Ellipsis:
+        kinds = (kinds[0],) * len(rows)
+    if len(rows) != len(kinds):
+        raise InputError(f"{name} = {shown(value)}: a list of {len(kinds)} is expected")
     return tuple(
-        converted(_part_name(name, f"[{k}]"), row, one)
-        for k, (row, one) in enumerate(zip(rows, inner, strict=True))
+        converted(_part_name(name, f"[{k}]"), row, kinds[k])
+        for k, row in enumerate(rows)
     )
 
 
@@ -419,9 +280,9 @@ def typed(data: Any, kind: type[T], place: str) -> T:
         return msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
         fault, _, inner = str(error).partition(" - at `$")
-        raise InputError(
-            ": ".join(filter(None, (place, inner.strip(".`"), fault)))
-        ) from None
+        inner = inner.strip(".`")
+        where = f"{place}: {inner}" if inner else place
+        raise InputError(f"{where}: {fault}" if where else fault) from None
 
 
 def read_json(

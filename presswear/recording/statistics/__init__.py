@@ -44,7 +44,7 @@ from presswear.recording.statistics.wear_maps import (
     smoothed_mean,
     smoothing_widths,
 )
-from presswear.tools.serialize import takes_numbers
+from presswear.tools.arguments import takes_numbers
 
 __all__ = [
     "LEVEL",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar, final
 
 from presswear.tools.numbers import readable, with_interval
-from presswear.tools.serialize import check_type
+from presswear.tools.type_check import check_type
 
 K = TypeVar("K")
 LEVEL = 0.95

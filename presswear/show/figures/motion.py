@@ -56,8 +56,10 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     shown, window = sampled(result, moving)
     has_means = bool(scene.clearance_joints)
     # deviation, displacement, velocity, acceleration of each stage, its means
-    heights = [1.25, 1.25, 1.0, *[0.95] * len(shown), *[1.25] * has_means]
-    height = 0.9 + min(1.15, (style.TALLEST - 0.9) / sum(heights)) * sum(heights)
+    heights = [1.25, 1.25, 1.0] + [0.95] * len(shown)
+    if has_means:
+        heights.append(1.25)
+    height = 0.9 + min(1.15 * sum(heights), style.TALLEST - 0.9)
     sheet, column, zones = window.rows(len(heights), height, height_ratios=heights)
     time = np.linspace(window.start, window.end, 2001)
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
@@ -161,8 +163,8 @@ def _draw_jagged(
 
 def whole_cycles(time: Array, window: Window) -> slice:
     """Return the cycles that lie between the first and the last time, s; a stroke may have none."""
-    first, last = (time[[0, -1]] - window.run_up) / window.period
-    return slice(math.ceil(first - _BEYOND), math.floor(last + _BEYOND))
+    cycle = (time - window.run_up) / window.period
+    return slice(math.ceil(cycle[0] - _BEYOND), math.floor(cycle[-1] + _BEYOND))
 
 
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
@@ -171,7 +173,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     shown = first_and_last(shown)
     places = list(product(result.scene.loose_pins, shown))
     if window.zone:
-        height = 0.8 + min(1.5, (style.TALLEST - 0.8) / len(places)) * len(places)
+        height = 0.8 + min(1.5 * len(places), style.TALLEST - 0.8)
         sheet, panels, zones = window.rows(len(places), height)
         lowest = panels[-1:]
     else:
@@ -204,7 +206,7 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the height of bottom dead centre over the ideal in each stroke, first and last stage."""
     scene = result.scene
-    shown = first_and_last([one for one in shown if one.data.statistics.bdc])
+    shown = first_and_last([stage for stage in shown if stage.data.statistics.bdc])
     if not shown or not scene.has_deviations:
         return []
     strokes = [bottom_errors(scene, stage.data) for stage in shown]
@@ -252,8 +254,12 @@ def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
         return np.hstack([path, limit])
 
     sheet, circle = pin_panels(result, shown, draw)
-    maps = [joint for stage in shown for joint in stage.data.joints.values()]
-    is_worn = any(np.any(each.depth(side) > 0.0) for each in maps for side in SIDES)
+    is_worn = any(
+        np.any(maps.depth(side) > 0.0)
+        for stage in shown
+        for maps in stage.data.joints.values()
+        for side in SIDES
+    )
     pens = [circle, _LIMIT] if is_bounded else [circle]
     return style.finished(
         "path", sheet, pens, window=window, is_open=is_worn and not is_bounded
@@ -302,34 +308,31 @@ def pin_panels(
 def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the forces of the work and of the joints over the height of the stroke."""
     scene = result.scene
-    process = result.scene.process
-    shown = [(stage, sampled_strokes(scene, stage.data)) for stage in moving]
-    shown = [(stage, strokes) for stage, strokes in shown if strokes]
+    process = scene.process
+    shown = [stage for stage in moving if sampled_strokes(scene, stage.data)]
     if process is None or not shown:
         return []
-    has_series = all(stage.data.has_joint_series for stage, _ in shown)
+    has_series = all(stage.data.has_joint_series for stage in shown)
     joints = scene.loose_pins if has_series else ()
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
     count = 1 + len(joints)
-    sheet, column, lowest = style.panel_list(count, 1.7, 1 + (count > 3), sharex=True)
-    for stage, strokes in shown:
-        data = stage.data
+    side_by_side = 2 if count > 3 else 1
+    sheet, column, lowest = style.panel_list(count, 1.7, side_by_side, sharex=True)
+    for stage in shown:
         height = height_of(scene, stage.data)
-        force = process_force(scene, data)
+        force = process_force(scene, stage.data)
         assert force is not None, "the scene has a process"
-        series = [force, *(np.hypot(*data.joints[name].force.T) for name in joints)]
-        for stroke in strokes:
+        maps = (stage.data.joints[name] for name in joints)
+        series = [force, *(np.hypot(*joint.force.T) for joint in maps)]
+        for stroke in sampled_strokes(scene, stage.data):
             # Above the reach nothing presses on the work.
-            inside = (
-                (data.clock >= stroke.start)
-                & (data.clock < stroke.end)
-                & (height <= reach)
-            )
+            inside = height <= reach
+            inside &= stage.data.clock >= stroke.start
+            inside &= stage.data.clock < stroke.end
+            heights = factor * height[inside]
             for axes, values in zip(column, series, strict=True):
-                stage.pen.draw(
-                    axes, factor * height[inside], values[inside], linewidth=0.7
-                )
+                stage.pen.draw(axes, heights, values[inside], linewidth=0.7)
     if isinstance(process, Coining):
         depth = np.array([0.0, process.height])
         curve = process.stiffness * depth
@@ -342,9 +345,7 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     column[-1].set_xlim(factor * reach, 0.0)
     for axes in lowest:
         axes.set_xlabel(f"height over bottom dead centre ({unit})")
-    return style.finished(
-        "tonnage", sheet, _pens([stage for stage, _ in shown]), scene=scene
-    )
+    return style.finished("tonnage", sheet, _pens(shown), scene=scene)
 
 
 def drive_work(result: Result, moving: Shown) -> list[Drawing]:
@@ -366,9 +367,9 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         else:
             places.append((drive, "torque", "torque", "N m"))
         places.append((drive, "power", "power", "W"))
-    height = 0.8 + min(1.7, (style.TALLEST - 0.8) / len(places)) * len(places)
+    height = 0.8 + min(1.7 * len(places), style.TALLEST - 0.8)
     sheet, panels, zones = window.rows(len(places), height)
-    curves = [(stage, curves_of(scene, stage.data)) for stage in shown]
+    curves = [curves_of(scene, stage.data) for stage in shown]
     ideal, _ = ideal_curves(scene)
     # whole cycles, from the one in which the window starts
     first = np.floor((window.start - window.run_up) / window.period + 1e-6)
@@ -377,8 +378,8 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         cycle = ideal[drive].time - scene.run_up - window.period
         starts = window.run_up + window.period * np.arange(first, last)
         expected = np.tile(getattr(ideal[drive], name), starts.size)
-        for stage, each in curves:
-            values = getattr(each[drive], name)
+        for stage, curves_of_stage in zip(shown, curves, strict=True):
+            values = getattr(curves_of_stage[drive], name)
             stage.pen.draw(axes, stage.data.time, values, linewidth=0.7)
         IDEAL.draw(axes, np.add.outer(starts, cycle).ravel(), expected)
         style.label_values(axes, label, unit)

@@ -1,0 +1,78 @@
+"""Check of a value against an annotation, without a conversion."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from presswear.tools.errors import InputError, shown
+from presswear.tools.quantities import plain_number
+
+_WORDS: dict[Any, str] = {float: "finite number", int: "whole number", str: "text"}
+_WORDS |= {bool: "True or False", NoneType: "None"}
+_WORDS |= {tuple: "list", Sequence: "list", Mapping: "mapping"}
+
+
+def check_type(name: str, value: Any, kind: Any) -> None:
+    """Raise InputError unless a value is of an annotated type; texts are no numbers here."""
+    if not _is_of(name, value, kind):
+        raise refusal(name, value, kind)
+
+
+def _is_of(name: str, value: Any, kind: Any) -> bool:
+    """Return whether a value is of an annotated type; InputError for one out of range."""
+    origin = get_origin(kind) or kind
+    inner = get_args(kind)
+    if kind is Any:
+        return True
+    if origin in (Union, UnionType):
+        if value is None:
+            return NoneType in inner
+        return any(_is_of(name, value, member) for member in inner)
+    if origin is Annotated:
+        inner[1].check(name, plain_number(value))
+        return True
+    if origin is Literal:
+        return isinstance(value, str) and value in inner
+    if kind in (float, int):
+        number = plain_number(value)
+        return isinstance(number, int | kind) and not isinstance(number, bool)
+    if origin in (Sequence, tuple):
+        if not is_list(value):
+            return False
+        if origin is tuple and inner[-1] is not Ellipsis:
+            if len(value) != len(inner):
+                return False
+            pairs = zip(value, inner, strict=True)
+            return all(_is_of(name, item, member) for item, member in pairs)
+        return all(_is_of(name, item, inner[0]) for item in value)
+    if origin is Mapping:
+        return isinstance(value, Mapping) and all(
+            isinstance(key, str) and _is_of(name, item, inner[1])
+            for key, item in value.items()
+        )
+    if origin is Callable:
+        return callable(value)
+    return isinstance(value, origin)
+
+
+def is_list(value: Any) -> bool:
+    """Return whether a value is a list of any sort: no text, no mapping, no single number."""
+    if isinstance(value, str | bytes | Mapping):
+        return False
+    # numpy calls an array of a single number a collection
+    return isinstance(value, Collection) and getattr(value, "ndim", 1) > 0
+
+
+def refusal(name: str, value: Any, kind: Any) -> InputError:
+    """Return the error for a value that is not of an annotated type."""
+    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    distinct: dict[str, None] = {}
+    for member in kinds:
+        plain = get_args(member)[0] if get_origin(member) is Annotated else member
+        plain = get_origin(plain) or plain
+        distinct[_WORDS.get(plain, plain.__name__)] = None
+    words = " or ".join(distinct)
+    article = "an" if words[0] in "AEIOU" else "a"
+    examples = [member.example for member in kinds if hasattr(member, "example")]
+    hint = f", such as {examples[0]}" if examples else ""
+    return InputError(f"{name} = {shown(value)}: {article} {words} is expected{hint}")
