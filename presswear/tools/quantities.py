@@ -165,13 +165,13 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
     if symbol.startswith("pi") and "rad" in meaning.unit:
         value *= math.pi
         symbol = symbol.removeprefix("pi").strip()
-    known_units = f"known are {', '.join(units)}"
+    unit_list = ", ".join(units)
     if meaning.unit and not symbol:
         if value != 0.0:
-            raise InputError(f"{label} has no unit; {known_units}; {allowed}")
+            raise InputError(f"{label} has no unit; known are {unit_list}; {allowed}")
         symbol = next(iter(units))
     if symbol not in units:
-        fault = f"unknown unit {shown(symbol)}; {known_units}"
+        fault = f"unknown unit {shown(symbol)}; known are {unit_list}"
         if not meaning.unit:
             percent = "" if meaning.whole else ", or one in %,"
             fault = f"a pure number{percent} is expected"
