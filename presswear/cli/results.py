@@ -85,17 +85,18 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
 
         return sweep.export(arguments, console)
     result = load_result(arguments.folder, console)
+    stage = arguments.stage
     if arguments.life:
         table = life_table(result)
+    elif arguments.strokes:
+        table = strokes_table(result, stage)
+    elif arguments.cycles:
+        table = cycles_table(result, stage)
     else:
-        of_stage = strokes_table if arguments.strokes else table_of
-        of_stage = cycles_table if arguments.cycles else of_stage
-        table = of_stage(result, arguments.stage)
+        table = table_of(result, stage)
     write_table(arguments.file, table)
     rows = next(iter(table.values())).size
-    source = (
-        "service life" if arguments.life else f"{result.stage_name(arguments.stage)}"
-    )
+    source = "service life" if arguments.life else result.stage_name(stage)
     text = f"{source}: {rows} rows of {len(table)} columns in {arguments.file}"
     print_lines(console, text)
     return 0

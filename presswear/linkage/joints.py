@@ -12,9 +12,8 @@ from presswear.tools.serialize import Checked
 
 MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
 MIN_SLIDE, MAX_SLIDE = 1e-3, 10.0  # length and width of a slide, m
-ELASTIC_JOINT_DAMPING = (
-    0.02  # of an elastic joint, part of the critical damping; assumed
-)
+# Of an elastic joint, part of the critical damping; assumed
+ELASTIC_JOINT_DAMPING = 0.02
 
 
 def slide_size(text: str) -> Any:
@@ -171,8 +170,8 @@ def closing_guides(joints: Iterable[Joint]) -> dict[str, float]:
                 closing[guide.name] = slides[guide.body] - slides[guide.on]
             continue
         turn = carriers[guide.on] + guide.angle - slides[guide.body]
-        for body, turned in slides.items():
-            carriers[body] = turned + turn
+        for body, body_angle in slides.items():
+            carriers[body] = body_angle + turn
             groups[body] = carriers
     return closing
 

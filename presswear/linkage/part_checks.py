@@ -114,9 +114,9 @@ def _check_motors(drives: Sequence[Drive]) -> None:
 
 def _check_guides(guides: Sequence[Guide]) -> None:
     """Raise InputError where guides that close a loop do not agree on the angles of bodies."""
-    held = closing_guides(guides)
+    closing = closing_guides(guides)
     for guide in guides:
-        angle = held.get(guide.name, guide.angle)
+        angle = closing.get(guide.name, guide.angle)
         if abs(math.remainder(guide.angle - angle, 2.0 * math.pi)) > DRAWING_TOL:
             text, allowed = (
                 f"{math.degrees(one):.6g} deg" for one in (guide.angle, angle)

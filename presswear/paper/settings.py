@@ -81,9 +81,8 @@ BASE, *_, LONG = TABLES["cases"]
 PAPER_STEP = "paper-step"
 # Cases whose runs take the most time: Exudyn, 1,800 cycles, worn foundations
 LONGEST = ("other-engine", LONG, "refined")
-JUDGED = tuple(TABLES["cases"])[
-    :-1
-]  # cases with all settings, in which every claim is judged
+# Cases with all settings, in which every claim is judged
+JUDGED = tuple(TABLES["cases"])[:-1]
 GEOMETRIES = JUDGED[:-1]
 
 

@@ -50,9 +50,8 @@ class JointFilm:
     orbit: FilmOrbit
     clearance: float  # m
     roughness: float  # R_q of both surfaces together, m
-    loss: float = (
-        0.0  # mean power that the oil takes; in the run also the asperities, W
-    )
+    # Mean power that the oil takes; in the run also the asperities, W
+    loss: float = 0.0
 
     @property
     def thickness(self) -> Array:

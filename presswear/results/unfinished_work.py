@@ -8,6 +8,8 @@ from presswear.results.strokes import motion_of_work, sampled_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import readable
 
+# Advised height over the least one: with a higher work the press gives way a little more
+_MARGIN = 1.02
 _ENDS = {
     "blanking": "The sheet does not break",
     "drawing": "The work is not drawn to its depth",
@@ -37,7 +39,7 @@ def unfinished_work(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     highest = max(unfinished)
     reached, needed, allowed = (
         f"{readable(1e3 * length)} mm"
-        for length in (process.height - highest, depth, 1.02 * (highest + depth))
+        for length in (process.height - highest, depth, _MARGIN * (highest + depth))
     )
     return [
         f"{_ENDS[process.kind]} in {len(unfinished)} of {len(lowest)} strokes: {scene.output} "

@@ -47,7 +47,7 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     result = []
     linear = linear_bodies(scene.base_linkage.drives)
     cranks = [body for body in duties if body not in linear]
-    turned = _turned_by_flywheels(scene)
+    motor_cranks = _turned_by_flywheels(scene)
     for name, words, unit, bodies in (
         ("torque", "torque", "N m", cranks),
         ("torque", "force", "N", linear),
@@ -69,7 +69,7 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             typical = _mean_power(
                 scene, [duty.power.mean for duty in duties.values()], peaks[body]
             )
-        has_motor = bool(drives) and body in turned
+        has_motor = bool(drives) and body in motor_cranks
         text = f"Largest in a stroke at {body}; {typical}"
         if has_motor and words == "torque":
             text = f"Largest in a stroke of the motor, reduced to {body}; {typical} "
@@ -80,9 +80,8 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             for label, one in rigid.items()
         )
         if name == "torque" and static:
-            compared += (
-                (STATIC, _each({body: static[body] for body in bodies}, unit)),
-            )
+            loads = {body: static[body] for body in bodies}
+            compared += ((STATIC, _static_text(loads, unit)),)
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
             text += "clearance and friction."
@@ -124,8 +123,8 @@ def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
     return f"{text} at {body}" if len(peaks) > 1 else text
 
 
-def _each(torques: Mapping[str, float], unit: str) -> str:
-    """Return torques or forces as a text, each with its drive if there are several."""
+def _static_text(torques: Mapping[str, float], unit: str) -> str:
+    """Return static torques or forces as a text, each with its drive if there are several."""
     texts = {body: numbers.quantity_text(size, unit) for body, size in torques.items()}
     if len(texts) == 1:
         return next(iter(texts.values()))

@@ -205,7 +205,7 @@ def render_report(
         replace(
             first_screen(result, missing),
             picture=next(
-                (one for one in figures if one.file.startswith(PICTURE)), None
+                (figure for figure in figures if figure.file.startswith(PICTURE)), None
             ),
         ),
         template="report.html",

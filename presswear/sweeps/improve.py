@@ -40,9 +40,8 @@ DROP = "drop of the speed by the work"
 REVERSE = "reverse force of the frame over its greatest force"
 PLAIN = "as it is"
 SHOWN = 10  # changes in a panel of the figure, the best first
-LEAST_RANGE = (
-    0.1  # least range on both sides of 1, so that a per cent is not a long bar
-)
+# Least range of the axis on both sides of 1, so that a per cent is not a long bar
+LEAST_RANGE = 0.1
 BAR = 0.28  # height of a bar with its gap, inches
 
 

@@ -17,11 +17,10 @@ def _first(numbers: Array) -> float:
 def test_a_row_that_a_function_returns_keeps_its_array() -> None:
     assert _first(np.array([3.0])) == 3.0  # compiled here, or in an earlier test
 
-    @numba.njit
     def second_row(columns: int) -> Any:
         table = np.arange(2.0 * columns).reshape(2, columns)
         return table[1]
 
-    row = second_row(3)
+    row = numba.njit(second_row)(3)
     assert row.tolist() == [3.0, 4.0, 5.0]
     assert row.base is not None  # else the memory of the row is free

@@ -44,9 +44,8 @@ BAND_SHARE = 0.13
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
 DRAWN_BINS = 180  # of a wear map
 _WALL_BARS = 125  # that show the wear of a wall; a divisor of its bins
-_DEEPEST_BARS = (
-    4.0  # length of the deepest one, in half widths of a bar of the mechanism
-)
+# Length of the deepest one, in half widths of a bar of the mechanism
+_DEEPEST_BARS = 4.0
 _EDGE = 0.22  # width of the line of a wall or a foot, in half widths of a bar
 
 
