@@ -30,7 +30,7 @@ _NUMBER = re.compile(
 
 def plain_number(value: Any) -> Any:
     """Return a number of any kind as an int or a float; anything else as it is."""
-    if type(value) in (float, int, str):  # most values; abstract classes are slow
+    if type(value) in (float, str):  # most values; abstract classes are slow
         return value
     if isinstance(value, bool) or not isinstance(value, Real):
         return value

@@ -62,7 +62,7 @@ NEARLY_DEPENDENT = 1e-2
 # Round-off of a coordinate, in units of its last binary place
 RESOLVED_DIGITS = 8.0
 
-_CHUNK = 10_000  # steps of a kernel call, between which progress and Ctrl-C are handled
+_CHUNK = 2000  # steps of a kernel call, between which progress and Ctrl-C are handled
 
 
 def check_start(constraints: Constraints, start: Start) -> None:

@@ -91,9 +91,8 @@ def body_state_of(
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
-    solved_indices: list[
-        int
-    ] = []  # of the solved coordinates among all, if some are omitted
+    # Of the solved coordinates among all, if some are omitted
+    solved_indices: list[int] = []
     for i, body in enumerate(linkage.bodies):
         if omitted and body.name not in omitted:
             solved_indices += range(3 * i, 3 * i + 3)
