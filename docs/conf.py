@@ -8,6 +8,7 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docutils import nodes
+from jupyter_cache import get_cache
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 from sphinx.writers.html5 import HTML5Translator
@@ -118,6 +119,11 @@ def _check_lines(app: Sphinx, error: Exception | None) -> None:
             raise SphinxError(messages)
 
 
+def _create_outputs(app: Sphinx) -> None:
+    """Create the database of outputs, because parallel processes fail if both create it."""
+    _ = get_cache(app.config.nb_execution_cache_path).db
+
+
 def _draw(app: Sphinx) -> None:
     """Draw the pictures of pages without code."""
     folder = DOCS / "_drawn"
@@ -130,6 +136,7 @@ def setup(app: Sphinx) -> None:
     """Register MathML formulas, pictures, tables and command lines."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _run_commands)
+    app.connect("builder-inited", _create_outputs)
     app.connect("builder-inited", _draw)
     app.connect("autodoc-process-signature", signatures.signature_of)
     app.connect("builder-inited", _show_outputs, priority=900)  # after myst-nb
