@@ -92,11 +92,7 @@ def _only_irregular(settling: Settling) -> str:
 
 
 def _unwatched(settling: Settling) -> str:
-    least = REPEATED + STARTUP_CYCLES
-    return (
-        f"{_too_few(settling)} to see whether the motion settles: "
-        f"cycles = {least} or more shows it"
-    )
+    return f"{_too_few(settling)} to see whether the motion settles"
 
 
 def _regular(settling: Settling) -> list[Motion]:

@@ -17,7 +17,7 @@ from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import IDEAL
-from presswear.show.key_number import measured
+from presswear.show.key_number import enough_cycles, measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 
@@ -59,7 +59,10 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
         sentences.append(f"Before the wear of {strokes} strokes: {new}.")
     settling = last.statistics.settling
     if settling and not needs_warning(settling):
-        sentences.append(f"{sentence_of(settling)}.")
+        text = sentence_of(settling)
+        if settling.verdict == "unwatched":
+            text += f"; cycles = {enough_cycles(scene)} or more shows it"
+        sentences.append(f"{text}.")
     peak = measured("Peak joint force", forces[at], "N", " ".join(sentences))
     if settling and settling.is_mixture:
         note = reason_without_interval(last)

@@ -1,11 +1,25 @@
 """Key number of an estimate: value, interval, and a note on a doubtful one."""
 
-from presswear.recording.statistics import Estimate
+import math
+
+from presswear.recording.settling import REPEATED
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.scene.scene import Scene
 from presswear.show.page import NOTHING, KeyNumber
 from presswear.tools import numbers
 
 ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
 UNKNOWN = "interval unknown"
+
+
+def enough_cycles(scene: Scene) -> int:
+    """Return the least number of cycles that a report recommends.
+
+    All replicates together then have enough strokes for the intervals of peak forces,
+    and each one has enough to show whether its motion settles.
+    """
+    strokes = math.ceil(ENOUGH / scene.replicate_count)
+    return STARTUP_CYCLES + max(strokes, REPEATED)
 
 
 def measured(

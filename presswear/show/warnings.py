@@ -1,7 +1,5 @@
 """Warnings of a result: sentences on what makes its numbers doubtful."""
 
-import math
-
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.guide_tilt import self_locking
 from presswear.results.motions import SETTLE_ADVICE, needs_warning, sentence_of
@@ -12,7 +10,7 @@ from presswear.results.stage import StageResult
 from presswear.scene.plausible import doubts, unusual_joints
 from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import bearing_loads
-from presswear.show.key_number import ENOUGH
+from presswear.show.key_number import ENOUGH, enough_cycles
 from presswear.show.words import in_words_of
 from presswear.tools import numbers
 from presswear.tools.quantities import written
@@ -89,10 +87,9 @@ def _sampling_warnings(scene: Scene, stages: list[StageResult]) -> list[str]:
     samples = [joint.peak_force_per_cycle.samples for joint in joints]
     strokes = min(samples, default=ENOUGH)
     if strokes < ENOUGH:
-        cycles = STARTUP_CYCLES + math.ceil(ENOUGH / scene.replicate_count)
         lines.append(
             f"Few strokes: peak forces are means of {strokes} strokes, and uncertain. "
-            f"Run at least {ENOUGH}: cycles = {cycles} or more."
+            f"Run more: cycles = {enough_cycles(scene)} or more."
         )
     return lines
 

@@ -8,6 +8,7 @@ import pytest
 from made_up_result import altered, lived, made_up
 
 import presswear as pw
+from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate
 from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.show.drive_numbers import IDEAL, RUBBING
@@ -204,7 +205,20 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
         for line in lines
         if line.startswith("Few strokes: peak forces are means of 2")
     ]
-    assert few.endswith("Run at least 20: cycles = 7 or more.")  # of one replicate
+    assert few.endswith("Run more: cycles = 12 or more.")
+
+
+def test_one_number_of_cycles_is_recommended() -> None:
+    """Of 2 at the start, then 10 each for the settling, and 20 together for the forces."""
+    for replicates, cycles in ((1, 22), (2, 12), (4, 12)):
+        scene = replace(made.BODY, replicates=replicates)
+        result = made_up(scene, 1)
+        settling = Settling(watched=5, starts=(None,) * replicates, motions=())
+        statistics = replace(result.stages[0].statistics, settling=settling)
+        result = altered(result, 0, statistics=statistics)
+        meanings = [number.meaning for number in key_numbers(result)]
+        text = " ".join([*meanings, *warnings(result)])
+        assert re.findall(r"cycles = (\d+)", text) == [f"{cycles}"] * 2
 
 
 WEAR = "Wear per million strokes"
