@@ -13,7 +13,7 @@ from presswear.results.rigid_joints import (
 )
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.show.key_number import measured
+from presswear.show.key_number import exact, measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 
@@ -85,8 +85,8 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
         if not drives:
             text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
             text += "clearance and friction."
-            value = numbers.quantity_text(peaks[body].mean, unit)
-            result.append(KeyNumber(title, value, "", text, compared))
+            peak = exact(title, peaks[body].mean, unit, text)
+            result.append(peak._replace(compared=compared))
             continue
         before = getattr(new[body], f"peak_{name}") if body in new else None
         if before is not None:
