@@ -225,9 +225,8 @@ def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
     )
     with pytest.raises(pw.InputError, match=message) as refused:
         pw.run(scene)
-    assert (
-        refused.value.__cause__ is None
-    )  # not from a worker process, with two tracebacks
+    # An error from a worker process would have a cause, a second traceback.
+    assert refused.value.__cause__ is None
 
 
 def test_settings_of_an_engine_are_checked_like_any_other() -> None:

@@ -172,12 +172,8 @@ def blanking(axes: Axes) -> None:
 
 
 UNTIL = Limit("depth", "A", 1e-5)
-STEPS = (
-    5e-3,
-    2e-3,
-    1e-3,
-    5e-4,
-)  # wear of a cycle, or of a jump, relative to the clearance
+# Wear of a cycle, or of a jump, relative to the clearance
+STEPS = (5e-3, 2e-3, 1e-3, 5e-4)
 REFERENCE_STEP = 1.25e-4
 REPLICATES = 4
 JUMP = 10  # cycles of the mean map that a jump multiplies

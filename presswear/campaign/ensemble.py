@@ -196,9 +196,8 @@ class Ensemble:
             if isinstance(first, str):
                 continue
             values: list[Any] = [run.diagnostics.get(key, 0) for run in self.runs]
-            if (
-                key == "energy_residual_J"
-            ):  # signed residuals of several runs would cancel
+            if key == "energy_residual_J":
+                # Residuals of different signs would cancel in the sum.
                 values = [*map(abs, values)]
             merged[key] = max(values) if key in _LARGEST else sum(values)
         return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})

@@ -132,9 +132,8 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.compare is not None:
         folder = Path(arguments.compare)
         stage = arguments.stage
-        if match := re.fullmatch(
-            r"(?:(.+):)?([0-9]+)", arguments.compare
-        ):  # K or DIR:K
+        # K or DIR:K
+        if match := re.fullmatch(r"(?:(.+):)?([0-9]+)", arguments.compare):
             folder = Path(match[1] or arguments.folder)
             stage = int(match[2])
         clips = equal_limits([*clips, _clip(folder, stage, console)])

@@ -31,9 +31,8 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import percent, quantity_text, readable
 
 OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
-WIDEST_CLEARANCE = (
-    2.0 * OIL_CLEARANCES[1]
-)  # with grease; no film carries in a wider one
+# Per mille of the bore, with grease. In a wider bearing no film carries.
+WIDEST_CLEARANCE = 2.0 * OIL_CLEARANCES[1]
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
 ASSUMES = (
     "The film assumes a rigid bearing that is full of oil of this viscosity; with grease, or "
@@ -100,9 +99,8 @@ def oil_films(scene: Scene) -> dict[str, JointFilm]:
     return {} if scene.has_untrusted_loads else _films(scene)
 
 
-@lru_cache(
-    maxsize=16
-)  # a report has the films in sentences, in a number and in a figure
+# A report shows the films in sentences, in a number and in a figure.
+@lru_cache(maxsize=16)
 def _films(scene: Scene) -> dict[str, JointFilm]:
     bearings = {name: scene.bearing(name) for name in scene.loose_pins}
     oiled = {

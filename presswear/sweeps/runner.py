@@ -241,9 +241,8 @@ def run_rows(
         for future in running:
             future.cancel()
         for name in claims:
-            if (
-                read_row(folder, name) is None
-            ):  # a signal may come just after a row is written
+            # A signal can arrive just after a row is written.
+            if read_row(folder, name) is None:
                 files[name].unlink(missing_ok=True)
 
 

@@ -97,9 +97,8 @@ def read_arrays(
     except Exception as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     for name, array in arrays.items():
-        if not isinstance(
-            array, np.ndarray
-        ):  # numpy returns the bytes of any other file
+        # numpy returns a file of another format as bytes.
+        if not isinstance(array, np.ndarray):
             raise InputError(f"{file}: {name} is no array")
     return arrays
 

@@ -135,9 +135,8 @@ class Oscillator:
                 free = off[0] * np.cos(s) + off[1] * np.sin(s)
                 return np.cos(self.w * (t + s)) / (1.0 - self.w**2) + free
 
-            grid = np.append(
-                np.arange(1e-9, end - t, 0.02), end - t
-            )  # from above round-off
+            # The first instant lies above round-off.
+            grid = np.append(np.arange(1e-9, end - t, 0.02), end - t)
             landed = np.flatnonzero(x(grid) > 0.0)
             step = end - t
             if landed.size:

@@ -43,9 +43,8 @@ from presswear.validation.by_hand.equations import (
 )
 from presswear.validation.by_hand.loop import run as run_loop
 
-Method = Callable[
-    [Start, float], tuple[Array, float]
-]  # final state and cost, s/s, at a setting
+# Function of start and setting that returns the final state and the cost, s/s
+Method = Callable[[Start, float], tuple[Array, float]]
 
 END = 0.05  # s
 LEVELS = (1e-6, 1e-7, 1e-9)  # m, errors at which costs are compared

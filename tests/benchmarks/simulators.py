@@ -17,13 +17,8 @@ from presswear.tools.compile import Records, compiled, specialised
 from presswear.validation.by_hand.equations import OPEN
 
 HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
-JOINTS = (
-    "crank 7",
-    "plate 4",
-    "rod 3",
-    "slider 6",
-    "rod 5",
-)  # coordinates relative to the parent
+# Bodies in the order of their coordinates, each relative to its parent
+JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")
 
 
 @compiled

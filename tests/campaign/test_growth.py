@@ -171,9 +171,8 @@ def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
     size = 4.0
     groove = np.exp(-0.5 * ((np.arange(360) - 60.0) / size) ** 2)
     depths = np.repeat(groove[np.newaxis], 16, axis=0).reshape(4, 2, 2, 360)
-    depths[..., 150:300] += generator.gamma(
-        1.0, 0.2, (4, 2, 2, 150)
-    )  # far from the groove
+    # Noise far from the groove
+    depths[..., 150:300] += generator.gamma(1.0, 0.2, (4, 2, 2, 150))
     settings = {"replicates": 4, "wear_updates": 1, "cycles": 8}
     engine = FakeEngine(lambda run, worn: RATE * depths[run % 4])
     joint = campaign(SCENE, engine, **settings).stages[0].joints["A"]

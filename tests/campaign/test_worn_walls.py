@@ -171,9 +171,8 @@ def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> 
 def test_a_tilt_between_worn_walls_has_a_closed_form(place: int) -> None:
     """The front of the slide lies at a trench of one wall, its back at one of the second."""
     (guide,) = pw.scenes.press_off_centre().loose_guides
-    wall = WallMap(
-        1e-13, -0.5, 0.001 * WALL_BINS
-    )  # 400 bins are the length of the slide
+    # 400 bins of the wall are as long as the slide.
+    wall = WallMap(1e-13, -0.5, 0.001 * WALL_BINS)
     corner = replace(pw.scenes.press_off_centre().linkage().corners[0], wall=wall)
     walls = np.zeros((2, WALL_BINS))
     assert tilt_between(corner, walls) == largest_tilt(guide, 0.05e-3)

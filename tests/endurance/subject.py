@@ -147,11 +147,8 @@ _CRANK = ("cycles_per_update=2e4", "steps_per_contact=20", "steps_sustained=5")
 TREE = Subject("exudyn-tree", "wear-times", (*_PRESS, "cycles=2"))
 IN_HOUSE = Subject("dae", "wear-times", (*_PRESS, "cycles=2", "replicates=2"))
 JOINTS = Subject("exudyn-joints", "slider-crank", (*_CRANK, "cycles=1"))
-SUBJECTS = (
-    TREE,
-    IN_HOUSE,
-    JOINTS,
-)  # several cycles, replicates and wear steps, some seconds each
+# Each has several cycles, replicates and wear updates, and takes some seconds.
+SUBJECTS = (TREE, IN_HOUSE, JOINTS)
 
 
 @dataclass(frozen=True)

@@ -42,10 +42,8 @@ INERTIA = MASS * (L**2 + W**2) / 12.0
 STIFFNESS = 2e8  # of a corner, N/m
 HEAVY = 1e12  # inertia of a disc that no block turns, kg m^2
 TURN = 30.0  # of the disc, rad/s
-FIRST, DURATION = (
-    0.1,
-    0.04,
-)  # first place of a block in its slot, m, and time of a run, s
+FIRST = 0.1  # initial position of a block in its slot, m
+DURATION = 0.04  # s
 STIFF = 100.0 * STIFFNESS
 WALL = WallMap(2e-13, 0.05, 0.2)
 FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)

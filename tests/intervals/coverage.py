@@ -38,11 +38,8 @@ def _slider_crank(rpm: float, **settings: Any) -> pw.Scene:
     return pw.Scene(crank, bearings=pw.Bearing(clearance=0.5e-3), **_NEW)
 
 
-_NEW: dict[str, Any] = {
-    "engine": "dae",
-    "replicates": 4,
-    "wear_updates": 0,
-}  # new surfaces
+# New surfaces
+_NEW: dict[str, Any] = {"engine": "dae", "replicates": 4, "wear_updates": 0}
 _FOUR_BAR = pw.Scene(
     pw.FourBar(), bearings=pw.Bearing(clearance=0.8e-3), cycles=20, **_NEW
 )

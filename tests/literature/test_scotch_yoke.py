@@ -24,11 +24,9 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
 
-RADIUS, LENGTH, SLOT = (
-    0.01,
-    0.06,
-    0.04,
-)  # of the crank, and of the block and its slot, m
+RADIUS = 0.01  # of the crank, m
+LENGTH = 0.06  # of the block, m
+SLOT = 0.04  # width of the slot, m
 WIDTH = 0.02  # of the contact, b, m
 COEFFICIENT = 1e-13  # K_d, 1/Pa
 RATE = COEFFICIENT / WIDTH  # k, m of depth for 1 N in a pass

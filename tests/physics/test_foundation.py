@@ -191,9 +191,8 @@ def test_the_nearest_place_of_a_worn_turn_is_found(
     assert result.square == pytest.approx(square, rel=1e-5, abs=1e-26)
 
 
-@pytest.mark.parametrize(
-    "bins", [16, BINS]
-)  # the patch is narrower than a bin, and wider
+# The patch is narrower than one of 16 bins, and wider than one of 360.
+@pytest.mark.parametrize("bins", [16, BINS])
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
 def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) -> None:
     """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
@@ -252,9 +251,8 @@ def test_a_round_contact_is_that_of_maps_without_depth(
     }
     for name in CONTACT.names or ():
         if name not in ("place", "normal", "tangential", "bristle", "bristle_rate"):
-            allowed = 3e-8 * scale.get(
-                name, 1.0
-            )  # lengths in m, speeds in m/s, directions
+            # Lengths in m, speeds in m/s and directions have the scale 1.
+            allowed = 3e-8 * scale.get(name, 1.0)
             assert worn[name] == pytest.approx(plain[name], abs=allowed), name
 
 

@@ -82,9 +82,8 @@ def test_forces_of_repeated_constraints_balance_and_have_the_smallest_norm() -> 
         ideal.at(time).position.reshape(2, -1, 3)
     ).transpose(0, 2, 1)
     for matrix, force in zip(transposed, forces, strict=True):
-        free = np.linalg.svd(matrix)[2][
-            -1
-        ]  # forces of the rows that balance each other
+        # Forces of the rows that balance each other
+        free = np.linalg.svd(matrix)[2][-1]
         assert np.abs(matrix @ free).max() < 1e-12
         assert abs(force @ free) < 1e-9 * np.abs(force).max()
 

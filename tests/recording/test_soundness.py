@@ -156,9 +156,8 @@ def test_sound_runs_continue() -> None:
         energies(),
         energies(drive_work=0.5019),
         energies(contact_loss=0.01, created=0.19, friction_loss=0.0, drive_work=0.31),
-        energies(
-            drive_work=9.0, drive_exchange=0.0
-        ),  # without drives energy is not judged
+        # Without drives the energy is not checked.
+        energies(drive_work=9.0, drive_exchange=0.0),
         coarse(10),
     ):
         assert examined(change) is None

@@ -30,9 +30,8 @@ def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearan
     assert dry.full_share < full.full_share
     assert full.full_share > 0.9
     assert oil_films(pw.scenes.slider_crank()) == {}
-    assert list(oil_films(oiled("50 um", "0.1 Pa s"))) == [
-        "B"
-    ]  # 5 per mille of the bore
+    # 50 µm are 5 per mille of the bore, the widest clearance of a film.
+    assert list(oil_films(oiled("50 um", "0.1 Pa s"))) == ["B"]
     assert oil_films(oiled("51 um", "0.1 Pa s")) == {}
 
 

@@ -155,9 +155,8 @@ def test_a_guide_that_is_switched_on_has_clearance(kind: str, tmp_path: Path) ->
 
 def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:
     scene = scene_from(written(tmp_path, OFF.sub("", example_file("slider-crank"))))
-    assert scene.bottom == pytest.approx(
-        -0.17
-    )  # crank and rod in line; up is towards the crank
+    # Crank and rod are in line, and up is towards the crank.
+    assert scene.bottom == pytest.approx(-0.17)
 
 
 def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:

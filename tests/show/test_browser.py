@@ -73,9 +73,8 @@ def test_the_first_screen_has_drawing_and_key_numbers(
         assert part.rect["y"] + part.rect["height"] <= 800
     assert drawing.rect["width"] > 100
     assert browser.execute_script("return document.body.scrollHeight") < MAX_HEIGHT
-    assert (
-        browser.execute("getLog", {"type": "browser"})["value"] == []
-    )  # no error in the console
+    errors = browser.execute("getLog", {"type": "browser"})["value"]
+    assert errors == []
 
 
 def test_a_report_executes_no_script(

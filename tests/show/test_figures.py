@@ -32,16 +32,8 @@ from presswear.show.figures.window import Window
 UNIT = re.compile(
     r"^strokes |\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
 )
-NOT_MADE_UP = (
-    "life",
-    "tonnage",
-    "oil",
-    "tilt",
-    "corners",
-    "walls",
-    "motor",
-    "frame",
-)  # figures that need what made-up results lack
+# Figures for which the made-up results have no data
+NOT_MADE_UP = ["life", "tonnage", "oil", "tilt", "corners", "walls", "motor", "frame"]
 WORN = ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png"]
 MOTION = [
     "response.png",

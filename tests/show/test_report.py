@@ -405,9 +405,8 @@ def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
     assert diagnostics is not None
     ((_, lines),) = diagnostics.groups
     names = [line[0] for line in lines]
-    assert (
-        len(names) == len(result.stages[0].diagnostics) - 1
-    )  # the model is a sentence
+    # One diagnostic, the model, is a sentence outside of the table.
+    assert len(names) == len(result.stages[0].diagnostics) - 1
     assert any(re.fullmatch(r"energy residual \([µm]?J\)", name) for name in names)
     assert not any(re.search(r" (J|m|s|m/s)$", name) for name in names)
     packages = page_of(result).row("packages")[1]

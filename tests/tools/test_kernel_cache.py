@@ -321,9 +321,8 @@ def test_named_tuples_may_have_equal_names(
     module: Any = sys.modules[__name__]
     for pair in (first, second, third):
         with monkeypatch.context() as patch:
-            if (
-                pair is not second
-            ):  # it is stored by value, the others by the name in this module
+            # The second type is stored by value, the others by their name in this module.
+            if pair is not second:
                 patch.setattr(module, "Pair", pair, raising=False)
             call: Any = specialised(Kernel(copy), ONES, pair(3.0, 4.0))
             call(target := np.zeros(2), pair(3.0, 4.0))

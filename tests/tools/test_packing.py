@@ -88,9 +88,8 @@ def test_bound_arguments_are_read_may_change_and_stay_alive(count: int) -> None:
     single += 1.0
     del single, rows, pairs
     gc.collect()
-    others = [
-        np.full(2, 1e9) for _ in range(1000)
-    ]  # would take the place of what is freed
+    # They would take the memory of arrays that were freed.
+    others = [np.full(2, 1e9) for _ in range(1000)]
     assert call(0.0) == out[0] == pytest.approx(expected + count, abs=1e-12)
     assert len(others) == 1000
 

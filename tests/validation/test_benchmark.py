@@ -204,10 +204,8 @@ def test_the_command_writes_table_and_figure(
     shown = command(f"benchmark --quick --repeats 3 --out {folder}")
     assert extents == [replace(benchmark_problems.QUICK, repeats=3)]
     assert "step 0.0001 failed" in shown
-    whole = (
-        str(folder),
-        " failed: ",
-    )  # lines of messages are not divided outside of a terminal
+    # Lines of messages are not divided outside of a terminal.
+    whole = (str(folder), " failed: ")
     tables = [
         line for line in shown.splitlines() if not any(part in line for part in whole)
     ]

@@ -12,9 +12,8 @@ _LINE = 0.15  # height of a line of text, inches
 _LETTER = 0.07  # width of a digit, inches
 _TICK = 0.09  # from a panel to the numbers of an axis, and around a label, inches
 
-Room = tuple[
-    float, float, float, float
-]  # left, right, above and below of a panel, inches
+# Space left of, right of, above and below a panel, inches
+Room = tuple[float, float, float, float]
 
 
 class Margins(LayoutEngine):

@@ -179,9 +179,10 @@ class Picture:
             for body, worn, pose in zip(bodies, body_walls, poses, strict=True):
                 pieces += [shapes.moved(shape, pose) for shape in (*body, *worn)]
             pieces += self._springs(clip, panel, state)
+            # Pins are drawn. Corners of slides follow them in a state and are not drawn.
             for (joint, parts), row, peak in zip(
                 chapters[state.chapter], state.joints, state.peaks, strict=False
-            ):  # corners of slides come after the pins
+            ):
                 ends = (joint.joint.bearing, joint.joint.pin)
                 bearing, pin = (
                     points_of(clip.linkage, state.positions, end) for end in ends

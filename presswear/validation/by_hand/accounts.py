@@ -14,12 +14,10 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
 from presswear.validation.by_hand.equations import Cranks, Four, Levers, Push, cranks
 
-BINS, FRAMES, ROWS = (
-    360,
-    500,
-    2000,
-)  # of a map; of the film and of the series, in a cycle
-ROOM = 40_000  # series rows in a cycle, at most
+BINS = 360  # of a wear map
+FRAMES = 500  # of the film in a cycle
+ROWS = 2000  # of the series in a cycle, at least
+ROOM = 40_000  # of the series in a cycle, at most
 FORCE_STEP = 0.02  # change of a force, of its peak so far, at which a row is written
 PEAK_STEPS = 12  # of the search for a peak
 

@@ -107,9 +107,8 @@ def test_a_touching_pin_meets_the_worn_bearing() -> None:
     assert point == pytest.approx(surface * normal, abs=1e-12)
     inner = view.bodies()[0][0].points[:180]
     nearest = inner[np.argmin(np.hypot(*(inner - point).T))]
-    assert np.hypot(*nearest) == pytest.approx(
-        surface, rel=1e-3
-    )  # two bins are drawn as one
+    # Two bins are drawn as one.
+    assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)
 
 
 def test_arrow_length_is_the_root_of_the_force() -> None:
