@@ -5,6 +5,7 @@ in the first cycles only; everything else is one row per cycle or a running sum.
 """
 
 import math
+from typing import NamedTuple
 
 from presswear.physics.packed import drive_rate
 from presswear.physics.pressure_wear import deposit_by_pressure
@@ -40,7 +41,8 @@ from presswear.recording.series_rows import (
     write_row,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import compiled, inlined
+from presswear.tools.compile import call_entry, compiled, entry_of, inlined
+from presswear.tools.packing import PackedArguments, pack_arguments, unpack
 
 
 @compiled
@@ -174,11 +176,13 @@ def note_wear(records: RecorderState, k: int, h: float) -> None:
         deposit_over_arc(depth, joint, surfaces, contact, integrals.work, shares)
 
 
-@inlined
-def observe(
-    records: RecorderState, t: float, h: float, q: Array, v: Array, a: Array
-) -> None:
-    """Record one accepted step of length ``h``, s, whose contacts and loads are settled."""
+@compiled
+def record_step(address: PackedArguments, t: float, h: float) -> None:
+    """Record one accepted step of length ``h``, s, whose contacts and loads are settled.
+
+    ``address`` packs RecorderState, and q, v and a of all bodies.
+    """
+    records, q, v, a = unpack(address)
     note_output(records, t, h, q, v, a)
     note_drives(records, t, h, v)
     for k in range(records.contacts.shape[0]):
@@ -192,3 +196,26 @@ def observe(
         note_stretches(records.guides, records.pins, records.stretches, row, q)
         note_turns(records.angle_indices, records.turns, row, q, v)
         write_row(records)
+
+
+class StepObserver(NamedTuple):
+    """Compiled ``record_step`` and its arguments, as kernels call it."""
+
+    entry: int  # see ``tools.compile.call_entry``
+    arguments: int  # their address
+
+
+def step_observer(records: RecorderState, q: Array, v: Array, a: Array) -> StepObserver:
+    """Return the observer of the steps of a run; ``q``, ``v`` and ``a`` are live arrays.
+
+    It is called by its address, so that engines are not compiled again for a recorded
+    number.
+    """
+    packed = pack_arguments(records, q, v, a)
+    return StepObserver(entry_of(record_step, packed, 0.0, 0.0), packed)
+
+
+@inlined
+def observe(observer: StepObserver, t: float, h: float) -> None:
+    """Record one accepted step of length ``h``, s."""
+    call_entry(observer.entry, (observer.arguments, t, h))

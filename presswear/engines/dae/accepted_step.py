@@ -47,12 +47,9 @@ def start_march(address: PackedArguments) -> None:
         for k in range(records.torque.shape[0]):
             base = system.layout.first_torque + TORQUE_INTEGRALS * k
             records.torque[k] = motion.slopes[0, base + TORQUE]
-        q = system.q
-        v = system.v
-        a = system.a
         copy_contacts(records.contacts, system.contacts)
         settle(records, 0.0, LEAST_STEPS)
-        observe(records, 0.0, 0.0, q, v, a)
+        observe(run.observer, 0.0, 0.0)
         state.has_started = True
 
 
@@ -128,10 +125,7 @@ def finish_step(
     copy_contacts(run.records.contacts, system.contacts)
     empty_doses(address, t)
     empty_drives(address)
-    q = system.q
-    v = system.v
-    a = system.a
-    observe(run.records, t, h, q, v, a)
+    observe(run.observer, t, h)
     state.time = t
     state.steps += 1
     if constraints is not None:

@@ -41,6 +41,7 @@ from presswear.physics.ledger import (
     stored_energy,
 )
 from presswear.physics.prescribed import begin_motion
+from presswear.recording.observe import step_observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress, check_motor
 from presswear.tools.arrays import Array
@@ -255,7 +256,8 @@ class _Solver:
             () if self.is_tree else (self.constraints, settings.alpha, settings.beta)
         )
         system = system_of(packed, self.equations, self.model, *stabilized)
-        state = self.records, self.control, self.steps
+        observer = step_observer(self.records, *self.model.bodies[:3])
+        state = self.records, observer, self.control, self.steps
         if settings.has_equal_steps:
             run = Integration(system, None, 4, *state, last=3)
         else:

@@ -9,6 +9,7 @@ from presswear.engines.dae.dynamics import System, evaluate
 from presswear.physics.dormand_prince import DOP853, Tableau
 from presswear.physics.equations.function import ACCELERATIONS, END, RATES
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
+from presswear.recording.observe import StepObserver
 from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
@@ -80,6 +81,7 @@ class Integration(NamedTuple):
     # None, and the kernels are compiled without it.
     classical: int | None
     records: RecorderState
+    observer: StepObserver
     control: Records  # one of CONTROL
     motion: Motion
     last: int  # row of the slopes at the end of a step

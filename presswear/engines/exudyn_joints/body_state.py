@@ -9,6 +9,7 @@ from presswear.physics.closed_loops import place_prescribed
 from presswear.physics.equations.function import Model, Written, fill
 from presswear.physics.equations.layout import Layout
 from presswear.physics.prescribed import Prescribed
+from presswear.recording.observe import StepObserver
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, inlined
 
@@ -43,6 +44,7 @@ class BodyState(NamedTuple):
     axes: Array
     # function for the forces of contacts, springs and loads on all bodies
     forces: Written
+    observer: StepObserver
     model: Model  # arguments of this function, with the contacts of trial states
     y: Array  # its state vector
     rates: Array  # rates of this state vector

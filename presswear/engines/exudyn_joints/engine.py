@@ -53,6 +53,7 @@ from presswear.physics.ledger import Ledger, stored_energy
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.physics.step_length import STEPS
+from presswear.recording.observe import step_observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.recorder_state import RecorderState
 from presswear.recording.soundness import Finding
@@ -118,6 +119,7 @@ def body_state_of(
         a=a,
         axes=np.zeros(count),
         forces=written(forces, model),
+        observer=step_observer(records, q, v, a),
         model=model,
         y=np.zeros(forces.layout.size),
         rates=np.zeros(forces.layout.size),

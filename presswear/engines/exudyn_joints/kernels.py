@@ -313,7 +313,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
         packed.loads, t, body_state.q, body_state.v
     )
     changes = settle_loads(packed.loads, t, body_state.q, body_state.v, body_state.a)
-    observe(records, t, h, body_state.q, body_state.v, body_state.a)
+    observe(body_state.observer, t, h)
     following = next_step(records, steps, body_state.a)
     if changes > 0:
         fill_forces(body_state, t, RATES)

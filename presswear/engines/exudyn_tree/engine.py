@@ -36,7 +36,9 @@ from presswear.physics.equations.layout import initial_states
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ledger import Ledger, stored_energy
 from presswear.physics.prescribed import begin_motion
+from presswear.recording.observe import step_observer
 from presswear.recording.recorder import Recorder
+from presswear.recording.recorder_state import RecorderState
 from presswear.recording.soundness import Finding
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
@@ -124,7 +126,7 @@ class _Tree:
         )
         begin_motion(self.model.prescribed, 0.0, start.position)
         self.live, live = self._live_arrays(states.size)
-        self.tree = _tree_system(equations, self.model, live)
+        self.tree = _tree_system(equations, self.model, live, self.records)
         self.tree.pace["longest"] = settings.longest(plan.cycle)
         self.tree.pace["parts"] = settings.impact_steps
         self.tree.start[:] = live[:2]
@@ -277,7 +279,7 @@ def _add_states(system: Any, initial: Array, rates: Callable[..., Any]) -> None:
 
 
 def _tree_system(
-    equations: Equations, model: Model, live: tuple[Array, ...]
+    equations: Equations, model: Model, live: tuple[Array, ...], records: RecorderState
 ) -> TreeSystem:
     """Pack a tree for the kernels.
 
@@ -292,6 +294,7 @@ def _tree_system(
     x, u, u_t, states, force = live
     return TreeSystem(
         written(equations, model),
+        observer=step_observer(records, *model.bodies[:3]),
         x=x,
         u=u,
         u_t=u_t,

@@ -43,7 +43,7 @@ from presswear.physics.packed import Packed
 from presswear.physics.step_length import contact_step, longest_step
 from presswear.physics.touchdown import settle
 from presswear.recording.nominal_time import section_at_start
-from presswear.recording.observe import observe
+from presswear.recording.observe import StepObserver, observe
 from presswear.recording.recorder_state import RecorderState
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, all_finite, compiled, copy_to, inlined
@@ -88,6 +88,7 @@ class TreeSystem(NamedTuple):
     """Open tree for the kernels, with Exudyn's live state and working space."""
 
     equations: Written  # with the forces on the coordinates
+    observer: StepObserver
     # live arrays of Exudyn, each (coordinates,)
     x: Array  # coordinates
     u: Array  # rates
@@ -373,5 +374,5 @@ def accept_tree_step(address: PackedArguments, t: float) -> float:
         copy_to(system.expected, records.onset)
         fill_motion(system, records, t, x, u, system.states)
     events += settle_loads(records.packed.loads, t, q, v, a)
-    observe(records, t, h, q, v, a)
+    observe(system.observer, t, h)
     return next_tree_step(records, system, t, h, events)
