@@ -27,6 +27,7 @@ from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, first_drawings, save
 from presswear.show.figures.motion import whole_cycles
 from presswear.show.figures.style import Drawing, label_values, panels
+from presswear.show.figures.vector import svg_of
 from presswear.show.figures.window import Window
 
 UNIT = re.compile(
@@ -354,3 +355,18 @@ def test_a_stroke_has_no_peak_of_the_cycles_beside_it() -> None:
     assert whole_cycles(np.array([1.001, 2.999]), window) == slice(2, 6)
     across = whole_cycles(np.array([0.9, 1.4]), window)
     assert not np.arange(10)[across].size
+
+
+def test_lines_of_a_page_are_those_that_were_drawn() -> None:
+    """Steps from point to point, to a hundredth of a point, add up to the points."""
+    time = np.linspace(0.0, 7.0, 500)
+    sheet = Sheet(figsize=(2.0, 1.0))
+    axes = sheet.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, 7.0), ylim=(-1.0, 1.0))
+    axes.fill_between(time, np.sin(time), -1.0)
+    (path,) = re.findall(r'd="(M[^"]{400,})"', svg_of(Drawing("a.png", "", "", sheet)))
+    numbers = re.findall(r"-?[\d.]+", path)
+    points = np.cumsum(np.reshape(np.array(numbers, float), (-1, 2)), axis=0)
+    upper = points[1:501]
+    assert_allclose(upper[:, 0], 144.0 / 7.0 * time, atol=0.006)
+    assert_allclose(upper[0, 1] - upper[:, 1], 36.0 * np.sin(time), atol=0.011)

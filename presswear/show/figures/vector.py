@@ -25,6 +25,9 @@ FILE_HEAD = (
 )
 _NUMBERS = re.compile(r'\b(?:d|transform|x|y|x1|y1|x2|y2|width|height)="[^"]*"')
 _DECIMALS = re.compile(r"-?\d+\.\d+")
+# Path of straight lines
+_POLYLINES = re.compile(r'\bd="(M(?: -?[\d.]+ -?[\d.]+ ?[MLz]?)+)"')
+_COMMANDS = re.compile(r"([MLz])([^MLz]*)")
 _NAMED = re.compile(r' id="(?![mp][0-9a-f]{10}")[^"]*"')  # all but markers and clips
 _HEAD = re.compile(
     r"<svg .*?viewBox=\"([^\"]*)\"[^>]*>.*?(?=<defs>\s*<style|<g )", re.DOTALL
@@ -47,6 +50,7 @@ def svg_of(drawing: Drawing) -> str:
     text = _NAMED.sub("", text)
     text = text.replace("'DejaVu Sans', sans-serif", "sans-serif")
     text = _NUMBERS.sub(lambda match: _short(match[0]), text)
+    text = _POLYLINES.sub(lambda match: f'd="{_relative(match[1])}"', text)
     return re.sub(r"\s*\n\s*", "\n", text)
 
 
@@ -64,3 +68,33 @@ def _short(text: str) -> str:
         lambda match: f"{float(match[0]):.2f}".rstrip("0").rstrip("."), text
     )
     return re.sub(r" ?\n", "", text)
+
+
+def _relative(path: str) -> str:
+    """Return a path whose lines are steps from point to point, which takes half the text."""
+    parts = []
+    x = y = 0
+    start = (0, 0)
+    command = ""
+    for letter, numbers in _COMMANDS.findall(path):
+        if letter == "z":
+            parts.append("z")
+            x, y = start
+            command = "z"
+            continue
+        to_x, to_y = (round(100.0 * float(number)) for number in numbers.split())
+        if letter == "M":
+            parts.append(f"M{_hundredths(to_x)}{_hundredths(to_y)}")
+            start = (to_x, to_y)
+        else:
+            head = "" if command == "L" else "l"
+            parts.append(f"{head}{_hundredths(to_x - x)}{_hundredths(to_y - y)}")
+        x, y = to_x, to_y
+        command = letter
+    return "".join(parts).replace("l ", "l").replace("M ", "M")
+
+
+def _hundredths(count: int) -> str:
+    """Return a number of hundredths as a decimal with what separates it from the one before."""
+    text = f"{abs(count) / 100.0:.2f}".rstrip("0").rstrip(".").removeprefix("0") or "0"
+    return f"-{text}" if count < 0 else f" {text}"
