@@ -52,6 +52,7 @@ templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"presswear {release}"
 html_static_path = ["_static"]
+html_extra_path = ["_outputs/paper-report.html"]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
 maximum_signature_line_length = 88

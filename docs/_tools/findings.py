@@ -1,10 +1,11 @@
 """Write the results of the paper's study into findings.md:  python docs/_tools/findings.py FOLDER
 
-Draws its picture of the peak forces, too. The folder is that of a finished study,
-``python -m presswear.paper FOLDER --engine dae``.
+Draws its picture of the peak forces and stores its report for the site, too. The folder
+is that of a finished study, ``python -m presswear.paper FOLDER --engine dae``.
 """
 
 import re
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,14 +14,15 @@ import presswear as pw
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import HIGHLIGHTS
-from presswear.paper.report import failures_of, findings
-from presswear.paper.settings import BASE
+from presswear.paper.report import failures_of, findings, write_report
+from presswear.paper.settings import BASE, make_scenes
 from presswear.paper.verdicts import compared
 from presswear.show.figures import save
 from presswear.show.page import text_of
 from presswear.tools.numbers import readable
 
 PAGE = Path(__file__).parents[1] / "findings.md"
+REPORT = PAGE.parent / "_outputs" / "paper-report.html"
 PICTURE = PAGE.with_name("paper-fig-24.png")
 LABELS = {
     "second wear": "ratio of the wear depths at A: second to first wear update",
@@ -33,10 +35,7 @@ LABELS = {
 
 def evidence_of(folder: Path) -> Evidence:
     """Return the results of a study."""
-    paths = [
-        path for path in sorted(folder.iterdir()) if (path / "result.json").exists()
-    ]
-    return Evidence({path.name: pw.load(path) for path in paths})
+    return Evidence({name: pw.load(folder / name) for name in make_scenes()})
 
 
 def results_of(evidence: Evidence) -> str:
@@ -62,6 +61,8 @@ def fill(folder: Path) -> None:
     )
     peaks = next(one for one in drawings(evidence) if one.file == "fig-24-peaks.png")
     save(replace(peaks, file=PICTURE.name), PICTURE.parent)
+    _, report = write_report(evidence.results, folder)
+    shutil.copyfile(report, REPORT)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import presswear as pw
@@ -29,7 +30,7 @@ from presswear.paper.verdicts import Judged, compared
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES
 from presswear.show.page import Section, Table, text_of
-from presswear.show.report import provenance_table
+from presswear.show.report import made_by, provenance_table
 from presswear.show.scene_tables import setting_tables
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable
@@ -47,10 +48,16 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     sections = page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
-    write_bytes(
-        path, page.render_page(TITLE, page.FirstScreen(), sections, [answer]).encode()
-    )
+    made = next(map(_made_by, results.values()), "")
+    text = page.render_page(TITLE, page.FirstScreen(made_by=made), sections, [answer])
+    write_bytes(path, text.encode())
     return answer, path
+
+
+def _made_by(result: pw.Result) -> str:
+    """Return the module that ran the study, the version of presswear and the date."""
+    origin = {**result.provenance, "command": "python -m presswear.paper"}
+    return made_by(replace(result, provenance=origin))
 
 
 def failures_of(evidence: Evidence) -> dict[str, str]:

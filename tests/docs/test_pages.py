@@ -12,6 +12,7 @@ import unicodedata
 from collections.abc import Iterator
 from dataclasses import fields, replace
 from importlib import import_module
+from importlib.metadata import version
 from itertools import takewhile
 from multiprocessing.forkserver import ensure_running
 from pathlib import Path
@@ -164,6 +165,20 @@ def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
         cell.strip() for cell in cells
     ]
     assert any(cell["outputs"] for cell in stored)
+
+
+def test_the_report_of_the_study_is_on_the_site() -> None:
+    """It is that of this version; ``python docs/_tools/findings.py`` stores it."""
+    report = DOCS / "_outputs" / "paper-report.html"
+    assert f'"_outputs/{report.name}"' in (DOCS / "conf.py").read_text()
+    for page in ("index.md", "findings.md"):
+        assert f'<a href="{report.name}">' in (DOCS / page).read_text()
+    text = report.read_text()
+    assert re.search(
+        rf"presswear.paper, presswear {version('presswear')}, 20\d\d-\d\d-\d\d ", text
+    )
+    assert len(text) < 2_000_000
+    assert not re.search(r"/(?:home|root|tmp|work|opt|usr)/", text)
 
 
 def functions_named(page: Path) -> set[str]:
