@@ -149,6 +149,9 @@ class Guide(Checked):
         return 2 if self.stiffness is None else 3
 
 
+# Pin joints of the table ``joints``. Further kinds that stretch are derived from both. A
+# table of a file is of the kind whose fields it has.
+AnyPin = Pin | Revolute
 Joint = Revolute | Guide
 
 

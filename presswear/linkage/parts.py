@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from presswear.linkage.bodies import Body
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
 from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive
-from presswear.linkage.joints import Guide, Joint, Pin, Revolute
+from presswear.linkage.joints import AnyPin, Guide, Joint, Pin, Revolute
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
 from presswear.linkage.points import ANGLE, GROUND, Attachment, End, OutputPoint, angle
 from presswear.linkage.spring import AnySpring
@@ -40,7 +40,7 @@ class Parts(Checked):
     run_up: int = run_up()
     gravity: float = gravity()
     bodies: Sequence[Body] = ()
-    joints: Sequence[Pin | Revolute | Guide] = ()
+    joints: Sequence[AnyPin | Guide] = ()
     drives: Sequence[Drive | LinearDrive | GearedDrive] = ()
     springs: Sequence[AnySpring] = ()
     loads: Sequence[Load | Force | Moment] = ()
@@ -91,7 +91,7 @@ class Placing:
             direction = self.guide_directions.get(at.body, 0.0)
         return OutputPoint(at.body, direction, at.x, at.y)
 
-    def joint(self, joint: Pin | Revolute | Guide) -> Joint:
+    def joint(self, joint: AnyPin | Guide) -> Joint:
         """Return a joint between two points, or a guide through the slide as it is drawn."""
         if isinstance(joint, Guide):
             return self._guide(joint)
@@ -187,10 +187,10 @@ def part_with_names(bodies: Sequence[Body], part: Any) -> Any:
         return _name_of(bodies, part.attachment)
     if isinstance(part, Attachment):
         return _name_of(bodies, part)
-    if isinstance(part, Revolute):
+    if type(part) is Revolute:
         ends = _name_of(bodies, part.first), _name_of(bodies, part.second)
         return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
-    if not isinstance(part, AnySpring | Force | Drive | Follow):
+    if not isinstance(part, AnySpring | Revolute | Force | Drive | Follow):
         return part
     values = {
         item.name: part_with_names(bodies, getattr(part, item.name))

@@ -36,7 +36,7 @@ class ElasticPin:
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
         """Return all elastic pins of a linkage."""
-        return [cls(pin, damping_of(linkage, pin)) for pin in linkage.elastic_pins]
+        return [cls(pin, damping_of(linkage, pin)) for pin in _plain_pins(linkage)]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -47,7 +47,7 @@ class ElasticPin:
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
         """Return the elastic energy of all elastic pins, J."""
         energy = 0.0
-        for pin in linkage.elastic_pins:
+        for pin in _plain_pins(linkage):
             assert pin.stiffness is not None
             bearing, centre = (
                 place_of(linkage, end, position.tolist()) for end in pin.ends
@@ -99,6 +99,15 @@ class ElasticPin:
         body.moments.append(moment)
         bearing.moments.append(negative(moment))
         page.add_power("friction_loss", negative(product(friction, sliding)))
+
+
+# Kinds of pins that stretch, see ``linkage.joints.AnyPin``
+ELASTIC_PIN_KINDS = (ElasticPin,)
+
+
+def _plain_pins(linkage: Linkage) -> list[Revolute]:
+    """Return the elastic pins of no further kind."""
+    return [pin for pin in linkage.elastic_pins if type(pin) is Revolute]
 
 
 def damping_of(linkage: Linkage, pin: Revolute) -> float:

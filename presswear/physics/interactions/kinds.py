@@ -4,7 +4,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.interactions.clearance import ClearanceContact
 from presswear.physics.interactions.corner import CornerContact
 from presswear.physics.interactions.elastic_guide import ElasticGuide
-from presswear.physics.interactions.elastic_pin import ElasticPin
+from presswear.physics.interactions.elastic_pin import ELASTIC_PIN_KINDS
 from presswear.physics.interactions.load import LoadWithLaw
 from presswear.physics.interactions.motor import MotorTorque
 from presswear.physics.interactions.oil import OiledContact
@@ -14,7 +14,7 @@ from presswear.physics.packed import Packed
 
 KINDS: tuple[type[Interaction], ...] = (
     *SPRING_KINDS,
-    ElasticPin,
+    *ELASTIC_PIN_KINDS,
     ElasticGuide,
     LoadWithLaw,
     MotorTorque,
