@@ -12,6 +12,8 @@ of the bearing's map (``overlap``).
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from presswear.physics.overlap import (
     ArcIntegrals,
     Node,
@@ -23,11 +25,9 @@ from presswear.physics.overlap import (
     maximum_of,
     monotony,
     node_at,
-    node_in,
     node_within,
     only_root,
     overlap_between,
-    rows_from,
     value_at,
     with_part,
 )
@@ -63,7 +63,8 @@ def foundation_stiffness(stiffness: float, clearance: float) -> float:
 @inlined
 def along_at(surfaces: Array, place: Place, node: int) -> float:
     """Return the eccentricity in the direction of a node, m."""
-    return place.dx * surfaces[COSINE, node] + place.dy * surfaces[SINE, node]
+    column = np.uintp(node)
+    return place.dx * surfaces[COSINE, column] + place.dy * surfaces[SINE, column]
 
 
 @inlined
@@ -95,17 +96,16 @@ def cells_of_overlap(
     surfaces: Array, place: Place, first: int, count: int, least: float
 ) -> tuple[int, int]:
     """Return the first and the last of some cells in which the overlap can exceed ``least``, m."""
-    end = first + count
-    cosine = surfaces[COSINE, first : end + 1]
-    sine = surfaces[SINE, first : end + 1]
-    bearing = surfaces[BEARING + LEAST, first:end]
-    pin = surfaces[PIN + LEAST, first + place.lag : end + place.lag]
     needed = place.clearance + least
     low, high = count, -1
     for k in range(count):
-        along = place.dx * cosine[k] + place.dy * sine[k]
-        following = place.dx * cosine[k + 1] + place.dy * sine[k + 1]
-        can_exceed = max(along, following) - bearing[k] - pin[k] > needed
+        node = first + k
+        along = max(
+            along_at(surfaces, place, node), along_at(surfaces, place, node + 1)
+        )
+        bearing = surfaces[BEARING + LEAST, np.uintp(node)]
+        pin = surfaces[PIN + LEAST, np.uintp(node + place.lag)]
+        can_exceed = along - bearing - pin > needed
         low = min(low, k if can_exceed else count)
         high = max(high, k if can_exceed else -1)
     return first + low, first + high
@@ -137,14 +137,14 @@ def survey_cells(
     surfaces: Array, place: Place, first: int, count: int, previous: float
 ) -> Survey:
     """Sum the integrals of some cells; ``previous`` is the overlap at the last place, m."""
-    rows = rows_from(surfaces, place, first, count)
     none = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
     x = y = pin_slope = square = 0.0
     starts = ends = others = 0
     start = end = last_hump = -1
     first_hump = count
     for k in range(count):
-        left, right = node_in(rows, place, k), node_in(rows, place, k + 1)
+        left = node_at(surfaces, place, first + k)
+        right = node_at(surfaces, place, first + k + 1)
         a4 = fourth_order(left, right, place.width)
         second, third = inner_points(left, right)
         lower = min(min(left.overlap, right.overlap), min(second, third))

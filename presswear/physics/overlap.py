@@ -14,12 +14,9 @@ from presswear.physics.worn_map import (
     ARC_START,
     BEARING,
     COSINE,
-    CUBE,
     PIN,
     SINE,
     SLOPE,
-    SQUARE,
-    cubic_at,
     depth_at,
 )
 from presswear.tools.arrays import Array
@@ -87,75 +84,18 @@ class Node(NamedTuple):
 
 
 @inlined
-def node_of(
-    nx: float,
-    ny: float,
-    bearing: tuple[float, float],
-    pin: tuple[float, float, float],
-    place: Place,
-) -> Node:
-    """Return the overlap at a node; equation W1.
-
-    ``bearing`` and ``pin`` are depth, slope and, of the pin, the second derivative.
-    """
-    depth, slope, curvature = pin
-    along = place.dx * nx + place.dy * ny
-    overlap = along - place.clearance - bearing[0] - depth
-    rise = place.width * (place.dy * nx - place.dx * ny) - bearing[1] - slope
-    return Node(nx, ny, along, overlap, rise, slope, curvature)
-
-
-@inlined
 def node_at(surfaces: Array, place: Place, node: int) -> Node:
-    """Return the overlap at a node of the bearing's map."""
-    bearing = surfaces[BEARING, node], surfaces[BEARING + SLOPE, node]
-    pin = depth_at(surfaces, PIN, node + place.lag, place.offset)
-    return node_of(surfaces[COSINE, node], surfaces[SINE, node], bearing, pin, place)
-
-
-class Rows(NamedTuple):
-    """Rows of both maps from a node on."""
-
-    cosine: Array
-    sine: Array
-    depth: Array
-    slope: Array
-    pin_depth: Array
-    pin_slope: Array
-    pin_square: Array
-    pin_cube: Array
-
-
-@inlined
-def rows_from(surfaces: Array, place: Place, first: int, cells: int) -> Rows:
-    """Return the rows of both maps at the nodes of some cells."""
-    end = first + cells + 1
-    pin = first + place.lag
-    pin_end = end + place.lag
-    return Rows(
-        surfaces[COSINE, first:end],
-        surfaces[SINE, first:end],
-        surfaces[BEARING, first:end],
-        surfaces[BEARING + SLOPE, first:end],
-        surfaces[PIN, pin:pin_end],
-        surfaces[PIN + SLOPE, pin:pin_end],
-        surfaces[PIN + SQUARE, pin:pin_end],
-        surfaces[PIN + CUBE, pin:pin_end],
-    )
-
-
-@inlined
-def node_in(rows: Rows, place: Place, k: int) -> Node:
-    """Return the overlap at a node of some rows."""
-    pin = cubic_at(
-        rows.pin_depth[k],
-        rows.pin_slope[k],
-        rows.pin_square[k],
-        rows.pin_cube[k],
-        place.offset,
-    )
-    bearing = rows.depth[k], rows.slope[k]
-    return node_of(rows.cosine[k], rows.sine[k], bearing, pin, place)
+    """Return the overlap at a node of the bearing's map; equation W1."""
+    column = np.uintp(node)
+    nx = surfaces[COSINE, column]
+    ny = surfaces[SINE, column]
+    bearing_depth = surfaces[BEARING, column]
+    bearing_slope = surfaces[BEARING + SLOPE, column]
+    depth, slope, curvature = depth_at(surfaces, PIN, node + place.lag, place.offset)
+    along = place.dx * nx + place.dy * ny
+    overlap = along - place.clearance - bearing_depth - depth
+    rise = place.width * (place.dy * nx - place.dx * ny) - bearing_slope - slope
+    return Node(nx, ny, along, overlap, rise, slope, curvature)
 
 
 class Cubic(NamedTuple):

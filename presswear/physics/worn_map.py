@@ -125,28 +125,21 @@ def cell_of(angle: float, nodes: int) -> tuple[int, float]:
 
 
 @inlined
-def cubic_at(
-    depth: float, slope: float, square: float, cube: float, x: float
-) -> tuple[float, float, float]:
-    """Return value and both derivatives of the cubic with these coefficients."""
-    return (
-        depth + x * (slope + x * (square + x * cube)),
-        slope + x * (2.0 * square + x * 3.0 * cube),
-        2.0 * square + x * 6.0 * cube,
-    )
-
-
-@inlined
 def depth_at(
     surfaces: Array, row: int, node: int, x: float
 ) -> tuple[float, float, float]:
     """Return depth, m, slope, m per cell, and second derivative of a map x cells after a node."""
-    return cubic_at(
-        surfaces[row, node],
-        surfaces[row + SLOPE, node],
-        surfaces[row + SQUARE, node],
-        surfaces[row + CUBE, node],
-        x,
+    # An index without a sign needs no test for a negative one, and loops over nodes
+    # take several at a time.
+    column = np.uintp(node)
+    depth = surfaces[row, column]
+    slope = surfaces[row + SLOPE, column]
+    square = surfaces[row + SQUARE, column]
+    cube = surfaces[row + CUBE, column]
+    return (
+        depth + x * (slope + x * (square + x * cube)),
+        slope + x * (2.0 * square + x * 3.0 * cube),
+        2.0 * square + x * 6.0 * cube,
     )
 
 
