@@ -133,3 +133,31 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
     )
     for drawing in drawings(made_up(scene, 2)):
         save(drawing, tmp_path)
+
+
+def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path: Path) -> None:
+    """It has no pin to name or to enclose in a picture."""
+    press = pw.assemble(
+        bodies=[pw.Body("slide", mass="300 kg")],
+        joints=[pw.Guide("guide", "slide", direction="90 deg")],
+        drives=[
+            pw.LinearDrive(
+                "slide",
+                along="guide",
+                frequency="30 spm",
+                harmonics=[(0.0, "60 mm")],
+            )
+        ],
+    )
+    scene = pw.Scene(press, joints="none", cycles=2)
+    page = pw.run(scene, tmp_path / "run").report()
+    assert "The mechanism in motion" in page.read_text()
+
+
+def test_walls_of_a_guide_alone_have_no_growth_of_joints() -> None:
+    changes = {"joints": "guide", "cycles": 3, "replicates": 1, "wear_updates": 1}
+    result = pw.run(pw.changed(pw.scenes.press_off_centre(), changes))
+    assert result.grew_in_steps
+    files = [drawing.file for drawing in drawings(result)]
+    assert any("wall" in file for file in files)
+    assert not any("growth" in file for file in files)

@@ -119,8 +119,8 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
     scale = 72.0 * (height - edges) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
-    low[0] = min(low[0], boxes[:, 0, 0].min())
-    high[0] = max(high[0], boxes[:, 1, 0].max())
+    low[0] = boxes[:, 0, 0].min(initial=low[0])
+    high[0] = boxes[:, 1, 0].max(initial=high[0])
     axes.set_xlim(low[0], high[0])
     width = (height - edges) * (high[0] - low[0]) / tall + _EDGES[0]
     legend = sheet.legend(loc="outside upper center", ncols=_LEGEND_COLUMNS)
@@ -163,7 +163,7 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
         note.xyann = tuple(offset)
         centre = scale * place + offset
         boxes.append(np.array([centre - half, centre + half]))
-    return np.array(boxes)
+    return np.reshape(boxes, (-1, 2, 2))
 
 
 def _free_direction(lines: Sequence[Array]) -> Array:

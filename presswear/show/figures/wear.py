@@ -141,12 +141,12 @@ LEAST_MILLION = 2e5  # cycles that are counted by the million
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the deepest wear of each surface over the represented cycles, if wear went in steps.
 
-    Nothing for a life, which has its own figure.
+    Nothing for a life, which has its own figure, and for walls of guides alone.
     """
     grew = result.grew_in_steps and any(stage.wear_steps for stage in stages)
-    if result.life is not None or not grew:
-        return []
     joints = result.scene.loose_pins
+    if result.life is not None or not grew or not joints:
+        return []
     steps = [step for stage in result.stages for step in stage.wear_steps]
     cycles, unit = _cycles_at_ends(steps)
     # steps before each stage, and all of them

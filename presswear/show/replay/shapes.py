@@ -298,6 +298,7 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     """Return the lowest and highest x, y, m, of a moving linkage with a margin."""
     names = [GROUND, *(body.name for body in linkage.bodies)]
     ends = [point for name in names for point in attachments(linkage, name)]
+    ends += [Attachment(body.name, 0.0, 0.0) for body in linkage.bodies]
     ends += [point for guide in guides_of(linkage) for point in slide_corners(guide)]
     points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
     low, high = points.min(axis=0), points.max(axis=0)
