@@ -12,7 +12,7 @@ from presswear.linkage.linkage import Linkage, place_of
 from presswear.linkage.loads import Force
 from presswear.linkage.points import GROUND
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contact import CONTACT
+from presswear.physics.contact import CONTACT, MEMORY
 from presswear.physics.drive_motion import motions_of
 from presswear.physics.equations.layout import ENERGIES
 from presswear.physics.interactions.elastic_guide import period_on
@@ -20,7 +20,7 @@ from presswear.physics.interactions.spring import check_springs
 from presswear.physics.ledger import SETTLED
 from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
-from presswear.physics.touchdown import COUNTERS, MEMORY, STORED_CONTACT
+from presswear.physics.touchdown import COUNTERS, STORED_CONTACT
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import (
     FILM_CYCLE_COUNT,

@@ -58,6 +58,32 @@ CONTACT = np.dtype(
     ]
 )
 
+# Memory of a joint between accepted steps: its last state and its present contact
+MEMORY = np.dtype(
+    [
+        ("time", np.float64),  # of the last accepted state, s
+        ("step", np.float64),  # length of the last accepted step, s
+        ("penetration", np.float64),  # m
+        ("earlier_penetration", np.float64),  # in the state before the last, m
+        ("rate", np.float64),  # of the penetration, m/s
+        ("acceleration", np.float64),  # of the penetration, m/s^2
+        ("closing", np.float64),  # rate that enters the damping, m/s
+        ("elastic", np.float64),  # elastic force, N
+        ("energy", np.float64),  # elastic energy, J
+        # maximum of the normal force inside the last step, N; 0: no maximum inside
+        ("step_peak", np.float64),
+        # speed of the contact over the wear maps, rad/s
+        ("sweep", np.float64),
+        *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
+        ("touchdown_time", np.float64),  # of the present contact, s
+        ("separation_time", np.float64),  # of the previous contact, s
+        ("started_closed", np.bool_),  # the run began inside the present contact
+        ("steps", np.int64),  # accepted in the present contact
+        ("longest_step", np.float64),  # for the expected duration of the contact, s
+        ("peak_force", np.float64),  # of the present contact, N
+    ]
+)
+
 
 @inlined
 def copy_contacts(target: Records, source: Records) -> None:

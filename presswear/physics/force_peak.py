@@ -1,8 +1,10 @@
 """Maximum of the normal force inside a step."""
 
+from presswear.physics.contact import CONTACT, MEMORY
 from presswear.physics.event_time import hermite
 from presswear.physics.friction_and_normal import elastic_at, normal_force
-from presswear.tools.compile import Records, compiled
+from presswear.physics.packed import JOINT
+from presswear.tools.compile import Records, compiled, lazily_compiled
 
 FORCE_SLOPE = 1e-3  # difference for the slope of the force, as a fraction of a step
 # Bisections for a maximum of the force. They locate it to 2e-4 of a step, and the force
@@ -124,15 +126,30 @@ def maximum_force(
     return force
 
 
-@compiled
-def peak_within(
+@lazily_compiled(0, JOINT, 0, MEMORY, CONTACT, 0)
+def force_maximum(
     joint: Records, onset_speed: float, last: Records, contact: Records, h: float
 ) -> float:
-    """Return the maximum of the normal force inside a step of a contact, N; 0 without one.
+    """Return the maximum of the normal force inside a step, N; 0 without one.
 
     On a foundation, a maximum far above the forces at both ends is an error of the
     extrapolated powers.
     """
+    onset = max(onset_speed, joint.onset_floor)
+    largest = end_force(joint, onset, last, contact, h)
+    if largest < 0.0:
+        return 0.0
+    quartic = quartic_of(last, contact, h)
+    force = maximum_force(joint, onset, last, contact, h, quartic)
+    is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
+    return 0.0 if is_foundation and force > MAX_PEAK_RATIO * largest else force
+
+
+@compiled
+def peak_within(
+    joint: Records, onset_speed: float, last: Records, contact: Records, h: float
+) -> float:
+    """Return the maximum of the normal force inside a step of a contact, N; 0 without one."""
     if joint.always_closed:
         return 0.0
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
@@ -148,10 +165,4 @@ def peak_within(
     # A power that holds near a state does not hold at a penetration far from it.
     if is_foundation and max(start, end) > 2.0 * min(start, end):
         return 0.0
-    onset = max(onset_speed, joint.onset_floor)
-    largest = end_force(joint, onset, last, contact, h)
-    if largest < 0.0:
-        return 0.0
-    quartic = quartic_of(last, contact, h)
-    force = maximum_force(joint, onset, last, contact, h, quartic)
-    return 0.0 if is_foundation and force > MAX_PEAK_RATIO * largest else force
+    return force_maximum(joint, onset_speed, last, contact, h)

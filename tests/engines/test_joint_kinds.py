@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 import pytest
+from runs import step_response
 
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
@@ -20,7 +21,6 @@ from presswear.physics.interactions.elastic_pin import ElasticPin, damping_of
 from presswear.physics.interactions.page import Page
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
-from tests.engines.runs import step_response
 
 MASS, INERTIA = 2.0, 0.5  # kg, kg m^2
 FREQUENCY, TURNING_FREQUENCY = 40.0, 12.0  # rad/s

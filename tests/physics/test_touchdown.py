@@ -16,7 +16,7 @@ from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
-from presswear.physics.contact import CONTACT
+from presswear.physics.contact import CONTACT, MEMORY
 from presswear.physics.force_peak import peak_within
 from presswear.physics.friction_and_normal import elastic_at, normal_force
 from presswear.physics.packed import pack
@@ -31,7 +31,6 @@ from presswear.physics.step_length import (
 from presswear.physics.touchdown import (
     COUNTERS,
     LEAST_STEPS,
-    MEMORY,
     STORED_CONTACT,
     settle,
 )
