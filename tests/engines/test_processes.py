@@ -151,11 +151,15 @@ SERVOS: list[Servo] = [
 ]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
-    "process", [PROCESSES[0], PROCESSES[2]], ids=lambda own: own.kind
+    ("servo", "process", "engine"),
+    [
+        (servo, PROCESSES[2 * ((k + j) % 2)], engine)
+        for k, servo in enumerate(SERVOS)
+        for j, engine in enumerate(ENGINES)
+    ],
+    ids=lambda value: getattr(value, "kind", value),
 )
-@pytest.mark.parametrize("servo", SERVOS, ids=lambda own: own.kind)
 def test_the_ideal_press_with_a_servo_needs_torques_of_virtual_work(
     servo: Servo, process: Process, engine: str
 ) -> None:
