@@ -1,6 +1,6 @@
-"""Errors of the paper, each with the effect of its right form on the wear depth.
+"""Errors of the paper, each with the effect of its correction on the wear depth.
 
-They are listed in ``errors.toml``; its head explains where an effect is from.
+The file ``errors.toml`` lists the errors, and explains the source of each effect.
 """
 
 import tomllib
@@ -20,11 +20,12 @@ from presswear.paper.settings import (
 from presswear.paper.verdicts import ratio
 from presswear.show.page import Table, plain_table, text_of
 
-_ROWS = tomllib.loads(
-    files("presswear.paper").joinpath("errors.toml").read_text("utf-8")
-)["errors"]
-CHORD = "chord"
-PLACE = Place(WEAR, 1, "A")  # of the depth
+_FILE = files("presswear.paper").joinpath("errors.toml")
+# Equation, printed form, right form, case and text of each error
+_ROWS = tomllib.loads(_FILE.read_text("utf-8"))["errors"]
+CHORD = "chord"  # case with a closed form instead of a run
+PLACE = Place(WEAR, 1, "A")  # stage and joint of the depth
+# Runs that the table needs
 RUNS = [run_name(BASE, WEAR)]
 RUNS += [run_name(case, WEAR) for _, _, _, case, _ in _ROWS if case in SENSITIVITIES]
 
@@ -32,14 +33,14 @@ RUNS += [run_name(case, WEAR) for _, _, _, case, _ in _ROWS if case in SENSITIVI
 def chord_ratio(scene: pw.Scene) -> float:
     """Return the area of equations 25 to 27 over that with the half chord R_j sin(beta).
 
-    The wear depth on unworn surfaces goes as one over the area.
+    The wear depth on unworn surfaces is inversely proportional to the area.
     """
     bearing = scene.bearing(PLACE.joint)
     return bearing.bearing_radius / (bearing.bearing_radius - bearing.clearance)
 
 
 def effect(evidence: Evidence, case: str) -> pw.statistics.Estimate | float | None:
-    """Return the change of the depth under a case, relative to that as printed."""
+    """Return the change of the depth in a case, relative to the depth of the printed form."""
     if case == CHORD:
         return chord_ratio(base_scene(WEAR)) - 1.0
     depths = [evidence.estimate(name, PLACE, "depth") for name in (case, BASE)]
@@ -55,13 +56,15 @@ def effect(evidence: Evidence, case: str) -> pw.statistics.Estimate | float | No
 def error_table(evidence: Evidence) -> Table:
     """Return every error with its effect on the depth in per cent."""
     lines = []
-    for place, printed, right, case, text in _ROWS:
+    for equation, printed, right, case, text in _ROWS:
         result = evidence.results.get(run_name(case, WEAR))
         if result is not None and result.status == "failed":
-            text = f"the run ends early: {result.message}"
+            effect_text = f"the run ends early: {result.message}"
         elif case:
-            text = text_of(effect(evidence, case), "%")
-        lines.append((place, printed, right, text))
+            effect_text = text_of(effect(evidence, case), "%")
+        else:
+            effect_text = text
+        lines.append((equation, printed, right, effect_text))
     setting = SETTINGS[WEAR].label
     head = (
         "equation",

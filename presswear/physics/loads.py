@@ -1,7 +1,7 @@
 """Sizes of loads from their laws.
 
-Within a step every law is smooth. The piece of the law that holds is the mode of the
-load, which changes between steps only; see ``load_transitions``.
+A law consists of smooth pieces. The mode of a load is the piece that holds. It changes
+only between steps, so that the law is smooth within a step; see ``load_transitions``.
 """
 
 import math
@@ -14,28 +14,36 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, call, compiled, floats, inlined
 
 SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
-# Branches of a load in one sense of motion: none, growing with the speed, all of it;
-# the elastic line back from the deepest place, OFF behind its end; none until the table
-# begins again.
+# Branches of a load that acts in one sense of motion.
+# OFF: no load. RISING: the load grows with the speed. WHOLE: the whole load acts.
+# ELASTIC: unloading along a line from the deepest position, at whose end OFF begins.
+# RELEASED: no load until the table begins again.
 OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
-RAMP_SPEED = 1e-3  # m/s or rad/s, from which a load in one sense acts fully
+RAMP_SPEED = (
+    1e-3  # m/s or rad/s, above which the whole load acts in one sense of motion
+)
 
-# A load as the kernels see it. Of a load that acts against its direction, direction,
-# positions and sizes have the opposite sign, so that it acts where the position grows.
+# Load in the form that kernels read. If a load acts against its direction, then
+# direction, positions and sizes are stored with the opposite sign. Every load in one sense
+# then acts while its position grows.
 LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
-        ("turns", np.bool_),  # a moment over the body's angle, and no force at a point
-        *floats("x", "y"),  # the point in the body's frame, m
+        (
+            "turns",
+            np.bool_,
+        ),  # True: a moment over the angle of the body; False: a force
+        *floats("x", "y"),  # point of the force in the frame of the body, m
         *floats("cosine", "sine"),  # of the direction; of a moment 1 or -1
         ("kind", np.int64),
-        ("first", np.int64),  # of its nodes
-        ("count", np.int64),
+        ("first", np.int64),  # row of its first node
+        ("count", np.int64),  # number of its nodes
         ("period", np.float64),  # of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
-        ("is_constant_outside", np.bool_),  # beyond the table its ends are held
-        ("sense", np.float64),  # 0: of both senses of motion; 1; -1: turned round
-        ("release", np.bool_),
+        ("is_constant_outside", np.bool_),  # outside of the table its end values hold
+        # 0: in both senses of motion; 1: in one sense; -1: in one, with opposite signs
+        ("sense", np.float64),
+        ("release", np.bool_),  # behind the last node no load until the table begins again
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
         ("frequency", np.float64),  # rad/s
@@ -68,12 +76,12 @@ MODE = np.dtype(
 
 
 class Loads(NamedTuple):
-    """Loads with a law as the kernels see them; None where a linkage has none."""
+    """Loads with a law, in the form that kernels read."""
 
     records: Records  # of LOAD
-    # of their tables, (n, 2): position or time and size, or two terms of a series
+    # Nodes of all tables, (n, 2): position or time, and size; or two terms of a series
     nodes: Array
-    modes: Records  # of MODE, through the present step
+    modes: Records  # of MODE, during the present step
 
 
 @inlined
@@ -93,19 +101,20 @@ def load_size(
     if mode.branch == OFF or mode.branch == RELEASED:
         return 0.0
     if mode.branch == ELASTIC:
-        line: float = mode.deepest_size - load.unloading * (s - mode.deepest)
-        return line
+        elastic: float = mode.deepest_size - load.unloading * (s - mode.deepest)
+        return elastic
     after = load.first + mode.piece
     if mode.piece == 0 or mode.piece == load.count:
         size: float = 0.0
         if load.is_constant_outside:
             size = nodes[after if mode.piece == 0 else after - 1, 1]
     else:
-        at = (t if load.kind == TIME else s) - mode.turn * load.period
+        argument = (t if load.kind == TIME else s) - mode.turn * load.period
         # Interpolation starts at the node that comes first in the table of the user.
         first = after if load.sense < 0.0 else after - 1
         second = after - 1 if load.sense < 0.0 else after
-        fraction = (at - nodes[first, 0]) / (nodes[second, 0] - nodes[first, 0])
+        width = nodes[second, 0] - nodes[first, 0]
+        fraction = (argument - nodes[first, 0]) / width
         size = nodes[first, 1] + fraction * (nodes[second, 1] - nodes[first, 1])
     if mode.branch == RISING:
         size *= v / RAMP_SPEED
@@ -116,7 +125,10 @@ def load_size(
 def load_motion(
     load: Records, q: Array, v: Array, a: Array
 ) -> tuple[float, float, float]:
-    """Return the position in the table, m or rad, speed and acceleration along a load."""
+    """Return position, speed and acceleration along a load, m or rad.
+
+    The position counts from the zero of the table.
+    """
     b = load.body
     cosine = load.cosine
     sine = load.sine

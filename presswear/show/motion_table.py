@@ -22,8 +22,8 @@ from presswear.show.page import Table
 from presswear.show.tables import HARMONICS, Record, result_table
 from presswear.tools import numbers
 
-_TOGETHER = 8  # most frequent modes of all joints together that are listed
-# spectral lines per order; with fewer lines noise, too, has most power at whole orders
+_COMBINED_MODES = 8  # number of combined modes of all joints that are listed
+# Least spectral lines per order. With fewer lines even noise has most power at whole orders.
 _MIN_LINES = 8
 
 
@@ -41,30 +41,36 @@ def motion_table(result: Result) -> Table | None:
     for record in records:
         shares.update(record["shares"])
     series = list(records[0]["harmonics"])
-    is_alone = len(result.scene.dry_pins) == 1
-    together = [] if is_alone else [mode for mode, _ in shares.most_common(_TOGETHER)]
-    return result_table("motion", result, records, together=together, series=series)
+    combined = []
+    if len(result.scene.dry_pins) > 1:
+        combined = [mode for mode, _ in shares.most_common(_COMBINED_MODES)]
+    return result_table("motion", result, records, together=combined, series=series)
 
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
+    """Return the numbers of a stage that the rows of the table show."""
     joints = scene.loose_pins
     start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
     timelines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
-    together = combine(list(timelines.values())) if timelines else None
+    combined = combine(list(timelines.values())) if timelines else None
     labels = {"": f"acceleration of {scene.output} (m/s²)"}
     labels |= {joint: f"force at {joint} (N)" for joint in joints}
     spectra_by_name = spectra_of(scene, stage)
     spectra = {label: spectra_by_name[name] for name, label in labels.items()}
     return {
         "cycles": round(cycles) if abs(cycles - round(cycles)) < 1e-6 else cycles,
-        "modes": {joint: _visits(each, cycles) for joint, each in timelines.items()},
-        "together": _visits(together, cycles) if together else {},
-        "shares": together.shares if together else {},
-        "changes": {joint: _changes(each, cycles) for joint, each in timelines.items()},
+        "modes": {joint: _visits(line, cycles) for joint, line in timelines.items()},
+        "together": _visits(combined, cycles) if combined else {},
+        "shares": combined.shares if combined else {},
+        "changes": {joint: _changes(line, cycles) for joint, line in timelines.items()},
         "period": str(period_of(scene, stage)),
-        "harmonics": {name: _amplitudes(one) for name, one in spectra.items()},
-        "whole": {name: _harmonic_share(one) for name, one in spectra.items()},
+        "harmonics": {
+            name: _amplitudes(spectrum) for name, spectrum in spectra.items()
+        },
+        "whole": {
+            name: _harmonic_share(spectrum) for name, spectrum in spectra.items()
+        },
         "resonance": {joint: resonance(stage, joint) for joint in joints},
     }
 
@@ -82,7 +88,7 @@ def _visits(timeline: Timeline, cycles: float) -> dict[str, str]:
 
 
 def _changes(timeline: Timeline, cycles: float) -> dict[str, float]:
-    """Return how often one mode follows another in a cycle, by both modes."""
+    """Return the number of transitions in a cycle by the modes before and after."""
     counts = timeline.transitions
     changes = {}
     for before, after in np.argwhere(counts):

@@ -6,7 +6,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.setting_list import DEFAULT, unread_of
 from presswear.tools.quantities import Quantity, written
 
-# by symbol of the law: setting and unit
+# Setting and unit by symbol of the law
 NUMBERS = {
     "K_d": ("wear_coefficient", "1/Pa"),
     "rho": ("running_in", ""),
@@ -20,12 +20,14 @@ def wear_law_numbers(scene: Scene) -> str:
     """Return the numbers of the wear law and their origins as one text, by joint if they differ."""
     parts = []
     for symbol, (key, unit) in NUMBERS.items():
-        texts: dict[str, list[str]] = {}
+        joints_by_text: dict[str, list[str]] = {}
         for joint in scene.wearing_joints:
-            if key not in unread_of(scene, joint):
-                texts.setdefault(_number(scene, joint, key, unit), []).append(joint)
-        for text, joints in texts.items():
-            places = f" at {' and '.join(joints)}" if len(texts) > 1 else ""
+            if key in unread_of(scene, joint):
+                continue
+            text = _number(scene, joint, key, unit)
+            joints_by_text.setdefault(text, []).append(joint)
+        for text, joints in joints_by_text.items():
+            places = f" at {' and '.join(joints)}" if len(joints_by_text) > 1 else ""
             parts.append(f"{symbol} = {text}{places}")
     return "; ".join(parts)
 
@@ -45,19 +47,21 @@ def user_wear_laws(scene: Scene) -> list[str]:
 
 
 def _number(scene: Scene, joint: str, key: str, unit: str) -> str:
-    """Return the value of a number of a joint, and whether it is assumed."""
+    """Return the value of a number of a joint and its origin as a text."""
     bearing = scene.bearing(joint)
     value = getattr(bearing.materials, key)
-    if value is None:  # the depth of running-in, which is then the roughness
+    if value is None:
+        # The only number that can be unspecified is the depth of running-in.
         return f"{written(bearing.roughness, unit)} (the roughness)"
     return f"{Quantity(unit).typeset(value)} ({_origin(scene, joint, key, value)})"
 
 
 def _origin(scene: Scene, joint: str, key: str, value: float) -> str:
+    """Return the origin of a number: a setting, an assumption or a listed pair of materials."""
     origin = scene.origins.get(f"{joint}.{key}", scene.origins.get(key, DEFAULT))
     if origin != DEFAULT:
         return origin
     if value == getattr(Materials(), key):
         return "assumed"
-    name = "" if key in UNLISTED else listed_pair(scene.bearing(joint).materials)
-    return f"materials {name}" if name else "set by the user"
+    pair = "" if key in UNLISTED else listed_pair(scene.bearing(joint).materials)
+    return f"materials {pair}" if pair else "set by the user"

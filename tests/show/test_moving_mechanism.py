@@ -1,4 +1,4 @@
-"""The mechanism that a slider moves: places of the film, and the size of the picture."""
+"""Picture of the mechanism that a reader of the report moves over the cycle."""
 
 import json
 import re
@@ -31,8 +31,8 @@ def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result) -> None:
     assert "clearance, much enlarged: A 800 µm, C 800 µm." in page
 
 
-def test_places_are_those_of_the_film(result: pw.Result) -> None:
-    """Distances of mass centres have one scale; the force is that of the film."""
+def test_positions_and_forces_are_those_of_the_film(result: pw.Result) -> None:
+    """All distances between mass centres are drawn at one scale."""
     moving = moving_mechanism(result)
     assert moving is not None
     frames = json.loads(moving.frames)
@@ -49,12 +49,13 @@ def test_places_are_those_of_the_film(result: pw.Result) -> None:
     phase = 360.0 * film.time / period
     bodies = np.array(frames["bodies"]).reshape(FRAMES, -1, 3)
     scales = []
-    for angle, places, forces in zip(angles, bodies, numbers[:, 1:], strict=True):
+    for angle, drawn, forces in zip(angles, bodies, numbers[:, 1:], strict=True):
         row = int(np.abs(phase - angle).argmin())
         near = slice(max(row - 1, 0), row + 2)  # the angle is rounded to a degree
         real = film.position[row].reshape(-1, 3)
-        assert places[:, 2] == pytest.approx(np.degrees(real[:, 2]), abs=2.5)
-        scales.append(np.ptp(places[:, :2], axis=0) / np.ptp(real[:, :2], axis=0))
+        assert drawn[:, 2] == pytest.approx(np.degrees(real[:, 2]), abs=2.5)
+        extent = np.ptp(drawn[:, :2], axis=0)
+        scales.append(extent / np.ptp(real[:, :2], axis=0))
         recorded = film.joints[near, :2, NORMAL].round()
         assert (recorded == forces).all(axis=1).any()
     assert np.ptp(scales) < 0.05 * np.mean(scales)

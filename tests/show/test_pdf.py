@@ -61,7 +61,8 @@ def test_example_of_a_figure_for_a_paper(
     report = (folder / "report.pdf").read_bytes()
     assert pages_in(report) > 5
     widths = [float(width) for width in re.findall(rb"/MediaBox \[ 0 0 (\S+)", report)]
-    figures = [width for width in widths if width != max(widths)]  # the others are A4
+    # Pages with text are A4 and wider than the figures.
+    figures = [width for width in widths if width != max(widths)]
     assert 6.0 * 72.0 < max(figures) <= 7.0 * 72.0
     assert "no wear: " in command("export results/mine mine.mat")
     variables = loadmat(tmp_path / "mine.mat")
@@ -69,7 +70,7 @@ def test_example_of_a_figure_for_a_paper(
     assert variables["units"][0, 0]["A_normal_force"][0] == "N"
 
 
-def test_names_of_columns_are_those_of_variables(tmp_path: Path) -> None:
+def test_spaces_in_names_of_columns_are_underscores_in_matlab(tmp_path: Path) -> None:
     numbers = np.array([0.0, 0.1])
     file = tmp_path / "table.mat"
     write_table(file, {"time": numbers, "guide top left_sliding": numbers})

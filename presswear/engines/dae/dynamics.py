@@ -1,11 +1,11 @@
-"""Equations of motion, in all coordinates or in the fewest.
+"""Equations of motion, in all coordinates or in those of an open tree.
 
-In all coordinates they are of index 1 (equations 14 to 20 of the paper):
+In all coordinates the equations have index 1 (equations 14 to 20 of the paper):
 M q'' + Phi_q^T lambda = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.
 If clearance cuts every loop that has a freedom, the coordinates of the open tree suffice,
-and there are no constraints. These equations are written for the linkage
-(``physics.equations``) and called by the address of their machine code. With constraints
-the forces on all bodies are called in this way.
+and there are no constraints. The equations of the tree are written for the linkage
+(``physics.equations``) and called by the address of their machine code. In all
+coordinates the forces on the bodies are written and called in this way.
 
 The state is y = (x, x', states of interactions, integrals), see
 ``physics.equations.layout``.
@@ -48,11 +48,11 @@ from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 
 class System(NamedTuple):
-    """Linkage as the kernels see it, with working space."""
+    """Linkage in the form that kernels read, with working space."""
 
     packed: Packed
     constraints: ConstraintSystem | None  # in all coordinates
-    equations: Written  # with constraints only the forces on all bodies
+    equations: Written  # with constraints these are the forces on all bodies
     layout: Layout  # places of the parts of the state
     # Coordinates, rates, accelerations and applied forces of all bodies, each (3 bodies,)
     q: Array
@@ -103,9 +103,10 @@ def evaluate(
     out: Array,
     level: int,
 ) -> None:
-    """Fill dy/dt, and at level END the motion and the contacts; leaves multipliers behind.
+    """Fill dy/dt, at level END also the motion and the contacts, and the multipliers.
 
-    ``constraints`` is that of the system, so that the compiler sees whether it is None.
+    ``constraints`` is the field of ``system``. It is a parameter, so that the compiler
+    knows if it is None.
     """
     if constraints is None:
         fill(system.equations, t, y, out, level)
@@ -114,7 +115,7 @@ def evaluate(
 
 
 @inlined
-def place_held(system: System, t: float, y: Array, out: Array, level: int) -> None:
+def evaluate_forces(system: System, t: float, y: Array, out: Array, level: int) -> None:
     """Fill coordinates, rates, forces and contacts of a linkage with constraints."""
     q = system.q
     v = system.v
@@ -138,9 +139,11 @@ def evaluate_constrained(
     layout = system.layout
     n = layout.coordinates
     energies = out[layout.first_energy : layout.first_dose]
-    # Without friction in contacts and without motors nothing else fills these rates.
-    energies[FRICTION_LOSS] = energies[DRIVE_WORK] = energies[DRIVE_EXCHANGE] = 0.0
-    place_held(system, t, y, out, level)
+    # Without friction in contacts and without motors the forces do not fill these rates.
+    energies[FRICTION_LOSS] = 0.0
+    energies[DRIVE_WORK] = 0.0
+    energies[DRIVE_EXCHANGE] = 0.0
+    evaluate_forces(system, t, y, out, level)
     v = system.v
     a = system.a
     force = system.force
@@ -175,8 +178,8 @@ def solve_multipliers(
 ) -> tuple[float, float]:
     """Fill multipliers and accelerations.
 
-    Returns the power of the drives and that which friction in rigid joints turns into
-    heat, W.
+    ``slopes`` is dy/dt. Return the power of the drives and the heat from friction in
+    rigid joints, W.
     """
     q = system.q
     v = system.v
@@ -199,10 +202,8 @@ def solve_multipliers(
     for row in range(constraints.records.shape[0]):
         drive = constraints.records[row].drive
         if drive >= 0 and not constraints.records[row].geared:
-            power -= (
-                constraints.multipliers[row]
-                * drive_motion(constraints.motions[drive], t)[1]
-            )
+            velocity = drive_motion(constraints.motions[drive], t)[1]
+            power -= constraints.multipliers[row] * velocity
     for i in range(out.shape[0]):
         out[i] *= constraints.inverse_mass[i]
     return power, heat

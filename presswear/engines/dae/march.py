@@ -13,7 +13,7 @@ from presswear.engines.dae.accepted_step import (
     settle_joints,
     start_march,
 )
-from presswear.engines.dae.dynamics import place_held
+from presswear.engines.dae.dynamics import evaluate_forces
 from presswear.engines.dae.event_search import search_event, start_search
 from presswear.engines.dae.runge_kutta import (
     SPARE,
@@ -235,7 +235,7 @@ def accept_fixed_step(address: PackedArguments, t: float, h: float) -> None:
         rates(address, t, motion.y, SPARE)
     else:
         # Multipliers are dear: the accelerations stay those of the last stage.
-        place_held(system, t, motion.y, motion.slopes[SPARE], END)
+        evaluate_forces(system, t, motion.y, motion.slopes[SPARE], END)
     settle_loads(system.packed.loads, t, q, v, a)
     copy_contacts(records.contacts, system.contacts)
     settle(records, t, LEAST_STEPS)

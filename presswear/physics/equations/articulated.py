@@ -1,11 +1,12 @@
 """Accelerations of a tree under forces, from articulated bodies.
 
-From the leaves inwards each body presents two things at the hinge to its parent: a mass
-of two by two that resists an acceleration of the hinge, and the force at rest. Outwards
-the accelerations follow (Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.3). The
-angle of each body counts from the frame here, because a hinge transmits a force and no
-moment. A guide on a body transmits a moment, too: there a body presents mass, coupling
-and inertia, with a force and a moment.
+The recursion from the leaves inwards gives for each body two quantities at the hinge to
+its parent. One is a matrix of two by two, the articulated mass, which resists an
+acceleration of the hinge. The other is the force without such an acceleration. The
+recursion outwards gives the accelerations (Featherstone, Rigid Body Dynamics Algorithms,
+2008, 7.3). The angle of each body counts from the frame, because a hinge transmits a
+force and no moment. A guide on a moving body transmits a moment, too. There the
+quantities are mass, coupling and inertia, a force and a moment.
 """
 
 from typing import NamedTuple
@@ -31,7 +32,7 @@ from presswear.physics.equations.text import (
 
 
 class Mass(NamedTuple):
-    """Expressions of a symmetric matrix of two by two."""
+    """Symmetric matrix of two by two, whose entries are expressions."""
 
     xx: str = ZERO
     xy: str = ZERO
@@ -59,11 +60,11 @@ class Mass(NamedTuple):
 
 
 class Sliding(NamedTuple):
-    """Articulated body with all that hangs from it, as it acts at a guide on another body.
+    """Articulated body with its children, as it acts at a guide on another body.
 
-    An acceleration a of the mass centre at rest against the guide, and an angular
-    acceleration alpha, need the force mass a + coupling alpha and the moment coupling . a
-    + inertia alpha, less ``force`` and ``moment``.
+    Let the body be at rest relative to the guide. An acceleration a of its mass centre and
+    an angular acceleration alpha then need the force mass a + coupling alpha - ``force``
+    and the moment coupling . a + inertia alpha - ``moment``.
     """
 
     link: Link
@@ -84,7 +85,7 @@ def _outer(share: Vector, momentum: Vector) -> Mass:
 
 
 class Articulated:
-    """A free body with all that hangs from it, about its mass centre.
+    """Free body with its children, about its mass centre.
 
     An acceleration a of the mass centre and an angular acceleration alpha need the
     force mass a + coupling alpha and the moment coupling . a + inertia alpha.
@@ -106,13 +107,15 @@ class Articulated:
         self.momentum = Vector()
         self.force = Vector()
         self.moment = ZERO
-        self.turning_momentum = ZERO  # at this rate, on a moving guide
-        self.acceleration_at_rest = Vector()  # on a moving guide, at rest against it
+        # Angular momentum at this rate, of a body on a moving guide
+        self.turning_momentum = ZERO
+        # Acceleration of a body at rest relative to its moving guide
+        self.acceleration_at_rest = Vector()
         self.generalized_force = ZERO  # on the coordinate
         self.mobility = ZERO  # one over the inertia along the coordinate
 
     def add(self, child: Link, mass: Mass, force: Vector) -> None:
-        """Add the mass and the force that a child presents at its hinge."""
+        """Add the articulated mass and the force of a child at its hinge."""
         arm = self.link.arm(self.text, child.branch.before, child.joint)
         force = force.plus(mass.times(arm).times(square(self.link.omega)))
         self.link.add_force(
@@ -129,7 +132,7 @@ class Articulated:
             self.inertia = total(self.inertia, arm.cross(coupling))
 
     def add_sliding(self, child: "Sliding") -> None:
-        """Add what a body presents that slides along a guide on this body."""
+        """Add mass, inertia, force and moment of a body that slides on this body."""
         link = self.link
         slide = child.link
         arm = slide.from_parent
@@ -148,7 +151,7 @@ class Articulated:
         self.inertia = total(self.inertia, turning)
 
     def sum_up(self, size: int) -> None:
-        """Write forces and inertia of the body, after all children have added theirs.
+        """Write forces and inertia of the body, which include those of all children.
 
         ``size`` is the number of coordinates of the tree.
         """
@@ -185,66 +188,64 @@ class Articulated:
         self.momentum = text.let_vector(f"{prefix}_momentum", momentum)
         moment = total(self.moment, self.partial_velocity.dot(self.force))
         self.generalized_force = text.let(f"{prefix}_{link.joint}_moment", moment)
-        radius = link.branch.end.x**2 + link.branch.end.y**2
+        square_of_radius = link.branch.end.x**2 + link.branch.end.y**2
         momentum = self.momentum.plus(self.coupling)
         inertia = total(self.partial_velocity.dot(momentum), self.inertia)
-        own_inertia = link.body.effective_inertia + link.body.mass * radius
-        self._set_mobility(own_inertia, inertia)
+        leaf_inertia = link.body.effective_inertia + link.body.mass * square_of_radius
+        self._set_mobility(leaf_inertia, inertia)
 
-    def _set_mobility(self, own_inertia: float, inertia: str) -> None:
+    def _set_mobility(self, leaf_inertia: float, inertia: str) -> None:
         """Write one over the inertia along the coordinate.
 
-        For a body without children it is a constant, from ``own_inertia``.
+        ``leaf_inertia`` is the constant inertia of a body without children.
         """
         name = f"{self.prefix}_mobility"
         if self.link.drive is not None:
             return
         if self.is_leaf:
-            self.mobility = self.text.parameter(name, 1.0 / own_inertia)
+            self.mobility = self.text.parameter(name, 1.0 / leaf_inertia)
         else:
             self.mobility = self.text.let(name, quotient(ONE, inertia))
 
-    def present_to(self, parent: "Articulated") -> None:
+    def add_to(self, parent: "Articulated") -> None:
         """Write mass and force at the hinge, and add them to the parent."""
         text = self.text
         prefix = self.prefix
         link = self.link
         if link.is_on_moving_guide:
-            parent.add_sliding(self._presented_on_guide())
+            parent.add_sliding(self._sliding())
             return
         circle = centripetal(link, link.arm(text, link.branch.end, link.joint))
         circle = text.let_vector(f"{prefix}_centripetal", circle)
         mass = self.mass
-        yielding = self.momentum.times(link.alpha)
+        # Inertia force of the motion of the coordinate
+        inertia_force = self.momentum.times(link.alpha)
         if link.drive is None:
             share = text.let_vector(
                 f"{prefix}_share", self.momentum.times(self.mobility)
             )
-            yielding = share.times(self.generalized_force)
+            inertia_force = share.times(self.generalized_force)
             correction = _outer(share, self.momentum)
             mass = mass.plus(correction).named(text, f"{prefix}_hinge_mass")
-        force = self.force.minus(yielding).minus(mass.times(circle))
+        force = self.force.minus(inertia_force).minus(mass.times(circle))
         parent.add(link, mass, text.let_vector(f"{prefix}_hinge_force", force))
 
-    def _presented_on_guide(self) -> "Sliding":
-        """Write what the body presents at a moving guide: all but its motion along it."""
+    def _sliding(self) -> "Sliding":
+        """Write the quantities at a moving guide, without the motion along the guide."""
         text = self.text
         prefix = self.prefix
         share = text.let_vector(f"{prefix}_share", self.momentum.times(self.mobility))
         turning = text.let(
             f"{prefix}_turning_share", product(self.mobility, self.turning_momentum)
         )
-        mass = self.mass.plus(_outer(share, self.momentum)).named(
-            text, f"{prefix}_guide_mass"
-        )
-        coupling = text.let_vector(
-            f"{prefix}_guide_coupling",
-            self.coupling.minus(self.momentum.times(turning)),
-        )
+        mass = self.mass.plus(_outer(share, self.momentum))
+        mass = mass.named(text, f"{prefix}_guide_mass")
+        coupling = self.coupling.minus(self.momentum.times(turning))
+        coupling = text.let_vector(f"{prefix}_guide_coupling", coupling)
         inertia = difference(self.inertia, product(turning, self.turning_momentum))
-        yielding = share.times(self.generalized_force)
+        inertia_force = share.times(self.generalized_force)
         at_rest = self.acceleration_at_rest
-        force = self.force.minus(yielding).minus(mass.times(at_rest))
+        force = self.force.minus(inertia_force).minus(mass.times(at_rest))
         moment = difference(self.moment, product(turning, self.generalized_force))
         moment = difference(moment, coupling.dot(at_rest))
         return Sliding(
@@ -256,27 +257,29 @@ class Articulated:
             text.let(f"{prefix}_guide_moment", moment),
         )
 
-    def release(self, size: int) -> None:
-        """Write the acceleration of the body and those of its coordinates."""
+    def write_acceleration(self, size: int) -> None:
+        """Write the accelerations of the body and of its coordinates.
+
+        ``size`` is the number of coordinates of the tree.
+        """
         text = self.text
         prefix = self.prefix
         link = self.link
         text.comment(f"{link.body.name}: acceleration")
         rate = size + link.coordinate
         if link.is_loose:
-            self._release_loose()
+            self._accelerate_loose()
             accelerations = [*link.acceleration, link.alpha]
         elif link.is_on_moving_guide:
-            accelerations = [self._release_on_guide()]
+            accelerations = [self._accelerate_on_guide()]
         elif link.is_guided:
-            acceleration = product(self.mobility, self.generalized_force)
-            acceleration = text.let(f"{prefix}_acceleration", acceleration)
-            link.acceleration = text.let_vector(
-                f"{prefix}_a", self.partial_velocity.times(acceleration)
-            )
-            accelerations = [acceleration]
+            along = product(self.mobility, self.generalized_force)
+            along = text.let(f"{prefix}_acceleration", along)
+            acceleration = self.partial_velocity.times(along)
+            link.acceleration = text.let_vector(f"{prefix}_a", acceleration)
+            accelerations = [along]
         else:
-            self._release_hinged()
+            self._accelerate_hinged()
             is_relative = link.parent is not None and not link.parent.is_prescribed
             before = link.parent.alpha if link.parent and is_relative else ZERO
             accelerations = [difference(link.alpha, before)]
@@ -284,7 +287,7 @@ class Articulated:
             text.write(f"out[{link.coordinate + k}] = y[{rate + k}]")
             text.write(f"out[{rate + k}] = {accelerations[k]}")
 
-    def _release_on_guide(self) -> str:
+    def _accelerate_on_guide(self) -> str:
         """Write the acceleration of a body on a moving guide; return that along the guide."""
         text = self.text
         prefix = self.prefix
@@ -304,7 +307,8 @@ class Articulated:
         )
         return along
 
-    def _release_hinged(self) -> None:
+    def _accelerate_hinged(self) -> None:
+        """Write the angular acceleration of a body on a hinge, and that of its mass centre."""
         text = self.text
         prefix = self.prefix
         link = self.link
@@ -319,7 +323,7 @@ class Articulated:
         tangential = self.partial_velocity.times(link.alpha)
         link.acceleration = text.let_vector(f"{prefix}_a", carried.plus(tangential))
 
-    def _release_loose(self) -> None:
+    def _accelerate_loose(self) -> None:
         """Write the accelerations of a body that no ideal joint holds.
 
         The two equations of its translation are solved first, without its rotation,
@@ -358,34 +362,32 @@ class Articulated:
 
     def reaction(self) -> Vector:
         """Return the force on the parent at the hinge."""
-        return self.force.minus(self._needed())
+        return self.force.minus(self._inertia_force())
 
     def guide_moment(self) -> str:
         """Return the moment about the mass centre on the body that carries the guide."""
-        return difference(self.moment, self._turning())
+        return difference(self.moment, self._inertia_moment())
 
-    def _turning(self) -> str:
-        """Return the moment that the acceleration needs, about the mass centre."""
+    def _inertia_moment(self) -> str:
+        """Return the moment about the mass centre that the accelerations need."""
         link = self.link
         return total(
             self.coupling.dot(link.acceleration), product(self.inertia, link.alpha)
         )
 
-    def _needed(self) -> Vector:
-        """Return the inertia force: mass times acceleration, with the children."""
+    def _inertia_force(self) -> Vector:
+        """Return the force that the accelerations need, with that of the children."""
         link = self.link
         return self.mass.times(link.acceleration).plus(self.coupling.times(link.alpha))
 
     def torque(self) -> str:
-        """Return the torque that the drive of the body gives."""
+        """Return the torque of the drive of the body."""
         link = self.link
-        turning = self._turning()
+        moment = self._inertia_moment()
         if link.is_loose:
-            return difference(turning, self.moment)
-        return difference(
-            total(turning, self.partial_velocity.dot(self._needed())),
-            self.generalized_force,
-        )
+            return difference(moment, self.moment)
+        moment = total(moment, self.partial_velocity.dot(self._inertia_force()))
+        return difference(moment, self.generalized_force)
 
 
 def solve_tree(text: Text, chain: Chain) -> dict[str, Articulated]:
@@ -394,7 +396,7 @@ def solve_tree(text: Text, chain: Chain) -> dict[str, Articulated]:
     for link in reversed(chain.free):
         bodies[link.prefix].sum_up(chain.size)
         if link.parent is not None and not link.parent.is_prescribed:
-            bodies[link.prefix].present_to(bodies[link.parent.prefix])
+            bodies[link.prefix].add_to(bodies[link.parent.prefix])
     for link in chain.free:
-        bodies[link.prefix].release(chain.size)
+        bodies[link.prefix].write_acceleration(chain.size)
     return bodies

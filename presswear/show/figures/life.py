@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from presswear.results.life import LifeResult, LimitResult, in_diameter, words_of
 from presswear.results.result import Result
-from presswear.scene.options import FOLLOWED, Service
+from presswear.scene.options import LIFE_QUANTITIES, Service
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Stages
 from presswear.tools.numbers import count_scale, short_number, unit_scale
@@ -90,7 +90,7 @@ def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     has_note = len(near) < len(limits)
     headroom = _HEADROOM_WITH_NOTE if has_note else _HEADROOM
     axes.set_ylim(0.0, headroom * largest if largest > 0.0 else 1.0)
-    style.label_values(axes, "", FOLLOWED[key.rpartition(".")[2]].unit, largest)
+    style.label_values(axes, "", LIFE_QUANTITIES[key.rpartition(".")[2]].unit, largest)
     is_first = life.first is not None and life.first.key == key
     title = words_of(key) + (": first" if is_first else "")
     axes.set_title(title, fontweight="bold" if is_first else "normal")

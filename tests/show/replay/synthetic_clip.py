@@ -18,9 +18,9 @@ def synthetic_clip(
 ) -> Clip:
     """Return one cycle of the press with clearance at A and C and worn surfaces."""
     scene = scene_named("wear-times")
-    angle = bin_centres(360)
-    bearing = Surface(max_depth * np.exp(-((angle - 1.5) ** 2) / 0.1))
-    pin = Surface(max_depth * np.exp(-((angle - 4.0) ** 2) / 0.2))
+    centres = bin_centres(360)
+    bearing = Surface(max_depth * np.exp(-((centres - 1.5) ** 2) / 0.1))
+    pin = Surface(max_depth * np.exp(-((centres - 4.0) ** 2) / 0.2))
     linkage = scene.linkage(dict.fromkeys("AC", (bearing, pin)))
     period = scene.mechanism.period
     motion = scene.ideal.at(np.linspace(0.0, period, FRAMES))
@@ -52,8 +52,8 @@ def synthetic_clip(
     )
 
 
-class Hungry:
-    """Clip for which there is no memory."""
+class WithoutMemory:
+    """Clip whose every attribute raises ``MemoryError``."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from synthetic_clip import Hungry, synthetic_clip
+from synthetic_clip import WithoutMemory, synthetic_clip
 
 import presswear as pw
 from presswear.recording.film import FRAMES_PER_CYCLE
@@ -173,7 +173,7 @@ class Deadly:
 
 
 @pytest.mark.parametrize(
-    "clip", [Deadly(), Hungry()], ids=lambda clip: type(clip).__name__
+    "clip", [Deadly(), WithoutMemory()], ids=lambda clip: type(clip).__name__
 )
 def test_a_process_that_ends_early_ends_the_film(
     clip: Any, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]

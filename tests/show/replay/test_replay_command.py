@@ -43,7 +43,7 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_stills_and_a_film(
     folder: Path, tmp_path: Path, command: Callable[..., str]
 ) -> None:
-    """At a time with and without unit, two stages side by side, and a part of a cycle."""
+    """Stills show a time with or without unit, or two stages; a film shows part of a cycle."""
 
     def still(options: str) -> NDArray[np.uint8]:
         file = tmp_path / "one.png"
@@ -115,7 +115,7 @@ def test_without_a_display_one_line_names_alternatives(
 
 
 @needs_xdotool
-def test_a_window_plays_and_is_quit_by_a_key(folder: Path, display: None) -> None:
+def test_a_key_ends_a_window_that_plays(folder: Path, display: None) -> None:
     window = subprocess.Popen([*REPLAY, str(folder)], stderr=subprocess.PIPE)
     press(window, "space", "Right", "Up", "q")
     assert window.wait(30) == 0
