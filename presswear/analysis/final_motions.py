@@ -17,10 +17,10 @@ from presswear.analysis.bifurcation import Parameter
 from presswear.analysis.kicks import Kick
 from presswear.recording.settling import (
     REPEATED,
-    Rest,
+    SettledMotion,
+    group_motions,
     half_life,
     least_half_life,
-    same_motions,
 )
 from presswear.recording.statistics import LEVEL, STARTUP_CYCLES, Estimate
 from presswear.scene.scene import Scene
@@ -159,12 +159,12 @@ def evaluate(
     """Return the final motions of finished runs; ``kicks`` are by the first start of a motion."""
     counted = int((runs.settled != FAILED).sum())
     settled = np.flatnonzero(runs.settled >= 0)
-    rests = [
-        Rest(int(runs.settled[k]), int(runs.period[k]), runs.signature[k])
+    settled_motions = [
+        SettledMotion(int(runs.settled[k]), int(runs.period[k]), runs.signature[k])
         for k in settled
     ]
     motions = []
-    for group in same_motions(rests):
+    for group in group_motions(settled_motions):
         rows = tuple(int(settled[k]) for k in group)
         kicks_of_motion = kicks.get(int(runs.index[rows[0]]))
         motion = _motion(
@@ -177,9 +177,11 @@ def evaluate(
     if irregular:
         motions.append(_motion(runs, joints, irregular, counted, period=None))
     cycles_of_irregular = runs.cycles[list(irregular)].tolist()
-    estimate = half_life([rest.start for rest in rests], cycles_of_irregular)
+    estimate = half_life(
+        [motion.start for motion in settled_motions], cycles_of_irregular
+    )
     limit = None
-    if irregular and not rests:
+    if irregular and not settled_motions:
         limit = least_half_life([], cycles_of_irregular)
     return FinalMotionsAt(value, joints, runs, tuple(motions), estimate, limit)
 

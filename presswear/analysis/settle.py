@@ -30,7 +30,7 @@ from presswear.analysis.starts import SpreadStarts, crossing_speeds, spread_star
 from presswear.engines.base import Plan, Start
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.settling import PERIODS, REPEATED, rest_of
+from presswear.recording.settling import PERIODS, REPEATED, settled_motion
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -48,7 +48,7 @@ SCHEMA = 1
 # needs
 WATCHED_TWICE = 2
 KICKED = 4  # largest number of final motions for which kicks are tried
-STARTS_SHARE = 0.9  # share of the starts in the progress; the rest is that of kicks
+STARTS_SHARE = 0.9  # share of the starts in the progress; the kicks take the rest
 
 
 class _UntilSettled(Observer):
@@ -61,10 +61,10 @@ class _UntilSettled(Observer):
         count = len(recorder.cycles)
         if count < WATCHED_TWICE * REPEATED:
             return False
-        rest = rest_of(self._signatures(recorder))
-        if rest is None:
+        motion = settled_motion(self._signatures(recorder))
+        if motion is None:
             return False
-        return count - rest.start >= WATCHED_TWICE * max(REPEATED, 3 * rest.period)
+        return count - motion.start >= WATCHED_TWICE * max(REPEATED, 3 * motion.period)
 
 
 def run_start(
@@ -96,20 +96,20 @@ def run_start(
         row["settled"] = FAILED
         return row
     signatures = recorded_signatures(run.recorder, linkage)
-    rest = rest_of(signatures)
+    motion = settled_motion(signatures)
     row["end"] = run.end.position, run.end.velocity
     joints = range(len(linkage.clearances))
     force = np.array([run.recorder.each_cycle("force_max", k) for k in joints])
     contacts = np.array([run.recorder.each_cycle("contacts", k) for k in joints])
-    first = STARTUP_CYCLES if rest is None else rest.start + STARTUP_CYCLES
+    first = STARTUP_CYCLES if motion is None else motion.start + STARTUP_CYCLES
     row["peak_force"] = force[:, first:].mean(axis=1)
     row["contacts"] = contacts[:, first:].mean(axis=1)
-    if rest is not None:
-        row["settled"] = rest.start
-        row["period"] = rest.period
-        row["signature"] = rest.signature
+    if motion is not None:
+        row["settled"] = motion.start
+        row["period"] = motion.period
+        row["signature"] = motion.signature
         row["last"] = signatures[-PERIODS[-1] :]
-    before = force[:, STARTUP_CYCLES : None if rest is None else rest.start]
+    before = force[:, STARTUP_CYCLES : None if motion is None else motion.start]
     row["irregular_cycles"] = before.shape[1]
     if before.size:
         row["irregular_force"] = before.mean(axis=1)

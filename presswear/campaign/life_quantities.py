@@ -11,7 +11,7 @@ from presswear.physics.statics import total_clearance
 from presswear.physics.wall_wear import tilt_between, wall_volume, walls_of
 from presswear.physics.wear import largest_play, worn_volume
 from presswear.recording.columns import cycle_column
-from presswear.scene.options import CLEARANCES
+from presswear.scene.options import NEW_OVER_CLEARANCE
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -31,7 +31,7 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
         levels[f"{joint.name}.wear_volume"] = np.array(
             [worn_volume(joint, one) for one in item]
         )
-        if not CLEARANCES.keys().isdisjoint(limited):
+        if not NEW_OVER_CLEARANCE.keys().isdisjoint(limited):
             play = np.array([largest_play(joint, one) for one in item])
             levels[f"{joint.name}.radial_clearance"] = 0.5 * play
             levels[f"{joint.name}.diametral_clearance"] = play

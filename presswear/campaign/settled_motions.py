@@ -11,12 +11,12 @@ from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import (
     Motion,
-    Rest,
+    SettledMotion,
     Settling,
+    group_motions,
     half_life,
     least_half_life,
-    rest_of,
-    same_motions,
+    settled_motion,
     signatures,
 )
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate, pooled
@@ -25,7 +25,9 @@ from presswear.tools.arrays import Array
 Joints = Sequence[ClearanceJoint]
 
 
-def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
+def settled_motions_of(
+    joints: Joints, runs: Sequence[Array]
+) -> list[SettledMotion | None]:
     """Return the motion on which each run settled, from its rows of cycles; None if it has not."""
     clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     places = []  # columns of the eccentricities, (joints, 2)
@@ -33,11 +35,11 @@ def rests_of(joints: Joints, runs: Sequence[Array]) -> list[Rest | None]:
     for k in range(len(joints)):
         places.append([cycle_column(f"eccentricity_{axis}", k) for axis in "xy"])
         forces.append(cycle_column("force_max", k))
-    rests = []
+    motions = []
     for rows in runs:
         signature = signatures(rows[:, places] / clearances, rows[:, forces])
-        rests.append(rest_of(signature))
-    return rests
+        motions.append(settled_motion(signature))
+    return motions
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
@@ -47,30 +49,30 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     """
     if not joints or not all(map(len, runs)):
         return None
-    settled: list[Rest] = []
+    settled: list[SettledMotion] = []
     settled_rows = []  # of each settled run, from the start of its settled motion on
     irregular_rows = []  # of each run, before it settled
     lengths = []  # of the runs that have not settled, cycles
     starts: list[int | None] = []
-    for rest, rows in zip(rests_of(joints, runs), runs, strict=True):
-        if rest is None:
+    for motion, rows in zip(settled_motions_of(joints, runs), runs, strict=True):
+        if motion is None:
             starts.append(None)
             lengths.append(len(rows))
             irregular_rows.append(rows)
         else:
-            starts.append(rest.start)
-            settled.append(rest)
-            settled_rows.append(rows[rest.start :])
-            irregular_rows.append(rows[: rest.start])
+            starts.append(motion.start)
+            settled.append(motion)
+            settled_rows.append(rows[motion.start :])
+            irregular_rows.append(rows[: motion.start])
     motions = []
-    for group in same_motions(settled):
+    for group in group_motions(settled):
         period = max(settled[k].period for k in group)
         rows_of_group = [settled_rows[k] for k in group]
         motions.append(_motion(joints, rows_of_group, len(group), period))
     irregular_rows = [rows for rows in irregular_rows if len(rows) > STARTUP_CYCLES]
     if irregular_rows:
         motions.append(_motion(joints, irregular_rows, len(lengths), None))
-    times = [rest.start for rest in settled]
+    times = [motion.start for motion in settled]
     return Settling(
         watched=min(map(len, runs)),
         starts=tuple(starts),

@@ -127,7 +127,7 @@ def _texts() -> dict[str, str]:
     """Return the texts that replace names in braces."""
     from presswear.scene.catalog import SCENES
     from presswear.scene.files import EXAMPLES
-    from presswear.scene.options import FOLLOWED, Life
+    from presswear.scene.options import LIFE_QUANTITIES, Life
 
     return {
         **TEXTS,
@@ -136,7 +136,7 @@ def _texts() -> dict[str, str]:
         "until": Life().until,
         "at_most": f"{Life().at_most:g}",
         "quantities": "; ".join(
-            f"{name}: {each.text}" for name, each in FOLLOWED.items()
+            f"{name}: {each.text}" for name, each in LIFE_QUANTITIES.items()
         ),
     }
 

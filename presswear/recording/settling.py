@@ -30,7 +30,7 @@ LEAST_FORCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Rest:
+class SettledMotion:
     """Repeating motion on which a run has settled."""
 
     start: int  # number of cycles before it
@@ -116,13 +116,13 @@ def signatures(positions: Array, forces: Array) -> Array:
     return np.column_stack([positions.reshape(len(positions), -1), logarithms])
 
 
-def rest_of(cycles: Array) -> Rest | None:
+def settled_motion(cycles: Array) -> SettledMotion | None:
     """Return the motion on which a run has settled, from the signatures of its cycles.
 
     None if the run has not settled. If the last cycles repeat with several periods, the
     period with the earliest start is used.
     """
-    best: Rest | None = None
+    best: SettledMotion | None = None
     for period in PERIODS:
         change = np.abs(cycles[period:] - cycles[:-period]).max(axis=1, initial=0.0)
         changing = np.flatnonzero(change > CHANGE)
@@ -130,16 +130,16 @@ def rest_of(cycles: Array) -> Rest | None:
         if len(cycles) - start < max(REPEATED, 3 * period):
             continue
         if best is None or start < best.start:
-            best = Rest(start, period, cycles[start:].mean(axis=0))
+            best = SettledMotion(start, period, cycles[start:].mean(axis=0))
     return best
 
 
-def same_motions(rests: Sequence[Rest]) -> list[list[int]]:
-    """Return the indices of rests on the same motion, the largest group first."""
+def group_motions(motions: Sequence[SettledMotion]) -> list[list[int]]:
+    """Return the indices of equal motions by group, the largest group first."""
     groups: list[list[int]] = []
-    for k, rest in enumerate(rests):
+    for k, motion in enumerate(motions):
         for group in groups:
-            change = np.abs(rest.signature - rests[group[0]].signature)
+            change = np.abs(motion.signature - motions[group[0]].signature)
             if change.max(initial=0.0) <= CHANGE:
                 group.append(k)
                 break

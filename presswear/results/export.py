@@ -30,7 +30,7 @@ from presswear.recording.columns import (
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
 from presswear.results.strokes import Strokes, height_of, process_force
-from presswear.scene.options import FOLLOWED
+from presswear.scene.options import LIFE_QUANTITIES
 from presswear.tools.arrays import Array, read_numbers, write_arrays
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import (
@@ -70,7 +70,7 @@ UNITS = {
     "stretch": "m",  # of an elastic frame, or between the centres of an elastic pin
     "strokes": "1",
     "replicate": "1",
-    **{name: item.unit for name, item in FOLLOWED.items()},
+    **{name: item.unit for name, item in LIFE_QUANTITIES.items()},
 }
 _MOMENTS = [
     f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")

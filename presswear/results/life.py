@@ -11,7 +11,7 @@ import numpy as np
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import Estimate, quantile
 from presswear.results.motions import sentence_of
-from presswear.scene.options import FOLLOWED
+from presswear.scene.options import LIFE_QUANTITIES
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, quantity_text, readable
 from presswear.tools.serialize import NOT_STORED
@@ -250,4 +250,4 @@ def in_diameter(key: str, value: float) -> str:
 def words_of(key: str) -> str:
     """Return the words for a key, such as ``depth of A``."""
     joint, _, name = key.rpartition(".")
-    return FOLLOWED[name].words + (f" of {joint}" if joint else "")
+    return LIFE_QUANTITIES[name].words + (f" of {joint}" if joint else "")

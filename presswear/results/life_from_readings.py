@@ -34,7 +34,7 @@ from presswear.results.wear_posterior import (
     posterior_of,
     prior_of,
 )
-from presswear.scene.options import CLEARANCES, FOLLOWED, Limit
+from presswear.scene.options import LIFE_QUANTITIES, NEW_OVER_CLEARANCE, Limit
 from presswear.scene.scene import Scene
 from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array
@@ -205,9 +205,9 @@ def check_for_life(scene: Scene, readings: Sequence[Reading]) -> None:
         raise InputError("readings count from new surfaces; omit those of the scene")
     if scene.life.replaced or scene.life.rotated:
         raise InputError("readings: bushings that are serviced are not allowed")
-    followed = any(limit.name in CLEARANCES for limit in limits)
+    followed = any(limit.name in NEW_OVER_CLEARANCE for limit in limits)
     for reading in readings:
-        if reading.quantity not in CLEARANCES:
+        if reading.quantity not in NEW_OVER_CLEARANCE:
             continue
         if reading.joint not in scene.loose_pins:
             raise InputError(
@@ -250,7 +250,8 @@ def _course(life: LifeResult, key: str, new: float) -> Shape:
 
 def _new_value(scene: Scene, reading: Reading) -> float:
     return (
-        CLEARANCES.get(reading.quantity, 0.0) * scene.bearing(reading.joint).clearance
+        NEW_OVER_CLEARANCE.get(reading.quantity, 0.0)
+        * scene.bearing(reading.joint).clearance
     )
 
 
@@ -261,10 +262,10 @@ def _limit_of(limits: Sequence[Limit], reading: Reading) -> float:
     round.
     """
     sizes = {reading.quantity: 1.0}
-    if reading.quantity in CLEARANCES:
+    if reading.quantity in NEW_OVER_CLEARANCE:
         sizes = {
-            name: CLEARANCES[reading.quantity] / each
-            for name, each in CLEARANCES.items()
+            name: NEW_OVER_CLEARANCE[reading.quantity] / each
+            for name, each in NEW_OVER_CLEARANCE.items()
         }
     values = [
         one.value * sizes[one.name]
@@ -283,7 +284,7 @@ def _joint_wear(
     strokes = np.array([reading.strokes for reading in group])
     values = np.array([reading.value for reading in group])
     errors = [reading.error for reading in group if reading.error is not None]
-    has_baseline = first.quantity in CLEARANCES and bool((strokes == 0.0).any())
+    has_baseline = first.quantity in NEW_OVER_CLEARANCE and bool((strokes == 0.0).any())
     deviations = np.array(errors) if errors else None
     observed = Observed(strokes, values, deviations, has_baseline)
     shape = _course(life, first.key, _new_value(scene, first))
@@ -423,7 +424,7 @@ def _lines_of(joint: JointWear) -> list[str]:
 
 def _line_text(key: str, steady: SteadyWear) -> str:
     """Return running-in, steady rate and life by the straight line in words."""
-    unit = FOLLOWED[key.rpartition(".")[2]].unit
+    unit = LIFE_QUANTITIES[key.rpartition(".")[2]].unit
     rate = steady.rate.scaled(1e6)
     factor, display = unit_scale(unit, abs(rate.mean))
     words = _with_ends(rate.scaled(factor))

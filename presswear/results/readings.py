@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from presswear.scene.files import read_table
-from presswear.scene.options import FOLLOWED
+from presswear.scene.options import LIFE_QUANTITIES
 from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked, write_bytes
@@ -40,7 +40,7 @@ class Reading:
         check_type("quantity", self.quantity, str)
         if self.quantity not in QUANTITIES.values():
             raise unknown("quantity of a reading", self.quantity, QUANTITIES.values())
-        of_value = Quantity(FOLLOWED[self.quantity].unit)
+        of_value = Quantity(LIFE_QUANTITIES[self.quantity].unit)
         meanings = {"strokes": _STROKES, "value": of_value}
         if self.error is not None:
             meanings["error"] = replace(of_value, low=0.0, open_low=True)
@@ -92,7 +92,7 @@ def read_readings(file: str | Path) -> tuple[Reading, ...]:
 
 def _reading(row: dict[str, str], column: str) -> Reading:
     quantity = QUANTITIES[column]
-    meaning = Quantity(FOLLOWED[quantity].unit)
+    meaning = Quantity(LIFE_QUANTITIES[quantity].unit)
     strokes = parse_quantity("strokes", row["strokes"], _STROKES)
     value = parse_quantity(column, row[column], meaning)
     text = row.get("error", "")

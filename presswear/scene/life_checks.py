@@ -8,7 +8,7 @@ from presswear.linkage.oil import OILED_WEAR
 from presswear.linkage.wear_law import ARCHARD
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
-from presswear.scene.options import CLEARANCES, Life, Limit
+from presswear.scene.options import NEW_OVER_CLEARANCE, Life, Limit
 from presswear.scene.pin_joints import deepest_joint_wear
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
@@ -105,7 +105,7 @@ def _greatest_value(
     contact: SurfaceContact,
 ) -> float:
     """Return the value of a limited quantity with the deepest wear allowed; inf if unknown."""
-    if limit.name not in ("depth", *CLEARANCES):
+    if limit.name not in ("depth", *NEW_OVER_CLEARANCE):
         return math.inf
     if limit.joint in walls:
         return walls[limit.joint]
@@ -113,7 +113,7 @@ def _greatest_value(
     deepest = deepest_joint_wear(bearing, contact)
     if limit.name == "depth":
         return deepest
-    return CLEARANCES[limit.name] * (bearing.clearance + 2.0 * deepest)
+    return NEW_OVER_CLEARANCE[limit.name] * (bearing.clearance + 2.0 * deepest)
 
 
 def _deepest_words(bearing: Bearing, contact: SurfaceContact) -> str:

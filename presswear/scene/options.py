@@ -98,11 +98,11 @@ class Recording(Checked):
         return tuple(sorted(phases))
 
 
-class Followed(NamedTuple):
-    """Number that is followed over strokes, of each joint or of the whole mechanism."""
+class LifeQuantity(NamedTuple):
+    """Quantity of a joint or of the whole mechanism that a service life can limit."""
 
     unit: str
-    # kinds of joints that have the number, pin or guide; none: the whole mechanism has it
+    # Kinds of joints, pin or guide, that have the quantity; empty for the whole mechanism
     kinds: tuple[str, ...]
     words: str  # name in sentences
     text: str  # description
@@ -118,23 +118,25 @@ _FORCE = "peak normal force of a stroke, at a pin or at a corner of a slide, mea
 _PIN = ("pin",)
 _ANY = ("pin", "guide")
 # Quantities that can have a limit, by name
-FOLLOWED: dict[str, Followed] = {
-    "depth": Followed(
+LIFE_QUANTITIES: dict[str, LifeQuantity] = {
+    "depth": LifeQuantity(
         "m", _ANY, "depth", "largest wear depth of bearing or pin, or of both walls"
     ),
-    "wear_volume": Followed(
+    "wear_volume": LifeQuantity(
         "m^3", _ANY, "worn volume", "worn volume of bearing and pin, or of both walls"
     ),
-    "radial_clearance": Followed("m", _PIN, "radial clearance", f"half of the {_PLAY}"),
-    "diametral_clearance": Followed("m", _PIN, "diametral clearance", _PLAY),
-    "force_max": Followed("N", _ANY, "peak force", _FORCE),
-    "tilt": Followed("m/m", ("guide",), "tilt", _TILT),
-    "total_clearance": Followed("m", (), "total clearance", _CLEARANCE),
-    "bdc_error": Followed(
+    "radial_clearance": LifeQuantity(
+        "m", _PIN, "radial clearance", f"half of the {_PLAY}"
+    ),
+    "diametral_clearance": LifeQuantity("m", _PIN, "diametral clearance", _PLAY),
+    "force_max": LifeQuantity("N", _ANY, "peak force", _FORCE),
+    "tilt": LifeQuantity("m/m", ("guide",), "tilt", _TILT),
+    "total_clearance": LifeQuantity("m", (), "total clearance", _CLEARANCE),
+    "bdc_error": LifeQuantity(
         "m", (), f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"
     ),
-    "bdc_drift": Followed("m", (), f"drift of {_BDC}", _DRIFT),
-    "repeatability": Followed(
+    "bdc_drift": LifeQuantity("m", (), f"drift of {_BDC}", _DRIFT),
+    "repeatability": LifeQuantity(
         "m", (), "repeatability", f"standard deviation of {_BDC}"
     ),
 }
@@ -142,12 +144,12 @@ FOLLOWED: dict[str, Followed] = {
 
 @dataclass(frozen=True)
 class Limit:
-    """Upper limit, SI, of a number of ``FOLLOWED``; ``joint`` is empty for the whole mechanism."""
+    """Upper limit of a quantity of the service life, SI."""
 
-    name: str
-    joint: str
+    name: str  # of LIFE_QUANTITIES
+    joint: str  # empty for the whole mechanism
     value: float
-    new: float = 0.0  # of a new mechanism, where the quantity does not begin at 0
+    new: float = 0.0  # value of the new mechanism
 
     @property
     def key(self) -> str:
@@ -157,30 +159,30 @@ class Limit:
     @property
     def unit(self) -> str:
         """Unit of the value."""
-        return FOLLOWED[self.name].unit
+        return LIFE_QUANTITIES[self.name].unit
 
 
 @dataclass(frozen=True)
 class Service:
-    """Replacement of a bushing or of both walls of a guide, or half a turn of a bushing."""
+    """Replacement of a bushing or of both walls of a guide, or rotation of a bushing."""
 
     joint: str
-    strokes: float  # after which it is done
-    is_rotated: bool
+    strokes: float  # number of strokes before the service
+    is_rotated: bool  # by half a turn
     is_guide: bool = False
 
     @property
     def words(self) -> str:
-        """Description."""
+        """Description of the service in words."""
         part = "walls" if self.is_guide else "bushing"
         change = "rotated by half a turn" if self.is_rotated else "replaced"
         return f"{part} of {self.joint} {change}"
 
 
-# Names of settings of a bearing that are used for a quantity of FOLLOWED
+# Settings of a bearing whose names stand for a quantity of LIFE_QUANTITIES
 _ALIASES = {"clearance": "radial_clearance"}
-# Values of a new joint over its radial clearance
-CLEARANCES = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
+# Quantities of a new joint relative to its radial clearance
+NEW_OVER_CLEARANCE = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
 _TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new")
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>=?\s*(\S.*?)\s*$")
 _STROKES = Quantity("", 1.0, 1e15)
@@ -196,7 +198,7 @@ class Life(Checked):
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, the first to be exceeded ends the life: of every joint, or JOINT.NAME; names are "
-        + ", ".join(FOLLOWED)
+        + ", ".join(LIFE_QUANTITIES)
         + "; clearance is the radial one, and clearances and tilts can be N x new",
     )
     at_most: float = quantity(
@@ -222,7 +224,7 @@ class Life(Checked):
     def limits(
         self, clearances: Mapping[str, float], tilts: Mapping[str, float]
     ) -> tuple[Limit, ...]:
-        """Return the limits; a limit without a joint is one for each joint that has the number.
+        """Return the limits. A limit without a joint applies to each joint with the quantity.
 
         Parameters
         ----------
@@ -241,19 +243,21 @@ class Life(Checked):
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
             if match is None:
-                example = "NAME > VALUE is expected, such as 'depth > 0.05 mm'"
+                names = ", ".join(LIFE_QUANTITIES)
                 raise InputError(
-                    f"until = {text!r}: {example}; names are {', '.join(FOLLOWED)}"
+                    f"until = {text!r}: NAME > VALUE is expected, such as "
+                    f"'depth > 0.05 mm'; names are {names}"
                 )
             specified, name, size = match.groups()
             name = _ALIASES.get(name, name)
-            if name not in FOLLOWED:
-                raise unknown("number in until", name, (*_ALIASES, *FOLLOWED))
+            if name not in LIFE_QUANTITIES:
+                raise unknown("number in until", name, (*_ALIASES, *LIFE_QUANTITIES))
             for joint in _joints_of_limit(text, specified, name, names_of_kind):
                 if name == "tilt":
                     new = tilts[joint]
                 else:
-                    new = CLEARANCES.get(name, 0.0) * clearances.get(joint, 0.0)
+                    ratio = NEW_OVER_CLEARANCE.get(name, 0.0)
+                    new = ratio * clearances.get(joint, 0.0)
                 value = _limit_value(text, name, size, new)
                 limits.append(Limit(name, joint, value, new))
         return tuple(limits)
@@ -304,8 +308,12 @@ def _joints_of_limit(
     name: str,
     names_of_kind: Mapping[str, Sequence[str]],
 ) -> Sequence[str]:
-    """Return the joints to which a limit applies; an empty name for the whole mechanism."""
-    kinds = FOLLOWED[name].kinds
+    """Return the names of the joints to which a limit applies.
+
+    A limit of the whole mechanism has one empty name. ``specified`` is the joint of the
+    limit, None for all joints.
+    """
+    kinds = LIFE_QUANTITIES[name].kinds
     if not kinds:
         if specified is not None:
             raise InputError(f"until = {text!r}: {name} is of the whole mechanism")
@@ -317,9 +325,9 @@ def _joints_of_limit(
     if specified in joints:
         return (specified,)
     if specified is not None or not joints:
-        which = f"such as {joints[0]}" if joints else "and none has clearance"
+        example = f"such as {joints[0]}" if joints else "and none has clearance"
         raise InputError(
-            f"until = {text!r}: {name} is of a {' or '.join(kinds)}, {which}"
+            f"until = {text!r}: {name} is of a {' or '.join(kinds)}, {example}"
         )
     return joints
 
@@ -327,24 +335,28 @@ def _joints_of_limit(
 def _limit_value(text: str, name: str, size: str, new: float) -> float:
     """Return the value of a limit, SI.
 
-    ``new`` is the value of the new joint, SI; 0 for a quantity that is 0 of a new joint.
+    ``new`` is the value of the new joint, SI. It is 0 for a quantity that grows from 0.
     """
-    followed = FOLLOWED[name]
+    quantity_of_life = LIFE_QUANTITIES[name]
     if size.endswith("new"):
         times = _TIMES_NEW.fullmatch(size)
         if times is None:
-            example = "VALUE x new is expected, such as 2.5 x new"
-            raise InputError(f"until = {text!r}: {example}")
+            raise InputError(
+                f"until = {text!r}: VALUE x new is expected, such as 2.5 x new"
+            )
         if new == 0.0:
-            allowed = ", ".join(("clearance", *CLEARANCES, "tilt"))
+            allowed = ", ".join(("clearance", *NEW_OVER_CLEARANCE, "tilt"))
             raise InputError(f"until = {text!r}: 'x new' is allowed for {allowed}")
         ratio = Quantity("", 1.0, 1000.0, "", "times the new value", open_low=True)
         return float(parse_quantity(f"until: {name}", times[1], ratio)) * new
-    positive = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
+    unit = quantity_of_life.unit
+    text_of_range = quantity_of_life.text
+    positive = Quantity(unit, 0.0, math.inf, "", text_of_range, open_low=True)
     value = float(parse_quantity(f"until: {name}", size, positive))
     if value <= new:
-        fault = f"allowed is above {written(new, followed.unit)}, that of the new joint"
-        raise InputError(f"until = {text!r}: {fault}")
+        raise InputError(
+            f"until = {text!r}: allowed is above {written(new, unit)}, that of the new joint"
+        )
     return value
 
 

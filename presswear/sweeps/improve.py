@@ -1,7 +1,7 @@
-"""Improvement of a mechanism: what changes of joints do to life, force and bottom dead centre.
+"""Effects of changed joints on life, peak force and bottom dead centre of a mechanism.
 
-Each joint is changed in one way at a time, and every change is run like the mechanism
-as it is.
+The unchanged mechanism is run, and then the mechanism with each change. A change
+concerns one property of one joint.
 """
 
 from collections.abc import Callable
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from presswear.campaign.runs import run_scenes
@@ -29,9 +30,8 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import large, percent, quantity_text, readable
 
-# factors on the clearance, and on radius and width of a bearing
-CLEARANCE = 0.5
-SIZE = 1.25
+CLEARANCE_FACTOR = 0.5  # on the clearance of a joint
+SIZE_FACTOR = 1.25  # on radius and width of a bearing
 LIFE = "life"
 FORCE = "peak force"
 BOTTOM = "error of bottom dead centre"
@@ -39,10 +39,11 @@ TILT = "tilt of the slide"
 DROP = "drop of the speed by the work"
 REVERSE = "reverse force of the frame over its greatest force"
 PLAIN = "as it is"
-SHOWN = 10  # changes in a panel of the figure, the best first
+SHOWN = 10  # largest number of changes in a panel of the figure
 # Least range of the axis on both sides of 1, so that a per cent is not a long bar
 LEAST_RANGE = 0.1
 BAR = 0.28  # height of a bar with its gap, inches
+CERTAIN_COLOUR = style.LINES[2][0]  # of a change that certainly improves a quantity
 
 
 @dataclass(frozen=True)
@@ -96,32 +97,34 @@ class Improvement:
         with rc_context(SETTINGS):
             sheet, grid = style.panels(len(self.effects), 1, height)
             for (axes,), (key, items) in zip(grid, self.effects.items(), strict=True):
-                shown = items[:SHOWN]
-                colours = [
-                    style.LINES[2][0] if one.is_better else style.MUTED for one in shown
-                ]
-                changes = [one.factor.mean - 1.0 for one in shown]
-                axes.barh(range(len(shown)), changes, left=1.0, color=colours)
-                for place, one in enumerate(shown):
-                    if one.factor.low is not None and one.factor.high is not None:
-                        axes.plot(
-                            [one.factor.low, one.factor.high],
-                            [place] * 2,
-                            color="black",
-                        )
-                low, high = axes.get_xlim()
-                axes.set_xlim(min(low, 1.0 - LEAST_RANGE), max(high, 1.0 + LEAST_RANGE))
-                axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
-                axes.set_yticks(range(len(shown)), [one.change for one in shown])
-                axes.invert_yaxis()
+                _draw_factors(axes, items[:SHOWN])
                 axes.set_xlabel(self.heading(key))
-            kinds = (
-                (style.LINES[2][0], "certain improvement"),
-                (style.MUTED, "no certain improvement"),
-            )
-            handles = [Patch(color=colour, label=words) for colour, words in kinds]
+            handles = [
+                Patch(color=CERTAIN_COLOUR, label="certain improvement"),
+                Patch(color=style.MUTED, label="no certain improvement"),
+            ]
             sheet.legend(handles=handles, loc="outside upper center", ncols=2)
             return style.finished("improve", sheet)[0]
+
+
+def _draw_factors(axes: Axes, effects: list[Effect]) -> None:
+    """Draw the factor of each change as a bar from 1, with its interval."""
+    rows = range(len(effects))
+    colours = [
+        CERTAIN_COLOUR if effect.is_better else style.MUTED for effect in effects
+    ]
+    widths = [effect.factor.mean - 1.0 for effect in effects]
+    axes.barh(rows, widths, left=1.0, color=colours)
+    for row, effect in enumerate(effects):
+        low = effect.factor.low
+        high = effect.factor.high
+        if low is not None and high is not None:
+            axes.plot([low, high], [row, row], color="black")
+    left, right = axes.get_xlim()
+    axes.set_xlim(min(left, 1.0 - LEAST_RANGE), max(right, 1.0 + LEAST_RANGE))
+    axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
+    axes.set_yticks(rows, [effect.change for effect in effects])
+    axes.invert_yaxis()
 
 
 def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -134,27 +137,29 @@ def changes_of(scene: Scene) -> dict[str, dict[str, Any]]:
     changes: dict[str, dict[str, Any]] = {}
     for name in (*scene.loose_pins, *guides):
         bearing = scene.bearing(name)
-        changes[f"joint {name}, clearance times {CLEARANCE:g}"] = {
-            f"{name}.clearance": CLEARANCE * bearing.clearance
-        }
+        label = f"joint {name}, clearance times {CLEARANCE_FACTOR:g}"
+        clearance = CLEARANCE_FACTOR * bearing.clearance
+        changes[label] = {f"{name}.clearance": clearance}
         is_guide = name in guides
-        sizes = {f"{name}.width": SIZE * bearing.width}
+        sizes = {f"{name}.width": SIZE_FACTOR * bearing.width}
         words = "width"
         if not is_guide:
-            sizes[f"{name}.bearing_radius"] = SIZE * bearing.bearing_radius
+            radius = SIZE_FACTOR * bearing.bearing_radius
+            sizes[f"{name}.bearing_radius"] = radius
             words = "radius and width"
-        changes[f"joint {name}, {words} times {SIZE:g}"] = sizes
+        changes[f"joint {name}, {words} times {SIZE_FACTOR:g}"] = sizes
         present = _coefficient_of_worse_side(bearing.materials, is_guide)
-        for word, pair in MATERIALS.items():
+        for materials, pair in MATERIALS.items():
             if _coefficient_of_worse_side(pair, is_guide) < present:
-                changes[f"joint {name}, materials {word}"] = {f"{name}.materials": word}
+                label = f"joint {name}, materials {materials}"
+                changes[label] = {f"{name}.materials": materials}
     return changes
 
 
 def _coefficient_of_worse_side(pair: Materials, is_guide: bool) -> float:
     """Return the wear coefficient of the side that wears more, 1/Pa.
 
-    All of the wear of a guide is at the wall.
+    In a guide only the wall wears.
     """
     share = max(pair.bearing_share, 1.0 - pair.bearing_share)
     return pair.wear_coefficient * (1.0 if is_guide else share)
@@ -166,12 +171,17 @@ def improve(
     jobs: int | None = None,
     on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
 ) -> Improvement:
-    """Run a mechanism as it is and with each change, and return the effects of the changes.
+    """Run a mechanism unchanged and with each change, and return the effects of the changes.
 
-    One wear update is run, of as many strokes for each change, and no service life; see
-    `run_scenes` for the other parameters. `InputError` if no joint has clearance, or a
-    change does not fit the mechanism; `RunFailed` if the mechanism as it is cannot be
-    run.
+    Each run has one wear update of the same number of strokes, and no service life. The
+    other parameters are those of `run_scenes`.
+
+    Raises
+    ------
+    InputError
+        If no joint has clearance, or a change does not fit the mechanism.
+    RunFailed
+        If the run of the unchanged mechanism fails.
     """
     scene = replace(scene, life=None, wear_updates=1)
     changes = changes_of(scene)
@@ -179,36 +189,49 @@ def improve(
         changed(scene, values).check()
 
     def run_all(scenes: dict[str, Scene]) -> dict[str, Result]:
-        named = {name_for(change): one for change, one in scenes.items()}
-        ended = run_scenes(named, folder, jobs=jobs, on_progress=on_progress).values()
-        return dict(zip(scenes, ended, strict=True))
+        named = {name_for(change): scene for change, scene in scenes.items()}
+        results = run_scenes(named, folder, jobs=jobs, on_progress=on_progress)
+        return dict(zip(scenes, results.values(), strict=True))
 
     plain = run_all({PLAIN: scene})[PLAIN]
     if plain.status == "failed":
         raise RunFailed(f"the mechanism {PLAIN}: {plain.message}")
-    # All are compared after the same strokes, however much their joints wear.
+    # Every change is compared after the same strokes, however much the joints wear.
     strokes = plain.stages[0].cycles_per_update
-    same = replace(scene, cycles_per_update=strokes)
+    scene = replace(scene, cycles_per_update=strokes)
     results = run_all(
-        {change: changed(same, values) for change, values in changes.items()}
+        {change: changed(scene, values) for change, values in changes.items()}
     )
-    failures = {
-        name: one.message for name, one in results.items() if one.status == "failed"
-    }
-    before = _quantities(plain)
-    effects: dict[str, list[Effect]] = {key: [] for key in before}
+    failures = {}
+    quantities = {}
     for change, result in results.items():
-        for key, value in _quantities(result).items() if change not in failures else ():
-            if key in effects:
-                effects[key].append(_effect(change, key, value, before[key]))
+        if result.status == "failed":
+            failures[change] = result.message
+        else:
+            quantities[change] = _quantities(result)
+    present = _quantities(plain)
+    texts = {}
+    for key, value in present.items():
+        if text := _text_of(key, value.mean):
+            texts[key] = f"{text} after {large(strokes)} strokes"
+    return Improvement(_effects(present, quantities), failures, texts)
+
+
+def _effects(
+    present: dict[str, Estimate], quantities: dict[str, dict[str, Estimate]]
+) -> dict[str, list[Effect]]:
+    """Return the effects by quantity, the best first; ``quantities`` are by change."""
+    effects: dict[str, list[Effect]] = {key: [] for key in present}
+    for change, values in quantities.items():
+        for key in effects.keys() & values.keys():
+            effects[key].append(_effect(change, key, values[key], present[key]))
     for key, items in effects.items():
         # Factors without an interval are the last.
         sign = -1.0 if key == LIFE else 1.0
-        items.sort(key=lambda one: (one.factor.low is None, sign * one.factor.mean))
-    after = f" after {large(strokes)} strokes"
-    texts = {key: _text_of(key, value.mean) for key, value in before.items()}
-    present = {key: text + after for key, text in texts.items() if text}
-    return Improvement(effects, failures, present)
+        items.sort(
+            key=lambda effect: (effect.factor.low is None, sign * effect.factor.mean)
+        )
+    return effects
 
 
 def _text_of(key: str, value: float) -> str:
@@ -221,14 +244,15 @@ def _text_of(key: str, value: float) -> str:
 
 
 def _quantities(result: Result) -> dict[str, Estimate]:
-    """Return numbers of the surfaces after the wear update, by quantity.
+    """Return the quantities after the wear update.
 
-    They are the peak force and the error of bottom dead centre, and what guides, motors
-    and frames have. For the life, which is inversely proportional to it, it is the depth
-    that a stroke wears.
+    The life is represented by the wear depth of a stroke, to which it is inversely
+    proportional. Quantities that the mechanism does not have, or that are 0, are omitted.
     """
-    scene, stage = result.scene, result.stages[-1]
-    joints, bottom = stage.statistics.joints, stage.statistics.bdc
+    scene = result.scene
+    stage = result.stages[-1]
+    joints = stage.statistics.joints
+    bottom = stage.statistics.bdc
     tilts = guide_tilts(scene, stage).values()
     speed = leader_speed(scene, stage)
     forces = [joints[name].peak_force_per_cycle for name in scene.loose_pins]
@@ -266,7 +290,7 @@ def _depths_per_stroke(result: Result) -> list[Estimate]:
 
 
 def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
-    """Return by which factor a change multiplies a quantity, and whether that is better."""
+    """Return the factor by which a change multiplies a quantity, and if that is an improvement."""
     if key == LIFE:  # inversely proportional to the depth of a stroke
         factor = ratio(plain, value)
         return Effect(change, factor, factor.low is not None and factor.low > 1.0)

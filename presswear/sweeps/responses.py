@@ -19,7 +19,7 @@ from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import motor_loads
 from presswear.results.result import Result
-from presswear.scene.options import FOLLOWED
+from presswear.scene.options import LIFE_QUANTITIES
 from presswear.scene.scene import Scene
 from presswear.sweeps import response_readers as read
 from presswear.sweeps.parameters import Column
@@ -74,7 +74,7 @@ def _means(
 
 def _meaning(name: str) -> tuple[str, str]:
     """Return unit and text of a quantity that a service life follows, too."""
-    return FOLLOWED[name].unit, FOLLOWED[name].text
+    return LIFE_QUANTITIES[name].unit, LIFE_QUANTITIES[name].text
 
 
 RESPONSES = {

@@ -28,7 +28,12 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Start
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.physics.constraints import constraints_of
-from presswear.recording.settling import REPEATED, half_life, least_half_life, rest_of
+from presswear.recording.settling import (
+    REPEATED,
+    half_life,
+    least_half_life,
+    settled_motion,
+)
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.show.figures.settling import drawings_of
 from presswear.tools.arrays import Array
@@ -53,12 +58,13 @@ def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
         places[k] = x
         x = np.where(x > 0.0, SLOPE * np.minimum(x, 1.0 - x), 0.0)
         x = np.where(x > 1.0, 0.0, x)
-    # The forces follow the places, so that no part of the map looks like a rest.
-    rests = [
-        rest_of(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p]))
+    # The forces follow the places, so that no part of the map seems to have settled.
+    motions = [
+        settled_motion(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p]))
         for p in places.T
     ]
-    return [one.start for one in rests if one], [cycles for one in rests if one is None]
+    starts = [motion.start for motion in motions if motion]
+    return starts, [cycles for motion in motions if motion is None]
 
 
 def test_half_life_of_a_map_with_a_hole() -> None:

@@ -17,7 +17,7 @@ from presswear.campaign.life_quantities import (
 from presswear.physics.dead_centre import bottom_of
 from presswear.physics.wear import map_shape
 from presswear.recording.columns import cycle_column, cycle_columns
-from presswear.scene.options import CLEARANCES, FOLLOWED, Service
+from presswear.scene.options import LIFE_QUANTITIES, NEW_OVER_CLEARANCE, Service
 
 
 def test_quantities_of_surfaces_and_strokes() -> None:
@@ -26,7 +26,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     worn = np.zeros((2, *map_shape(joints)))
     worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin
     worn[1, 1, 0, :] = 1e-6  # the bearing of C all around
-    levels = levels_of(scene, worn, tuple(FOLLOWED))
+    levels = levels_of(scene, worn, tuple(LIFE_QUANTITIES))
     assert levels["A.depth"].tolist() == [3e-6, 0.0]
     assert levels["C.depth"].tolist() == [0.0, 1e-6]
     around = 2.0 * np.pi * joints[1].bearing_radius * joints[1].width * 1e-6
@@ -50,10 +50,10 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     corners = press.linkage().clearances
     flat = np.zeros((1, *map_shape(corners)))
     names |= {"tilt"}  # of guides
-    assert names == FOLLOWED.keys()
-    levels = levels_of(press, flat, tuple(FOLLOWED))
+    assert names == LIFE_QUANTITIES.keys()
+    levels = levels_of(press, flat, tuple(LIFE_QUANTITIES))
     of_guides = [
-        f"guide.{key}" for key, one in FOLLOWED.items() if "guide" in one.kinds
+        f"guide.{key}" for key, one in LIFE_QUANTITIES.items() if "guide" in one.kinds
     ]
     strokes = np.zeros((1, 2, cycle_columns(len(corners), 1)))
     strokes[0, :, cycle_column("force_max", 0)] = 10.0
@@ -87,19 +87,21 @@ JOINTS = {"A": 1e-4, "B": 2e-4}
 
 
 @given(
-    st.sampled_from(sorted(FOLLOWED.keys() - {"tilt"})),  # of guides
+    st.sampled_from(sorted(LIFE_QUANTITIES.keys() - {"tilt"})),  # of guides
     st.sampled_from(("", *JOINTS)),
     st.floats(1e-9, 1e6),
     st.text(" ", max_size=3),
 )
 def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> None:
-    unit, of_joint, *_ = FOLLOWED[name]
+    unit, of_joint, *_ = LIFE_QUANTITIES[name]
     text = f"{blank}{joint + '.' if joint else ''}{name}{blank}>{blank}{value!r} {unit}{blank}"
     if joint and not of_joint:
         with pytest.raises(pw.InputError, match="is of the whole mechanism"):
             pw.Life(until=text).limits(JOINTS, {})
         return
-    if name in CLEARANCES and value <= CLEARANCES[name] * max(JOINTS.values()):
+    if name in NEW_OVER_CLEARANCE and value <= NEW_OVER_CLEARANCE[name] * max(
+        JOINTS.values()
+    ):
         return
     limits = pw.Life(until=text).limits(JOINTS, {})
     joints = [joint] if joint else list(JOINTS) if of_joint else [""]

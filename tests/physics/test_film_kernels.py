@@ -1,4 +1,4 @@
-"""Film of a plain bearing: published tables, and forces and velocities that invert each other."""
+"""Oil film of a plain bearing: published tables, and velocity as the inverse of force."""
 
 import math
 
@@ -16,8 +16,8 @@ from presswear.physics.oil_film import (
     squeeze_number,
 )
 
-# Sommerfeld numbers of DIN 31652 (finite width, 180 degrees of film), by width over
-# diameter and relative eccentricity
+# Sommerfeld numbers of DIN 31652 for finite width and a film over 180 degrees, by width
+# over diameter and relative eccentricity
 TABLE = {
     1.0: {0.5: 0.8903, 0.9: 8.4352, 0.99: 107.79},
     0.5: {0.5: 0.3124, 0.9: 5.0881, 0.99: 93.79},
@@ -40,9 +40,11 @@ def test_sommerfeld_numbers_are_those_of_tables(ratio: float) -> None:
         (5000.0, -6.28, 0.6578239676, 45.775299),  # the load turns with the bearing
     ],
 )
-def test_steady_films_are_those_of_an_independent_program(
+def test_steady_films_agree_with_an_independent_program(
     load: float, wedge: float, eccentricity: float, angle: float
 ) -> None:
+    """The program solves the formulas of Butenschoen for the eccentricity under a load."""
+
     def excess(gap: float) -> float:
         return math.hypot(*film_force(gap, 0.0, wedge, BUSH)) - load
 
@@ -59,26 +61,27 @@ def test_velocity_of_a_film_is_the_inverse_of_its_force() -> None:
         gap = 10.0 ** random.uniform(-9.0, 0.0)
         rate, wedge = random.normal(size=2) * 10.0 ** random.uniform(-3.0, 3.0, 2)
         force = film_force(gap, rate, wedge, BUSH)
-        closing, half = film_velocity(gap, *force, BUSH, NO_DAMPING)
-        again = film_force(gap, closing, 2.0 * half / (1.0 - gap), BUSH)
-        assert math.dist(again, force) < 1e-14 * math.hypot(*force)
+        closing, half_wedge = film_velocity(gap, *force, BUSH, NO_DAMPING)
+        same_force = film_force(gap, closing, 2.0 * half_wedge / (1.0 - gap), BUSH)
+        assert math.dist(same_force, force) < 1e-14 * math.hypot(*force)
 
 
-def test_dampers_beside_a_film_share_its_force() -> None:
+def test_film_and_parallel_dampers_add_up_to_the_force() -> None:
     random = np.random.default_rng(6)
     for _ in range(100):
         gap = 10.0 ** random.uniform(-6.0, 0.0)
         force = random.normal(size=2)
         along, across = BUSH.size * 10.0 ** random.uniform(-3.0, 6.0, 2)
-        rate, half = film_velocity(gap, force[0], force[1], BUSH, (along, across))
-        of_film = film_force(gap, rate, 2.0 * half / (1.0 - gap), BUSH)
-        dampers = np.array([-along * rate, across * half])
-        assert of_film + dampers == pytest.approx(force, rel=1e-10, abs=1e-10)
+        damping = along, across
+        rate, half_wedge = film_velocity(gap, force[0], force[1], BUSH, damping)
+        film = film_force(gap, rate, 2.0 * half_wedge / (1.0 - gap), BUSH)
+        dampers = np.array([-along * rate, across * half_wedge])
+        assert film + dampers == pytest.approx(force, rel=1e-10, abs=1e-10)
 
 
 @pytest.mark.parametrize("eccentricity", [0.1, 0.5, 0.85, 0.95])
 def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity: float) -> None:
-    """The program sums a series where the terms of the formula cancel."""
+    """Compare with Butenschoen's formula as printed, from which the kernel differs in form."""
     b = BUSH.width_ratio
     a8 = 0.70038 + 3.2415 * b - 12.2486 * b**2 + 18.895 * b**3 - 9.3561 * b**4
     a9 = -0.999935 + 0.0157434 * b - 0.74224 * b**2 + 0.42278 * b**3 - 0.368928 * b**4
@@ -92,7 +95,10 @@ def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity: float) -
 
 
 def test_an_opening_film_resists_little_however_thin_it_is() -> None:
-    """(pi/2 - acos(x)/2) (1 + 2 x^2) + 1.5 x sqrt(1 - x^2) is 2/15 (1 - x^2)^2.5 near x = -1."""
+    """Near x = -1 the pressure term of the squeeze number goes as 2/15 (1 - x^2)^2.5.
+
+    The number divides this term by (1 - x^2)^2.5, so that its limit is finite.
+    """
     limit = squeeze_number(1e-12, False, 0.5) / squeeze_number(1e-9, False, 0.5)
     assert limit == pytest.approx(1.0, abs=1e-8)
     assert squeeze_number(1e-9, True, 0.5) > 1e12 * squeeze_number(1e-9, False, 0.5)

@@ -1,4 +1,4 @@
-"""Numbers as people read them."""
+"""Texts of numbers in reports and on a terminal."""
 
 from collections.abc import Callable
 

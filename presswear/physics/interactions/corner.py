@@ -38,13 +38,13 @@ from presswear.tools.compile import Records
 
 @dataclass(frozen=True)
 class CornerContact:
-    """The contact of a corner, as text."""
+    """Contact of a corner, for which the writer makes equations."""
 
     joint: GuideCorner
     record: Records  # of JOINT
     number: int  # among the clearance joints
 
-    # and those of a clearance joint
+    # Beside the kernels that a clearance joint calls
     kernels: ClassVar[Kernels] = (wall_profile,)
 
     @classmethod
@@ -64,7 +64,7 @@ class CornerContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return 0: the elastic energies of contacts are in the memory of the joints."""
+        """Return 0, because records of the joints hold the elastic energies of contacts."""
         return 0.0
 
     def write(self, page: Page) -> None:
@@ -79,7 +79,7 @@ class _CornerText(ContactText):
 
     @property
     def is_worn(self) -> bool:
-        """False: the text itself has the worn wall."""
+        """False, because these equations contain the worn wall, unlike those of a worn pin."""
         return False
 
     @property
@@ -154,8 +154,8 @@ class _CornerText(ContactText):
             self.fields |= {"bearing_angle": wall.angle, "bearing_spin": wall.omega}
             self.set_fields("bearing_lever", self._wall_arm)
         velocity = self.text.let_vector(self.name("velocity"), velocity)
-        word = "rate_across" if self.has_profile else "rate"
-        rate = self.let(word, normal.dot(velocity))
+        name = "rate_across" if self.has_profile else "rate"
+        rate = self.let(name, normal.dot(velocity))
         self.fields |= {"across": across, "rate_across": rate, "rate": rate}
         self.fields["is_flat"] = ONE
         self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
@@ -163,17 +163,17 @@ class _CornerText(ContactText):
         self.set_fields("velocity", velocity)
 
     def _write_round(self) -> None:
-        """Write the contact with the wall, at half of the penetration."""
+        """Write the penetration, and the contact point at half of the penetration."""
         clearance = self.parameter("clearance", self.joint.clearance)
         penetration = difference(self.value("across"), clearance)
         if self.has_profile:
             penetration = difference(penetration, self._write_profile())
         penetration = self.let("penetration", penetration)
         self.fields["penetration"] = penetration
-        depth = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
-        self.fields |= {"pin_arm": depth, "elastic": self.name("elastic_force")}
+        arm = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
+        self.fields |= {"pin_arm": arm, "elastic": self.name("elastic_force")}
         if self.is_moving:
-            self.fields["bearing_arm"] = depth
+            self.fields["bearing_arm"] = arm
         rate = self.value("rate")
         self.fields |= dict.fromkeys(("approach", "closing"), rate)
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
@@ -187,7 +187,7 @@ class _CornerText(ContactText):
         place = self.value("place")
         call = f"wall_profile(data.joints[{k}], data.surfaces[{k}], {place})"
         self.text.write(f"{depth}, {slope}, _ = {call}")
-        gradient = self._wall_normal.minus(self._forwards().times(slope))
+        gradient = self._wall_normal.minus(self._guide_direction().times(slope))
         gradient = self.text.let_vector(self.name("gradient"), gradient)
         self.set_fields("normal", gradient)
         rate = gradient.dot(self.vector("velocity"))
@@ -202,21 +202,21 @@ class _CornerText(ContactText):
         """Return the vector from the mass centre of the body with the wall to the contact."""
         return self._wall_arm.plus(radius)
 
-    def _forwards(self) -> Vector:
+    def _guide_direction(self) -> Vector:
         """Return d, the direction of the guide."""
         normal = self._wall_normal
-        forwards = Vector(normal.y, negative(normal.x))
-        return forwards.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
+        turned = Vector(normal.y, negative(normal.x))
+        return turned.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
 
     def _write_place(self) -> None:
         """Write the position of the corner along the guide, from the point of the guide."""
-        along = self._forwards().dot(self._from_wall())
+        along = self._guide_direction().dot(self._from_wall())
         self.fields["place"] = self.let("along", along)
 
     def _write_record(self) -> None:
-        """Write the contact for the recorder, with the components of e and its rate along n.
+        """Write the contact for the recorder.
 
-        They are those in the frame of the body with the wall.
+        Eccentricity and velocity along n are vectors in the frame of the body with the wall.
         """
         if self.wears and not self.has_profile:
             self._write_place()
