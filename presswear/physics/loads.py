@@ -19,9 +19,8 @@ SERIES, TIME, POSITION, USER = range(4)  # kinds of laws
 # ELASTIC: unloading along a line from the deepest position, at whose end OFF begins.
 # RELEASED: no load until the table begins again.
 OFF, RISING, WHOLE, ELASTIC, RELEASED = range(5)
-RAMP_SPEED = (
-    1e-3  # m/s or rad/s, above which the whole load acts in one sense of motion
-)
+# m/s or rad/s, above which the whole of a load in one sense of motion acts
+RAMP_SPEED = 1e-3
 
 # Load in the form that kernels read. If a load acts against its direction, then
 # direction, positions and sizes are stored with the opposite sign. Every load in one sense
@@ -29,10 +28,8 @@ RAMP_SPEED = (
 LOAD = np.dtype(
     [
         ("body", np.int64),  # index of its x in q
-        (
-            "turns",
-            np.bool_,
-        ),  # True: a moment over the angle of the body; False: a force
+        # True: a moment over the angle of the body; False: a force
+        ("turns", np.bool_),
         *floats("x", "y"),  # point of the force in the frame of the body, m
         *floats("cosine", "sine"),  # of the direction; of a moment 1 or -1
         ("kind", np.int64),
@@ -43,7 +40,8 @@ LOAD = np.dtype(
         ("is_constant_outside", np.bool_),  # outside of the table its end values hold
         # 0: in both senses of motion; 1: in one sense; -1: in one, with opposite signs
         ("sense", np.float64),
-        ("release", np.bool_),  # behind the last node no load until the table begins again
+        # behind the last node no load until the table begins again
+        ("release", np.bool_),
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
         ("frequency", np.float64),  # rad/s
