@@ -9,28 +9,29 @@ import numpy as np
 from presswear.physics.ideal import IdealMotion, Motion
 from presswear.tools.arrays import Array
 
-# Duration at the bottom, in cycles, from which on an ideal motion dwells: its bottom
-# then has no instant
+# A motion that stays at the bottom for at least this part of a cycle dwells. Its bottom
+# dead centre has no instant.
 DWELL = 0.02
-DEPTH = 1e-9  # of the stroke, by which a motion rises between two bottoms
-_STEPS = 60  # most steps of Newton's method, or halvings, between two nodes
+# Least rise between two minima of a motion, relative to the stroke
+DEPTH = 1e-9
+_STEPS = 60  # largest number of steps of Newton's method and of bisection
 
 
 @dataclass(frozen=True)
 class Bottom:
     """Bottom dead centre of an ideal motion, and the stroke to it.
 
-    Times, s, are counted from the beginning of the cycle in which the stroke ends. No
-    bottom dead centre falls between two windows, whatever a clearance does to it.
+    Times, s, are counted from the beginning of the cycle in which the stroke ends. The
+    windows contain the bottom dead centres of motions with clearance, too.
     """
 
-    time: float  # below zero if it lies in the cycle before
-    height: float  # of the output point there, m, in the axes of the frame
-    stroke: float  # between its lowest and highest place, m
-    top: float  # time of the highest place before it
-    window: tuple[float, float]  # in which the lower half of the stroke begins and ends
+    time: float  # negative if it lies in the previous cycle
+    height: float  # of the output point at this time, m, in the axes of the frame
+    stroke: float  # distance of the lowest and the highest position, m
+    top: float  # time of the previous highest position
+    window: tuple[float, float]  # beginning and end of the lower half of the stroke
     period: float  # of a cycle, s
-    # time and height of each minimum in the window
+    # Time and height of each minimum in the window
     minima: tuple[tuple[float, float], ...]
 
     @property
@@ -39,18 +40,19 @@ class Bottom:
         return 1 if self.time < 0.0 else 0
 
     def delay(self, time: Array) -> Array:
-        """Return the delay of instants since the start against the nearest bottom, s."""
-        # A run-up takes whole cycles.
-        late = time - self.time
-        return np.asarray(late - self.period * np.round(late / self.period))
+        """Return the delay of instants relative to the nearest bottom dead centre, s.
+
+        ``time`` counts from the start of the run. A run-up takes whole cycles.
+        """
+        delay = time - self.time
+        return np.asarray(delay - self.period * np.round(delay / self.period))
 
 
 @lru_cache(maxsize=64)
 def bottom_of(ideal: IdealMotion) -> Bottom | None:
-    """Return the bottom dead centre of an ideal motion; None where the output point stands.
+    """Return the bottom dead centre of an ideal motion; None if the output point is at rest.
 
-    It is the lowest bottom of a cycle. If several have the same height, it is the first
-    of them.
+    It is the lowest minimum of a cycle, and the first of several equal minima.
     """
     place = _places(ideal)
     period = ideal.period
@@ -94,10 +96,10 @@ def dwell_of(ideal: IdealMotion, height: float) -> float:
     place = _places(ideal)
     from_bottom = np.roll(place, -int(place.argmin())) - place.min()
     above = np.flatnonzero(from_bottom > height)
-    nodes = place.size  # below the height
+    nodes_below = place.size
     if above.size:
-        nodes = int(above[0]) + place.size - 1 - int(above[-1])
-    return (nodes - 1) * ideal.period / place.size
+        nodes_below = int(above[0]) + place.size - 1 - int(above[-1])
+    return (nodes_below - 1) * ideal.period / place.size
 
 
 def _places(ideal: IdealMotion) -> Array:
@@ -113,7 +115,10 @@ def _first_lowest(ideal: IdealMotion, place: Array) -> int:
 
 
 def _minima(place: Array, depth: float) -> list[int]:
-    """Return the nodes of the minima between which a place rises by more than a depth, m."""
+    """Return the nodes of the minima between which the position rises by more than ``depth``, m.
+
+    Of two minima with a smaller rise between them the lower one is returned.
+    """
     result = list[int]()
     inner = np.arange(1, len(place) - 1)
     is_minimum = (place[inner] < place[inner - 1]) & (place[inner] <= place[inner + 1])
@@ -133,7 +138,10 @@ def _minima(place: Array, depth: float) -> list[int]:
 def _lowest(
     ideal: IdealMotion, node: int, nodes: int, sign: float
 ) -> tuple[float, float]:
-    """Return time, s, and place, m, of the minimum at a node; ``sign`` may turn the coordinate."""
+    """Return time, s, and position, m, of the minimum near a node.
+
+    With the ``sign`` -1 it is a maximum, whose position has the opposite sign.
+    """
     linkage = ideal.rows.linkage
     period = ideal.period
     step = period / nodes
@@ -142,7 +150,7 @@ def _lowest(
     time = node * step
 
     def motion_at(time: float) -> list[float]:
-        # A cycle after the run-up, because a time may be before the first cycle.
+        # The time can be negative. The motion is evaluated in the second cycle.
         instant = np.array([linkage.run_up_time + period + time])
         return list(map(float, sign * ideal.at(instant).output(linkage)[0]))
 

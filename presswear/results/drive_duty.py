@@ -39,7 +39,10 @@ class DriveDuty:
 
 
 class DriveCurve(NamedTuple):
-    """Drive over time, shape (n,) each; torque and power are empty if they were not stored."""
+    """Motion and torque of a drive over time, arrays of shape (n,).
+
+    Torque and power are empty if they were not stored.
+    """
 
     time: Array  # s
     angle: Array  # of its body, rad; distance along its guide, m
@@ -56,23 +59,28 @@ def farthest_from_zero(values: Array) -> float:
 def duties_of(
     numbers: Mapping[str, Mapping[str, float]], period: float
 ) -> dict[str, DriveDuty]:
-    """Return the duties of drives by their bodies from integrals and peaks of a cycle.
+    """Return the duties of drives from integrals and peaks of a cycle, by driven body.
 
-    ``numbers`` are named as in ``DRIVE_CYCLE``; ``period`` is the duration of the
-    cycle, s.
+    Parameters
+    ----------
+    numbers : mapping of str to mapping of str to float
+        Columns of ``DRIVE_CYCLE``, by driven body.
+    period : float
+        Duration of the cycle, s.
     """
     duties = {}
     for body, item in numbers.items():
         supplied = item["work_given"]
         returned = item["work_returned"]
-        means = item["torque_integral"] / period, (supplied - returned) / period
-        torque, power = (
-            Duty(
-                mean,
-                math.sqrt(item[f"{name}_square_integral"] / period),
-                item[f"{name}_peak"],
-            )
-            for name, mean in zip(("torque", "power"), means, strict=True)
+        torque = Duty(
+            mean=item["torque_integral"] / period,
+            rms=math.sqrt(item["torque_square_integral"] / period),
+            peak=item["torque_peak"],
+        )
+        power = Duty(
+            mean=(supplied - returned) / period,
+            rms=math.sqrt(item["power_square_integral"] / period),
+            peak=item["power_peak"],
         )
         duties[body] = DriveDuty(torque, power, supplied, returned)
     return duties
@@ -81,13 +89,17 @@ def duties_of(
 def drive_curves(
     linkage: Linkage, motion: Motion, torque: Array | None
 ) -> dict[str, DriveCurve]:
-    """Return the curves of drives by their bodies in a motion; ``torque``: (n, drives), N m."""
+    """Return the curves of drives in a motion, by driven body.
+
+    ``torque`` has the shape (n, drives), N m. It is None if it was not stored.
+    """
     curves = {}
     for k, drive in enumerate(linkage.drives):
         angle, speed = _coordinate(linkage, drive, motion)
         stored = np.zeros(0) if torque is None else torque[:, k]
         power = stored * speed[: stored.size]
-        if isinstance(drive, GearedDrive):  # their power is that of the leader
+        if isinstance(drive, GearedDrive):
+            # The leading drive supplies the power.
             power = np.zeros_like(power)
         curves[drive.body] = DriveCurve(motion.time, angle, stored, power, speed)
     return curves
@@ -107,13 +119,14 @@ def _along(linkage: Linkage, guide: Guide, motion: Motion) -> tuple[Array, Array
     vx, vy, omega = _body(linkage, guide.on, motion.velocity)
     slide_x, slide_y, _ = _body(linkage, guide.body, motion.position)
     slide_vx, slide_vy, _ = _body(linkage, guide.body, motion.velocity)
-    cosine, sine = np.cos(angle + guide.direction), np.sin(angle + guide.direction)
+    cosine = np.cos(angle + guide.direction)
+    sine = np.sin(angle + guide.direction)
     along = (slide_x - x) * cosine + (slide_y - y) * sine
     across = (slide_y - y) * cosine - (slide_x - x) * sine
     speed = (slide_vx - vx) * cosine + (slide_vy - vy) * sine + omega * across
-    # Of the point of the line, in the axes of the body that carries it
-    start = guide.x * math.cos(guide.direction) + guide.y * math.sin(guide.direction)
-    return along - start, speed
+    # Distance of the point of the guide, in the axes of the body that carries the guide
+    zero = guide.x * math.cos(guide.direction) + guide.y * math.sin(guide.direction)
+    return along - zero, speed
 
 
 def _body(linkage: Linkage, body: str, level: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Words of a linkage: without a guide there is no slide, no stroke and no dead centre."""
+"""Words of a report on a linkage without a slide, which has no strokes and no dead centre."""
 
 import re
 from typing import TYPE_CHECKING
@@ -8,7 +8,7 @@ from presswear.scene.scene import Scene
 if TYPE_CHECKING:
     from presswear.show.page import KeyNumber
 
-# Words of a press, and those of a linkage without a guide
+# Words for a linkage without a guide, by words for a press
 _OF_CYCLES = {
     "strokes": "cycles",
     "stroke": "cycle",

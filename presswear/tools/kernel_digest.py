@@ -1,7 +1,7 @@
-"""Digest of all that the machine code of a function depends on.
+"""Digest of everything on which the machine code of a function depends.
 
-It covers the instructions and constants of the function and of every kernel, constant
-and class that they refer to. After an edit, only the kernels that it changes are
+The digest covers the instructions and constants of the function, and every kernel,
+constant and class to which they refer. After an edit only kernels with a new digest are
 compiled again. Comments, docstrings and types of parameters are not covered.
 """
 
@@ -33,13 +33,12 @@ def function_digest(function: Callable[..., Any]) -> str:
 
 
 def options_text(options: Mapping[str, Any]) -> str:
-    """Return options of a kernel as a text; the order of a set differs between processes."""
-    return repr(
-        [
-            (name, sorted(value) if isinstance(value, set) else value)
-            for name, value in options.items()
-        ]
-    )
+    """Return options of a kernel as a text that is the same in every process."""
+    parts = []
+    for name, value in options.items():
+        # The order of a set differs between processes.
+        parts.append((name, sorted(value) if isinstance(value, set) else value))
+    return repr(parts)
 
 
 def _names(code: types.CodeType) -> set[str]:
@@ -55,9 +54,9 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[str]:
-    """Yield texts that describe instructions; line numbers only if bounds are checked.
+    """Yield texts that describe instructions.
 
-    The message of an IndexError shows them.
+    Line numbers are included if bounds are checked, because an IndexError shows them.
     """
     names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
     yield f"{code.co_code.hex()} {names} {code.co_argcount} {code.co_flags}"

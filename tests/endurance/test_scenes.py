@@ -8,42 +8,51 @@ from endurance.random_scenes import ended, random_scenes
 from endurance.subject import SEED, Trial
 
 ENGINES = ("exudyn", "dae")
-STEPS = 5000  # of a run: most do not reach the end of a cycle, some would take millions
+# Largest number of steps of a run. Most runs do not reach the end of a cycle, for which
+# some would need millions of steps.
+STEPS = 5000
 ALLOWED = 0.02  # part of the scenes that may end with a message
-SPARE = (
-    10  # scenes that replace those outside of all contact laws, besides one for each
-)
+# Scenes outside of all contact laws are replaced, at most count + SPARE of them.
+SPARE = 10
 
 
 def run_scenes(trial: Trial, count: int, seed: int) -> None:
-    """Run so many random scenes in both engines, a cycle of each."""
-    refused = parts = stopped = outside = 0
-    worst = 0.0
-    for place, (scene, before) in enumerate(random_scenes(2 * count + SPARE, seed)):
+    """Run a number of random scenes in both engines, one cycle of each."""
+    not_assembled = 0
+    unfinished = 0
+    stopped = 0
+    outside = 0
+    largest = 0.0
+    scenes = random_scenes(2 * count + SPARE, seed)
+    for index, (scene, refused) in enumerate(scenes):
         if trial.attempts == count:
             break
-        refused += before
-        results = {
-            engine: ended(replace(scene, engine=engine), STEPS) for engine in ENGINES
-        }
-        if any(one.is_outside for one in results.values()):
+        not_assembled += refused
+        results = {}
+        for engine in ENGINES:
+            results[engine] = ended(replace(scene, engine=engine), STEPS)
+        if any(result.is_outside for result in results.values()):
             outside += 1
             continue
-        missed = {engine: one for engine, one in results.items() if not one.passed}
-        stopped += bool(missed) and all(one.failure for one in missed.values())
-        parts += any(one.part < 1.0 for one in results.values())
-        worst = max([worst, *(one.residual for one in results.values() if one.passed)])
-        problems = [
-            f"scene {place} of seed {seed}, {engine}: "
-            + (one.failure or f"energy residual {one.residual:.1e} of that exchanged")
-            for engine, one in missed.items()
-        ]
+        unfinished += any(result.part < 1.0 for result in results.values())
+        failures = []
+        problems = []
+        for engine, result in results.items():
+            if result.passed:
+                largest = max(largest, result.residual)
+                continue
+            failures.append(result.failure)
+            residual = f"energy residual {result.residual:.1e} of that exchanged"
+            problem = result.failure or residual
+            problems.append(f"scene {index} of seed {seed}, {engine}: {problem}")
+        stopped += bool(failures) and all(failures)
         trial.add("; ".join(problems))
     trial.allowed = min(stopped, int(ALLOWED * count))
     trial.note = (
-        f"{stopped} ended with a message; largest residual {worst:.1e} of the energy exchanged; "
-        f"{parts} in part, at {STEPS} steps; {refused} more did not assemble, in "
-        f"{outside} with a penetration beyond the pin radius"
+        f"{stopped} ended with a message; largest residual {largest:.1e} of the energy "
+        f"exchanged; {unfinished} ended after {STEPS} steps within the cycle; "
+        f"{not_assembled} more did not assemble; in {outside} more the penetration exceeded "
+        "the pin radius"
     )
     assert trial.attempts == count
     trial.check()

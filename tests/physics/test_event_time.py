@@ -1,4 +1,4 @@
-"""Root of the cubic through two states."""
+"""Time of a touchdown as the root of the cubic through two states."""
 
 import numpy as np
 import pytest
@@ -15,11 +15,12 @@ from presswear.physics.event_time import crossing
     st.floats(1e-7, 1.0),
 )
 def test_crossing_is_the_first_root(
-    root: float, length: float, lean: float, h: float
+    root: float, length: float, factor: float, h: float
 ) -> None:
-    """A contact that starts and ends within the step."""
-    # Zero where s is root, root + length or -6 / lean, which lies outside.
-    cubic = -np.poly1d([root, root + length], r=True) * np.poly1d([0.25 * lean, 1.5])
+    """A contact starts and ends within the step."""
+    # The roots are root, root + length and -6 / factor, which lies outside of the step.
+    quadratic = -np.poly1d([root, root + length], r=True)
+    cubic = quadratic * np.poly1d([0.25 * factor, 1.5])
     slope = cubic.deriv()
     ends = (cubic(0.0), slope(0.0) / h, cubic(1.0), slope(1.0) / h)
     assert max(cubic(0.0), cubic(1.0)) < 0.0
