@@ -63,8 +63,8 @@ def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
         settled_motion(np.column_stack([np.arange(cycles) % 2 * (p > 0.0), p]))
         for p in places.T
     ]
-    starts = [motion.start for motion in motions if motion]
-    return starts, [cycles for motion in motions if motion is None]
+    settled = [motion.start for motion in motions if motion]
+    return settled, [cycles for motion in motions if motion is None]
 
 
 def test_half_life_of_a_map_with_a_hole() -> None:

@@ -138,14 +138,14 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
 def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path: Path) -> None:
     """It has no pin to name or to enclose in a picture."""
     press = pw.assemble(
-        bodies=[pw.Body("slide", mass="300 kg")],
-        joints=[pw.Guide("guide", "slide", direction="90 deg")],
+        bodies=[pw.Body("slide", mass=300.0)],
+        joints=[pw.Guide("guide", "slide", direction=0.5 * math.pi)],
         drives=[
             pw.LinearDrive(
                 "slide",
                 along="guide",
-                frequency="30 spm",
-                harmonics=[(0.0, "60 mm")],
+                frequency=0.5,
+                harmonics=[(0.0, 0.06)],
             )
         ],
     )
