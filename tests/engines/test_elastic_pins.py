@@ -60,6 +60,17 @@ def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
     assert abs(float(run.diagnostics["energy_residual_J"])) < allowed * stored
 
 
+def test_the_energy_of_a_block_that_orbits_its_pin_balances() -> None:
+    """Its stretch turns, and the damper takes less than D |e'|^2 from a body that turns, too."""
+    linkage = hung(gravity=0.0)
+    duration = 0.05
+    orbit = np.array([0.0, 1e-3 * OMEGA, 20.0])
+    start = Start(np.array([1e-3, 0.0, 0.0]), orbit)
+    run = simulated(InHouse(integration_tolerance=1e-12), linkage, start, duration)
+    stored = 0.5 * STIFFNESS * 1e-6
+    assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-9 * stored
+
+
 def test_momentum_of_two_blocks_stays() -> None:
     """Linear and angular, where neither block is held."""
     blocks = [

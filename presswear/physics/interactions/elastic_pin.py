@@ -16,6 +16,7 @@ from presswear.physics.equations.text import (
     difference,
     negative,
     product,
+    total,
 )
 from presswear.physics.friction_and_normal import friction_record
 from presswear.physics.interactions.friction import FrictionWithoutState
@@ -78,7 +79,14 @@ class ElasticPin:
             bearing.arm(text, pin.first, prefix).plus(half), force.times(f"-{ONE}")
         )
         if self.damping != 0.0:
-            page.add_power("load_work", negative(product(damping, rate.dot(rate))))
+            # Both forces act at the middle of e, where the bodies' relative velocity is
+            # e' less its part by their mean rotation.
+            spin = text.let(
+                f"{prefix}_mean_spin", product("0.5", total(bearing.omega, body.omega))
+            )
+            velocity = rate.minus(stretch.rotated_at(spin))
+            velocity = text.let_vector(f"{prefix}_velocity_at_middle", velocity)
+            page.add_power("load_work", negative(product(damping, rate.dot(velocity))))
         if pin.friction.coefficient > 0.0:
             self._write_friction(page, prefix, force)
 
