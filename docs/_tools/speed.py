@@ -27,15 +27,10 @@ from motor_costs import ratios as motor_ratios  # noqa: E402
 from oil_costs import VISCOSITIES  # noqa: E402
 from oil_costs import ratios as oil_ratios  # noqa: E402
 from side_by_side import LEVELS, cost_at, points_of  # noqa: E402
+from step_costs import LOOP, start_costs, step_costs  # noqa: E402
 
 from presswear.scene.catalog import wear_times  # noqa: E402
 from presswear.validation.benchmark import QUICK_FEATURES, feature_costs  # noqa: E402
-from presswear.validation.step_costs import (  # noqa: E402
-    LOOP,
-    StepExtent,
-    start_costs,
-    step_costs,
-)
 
 Stored = dict[str, Any]
 REPEATS = 27  # initial states of the fast methods
@@ -89,8 +84,8 @@ def measured(data: Any) -> Stored:
 MEASURES: Mapping[str, Callable[[], Stored]] = {
     "methods": lambda: measure_methods(REPEATS, FAST),
     "slow methods": lambda: measure_methods(SLOW_REPEATS, SLOW),
-    "steps": lambda: measured(step_costs(StepExtent(), silent)),
-    "starts": lambda: measured(start_costs(silent)),
+    "steps": lambda: measured(step_costs()),
+    "starts": lambda: measured(start_costs()),
     "features": lambda: measured(feature_costs(wear_times(), QUICK_FEATURES, silent)),
     "motor": lambda: measured([*motor_ratios("dae", 9, 20)]),
     "motor in exudyn-tree": lambda: measured([*motor_ratios("exudyn-tree", 9, 5)]),

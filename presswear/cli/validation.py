@@ -162,25 +162,17 @@ def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:
-    """Measure speed against error, the cost of each feature, or of a step and of a start.
+    """Measure speed against error, or the cost of each feature.
 
     It measures and does not judge: the exit code is 0 however slow or inaccurate a
     method is.
     """
-    if arguments.features and arguments.steps:
-        raise InputError("--features and --steps cannot be combined")
-    if arguments.steps and (arguments.scene != "wear-times" or arguments.set):
-        raise InputError("--steps: the hand-written loop solves wear-times as it is")
     scene = terminal.requested_scene(arguments)
     folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
     from presswear.results.folder import provenance
     from presswear.tools.serialize import write_json
 
-    measure = _measure_methods
-    if arguments.features:
-        measure = _measure_features
-    elif arguments.steps:
-        measure = _measure_steps
+    measure = _measure_features if arguments.features else _measure_methods
     with only_writer(folder):
         measure(scene, arguments, folder, console)
         write_json(
@@ -217,28 +209,6 @@ def _measure_features(
         rows = benchmark.feature_costs(scene, extent, report)
     benchmark.write_csv(rows, folder / "features.csv")
     _print_features(console, rows)
-
-
-def _measure_steps(
-    scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
-) -> None:
-    from presswear.validation.benchmark import write_csv
-    from presswear.validation.cases import part_of
-    from presswear.validation.step_costs import (
-        QUICK_STEPS,
-        StepExtent,
-        start_costs,
-        step_costs,
-    )
-
-    extent = QUICK_STEPS if arguments.quick else StepExtent()
-    extent = extent._replace(repeats=arguments.repeats or extent.repeats)
-    with terminal.named_progress(console, "benchmark") as report:
-        steps = step_costs(extent, part_of(report, 0.0, 0.5))
-        starts = start_costs(part_of(report, 0.5, 0.5))
-    write_csv(steps, folder / "steps.csv")
-    write_csv(starts, folder / "starts.csv")
-    _print_steps(console, steps, starts)
 
 
 def _print_methods(console: Console, points: Any) -> None:
@@ -278,23 +248,3 @@ def _print_features(console: Console, table: Any) -> None:
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"
     print_lines(console, meaning)
-
-
-def _print_steps(console: Console, steps: Any, starts: Any) -> None:
-    rows = [
-        [
-            row["method"],
-            f"{1e6 * row['cpu_s_per_step']:.2f}",
-            f"{row['relative']:.2f}",
-            f"{row['steps_per_cycle']:.0f}",
-            f"{1e3 * row['cpu_s_per_cycle']:.3g}",
-        ]
-        for row in steps
-    ]
-    heads = ("step", ">us/step", ">relative to the loop", ">steps/cycle", ">ms/cycle")
-    print_table(console, heads, rows)
-    rows = [
-        [row["engine"], f"{row['first_start_s']:.1f}", f"{row['second_start_s']:.1f}"]
-        for row in starts
-    ]
-    print_table(console, ("start", ">first s", ">second s"), rows)

@@ -3,9 +3,10 @@
 import time as clock
 from collections.abc import Callable
 
+from by_hand.equations import accelerations, cranks
+
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-from presswear.validation.by_hand.equations import accelerations, cranks
 
 Outcome = tuple[Array, float]  # final state, and CPU time of the integration alone, s
 

@@ -19,6 +19,13 @@ from itertools import pairwise
 from statistics import median
 
 import numpy as np
+from by_hand.equations import (
+    OPEN,
+    SIZE,
+    parameters,
+    state_of,
+)
+from by_hand.loop import run as run_loop
 from evaluation import Outcome, evaluate, measured
 from scipy.integrate import solve_ivp
 from scipy.linalg import null_space
@@ -35,13 +42,6 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
 from presswear.validation.benchmark_problems import joints_over_impacts
-from presswear.validation.by_hand.equations import (
-    OPEN,
-    SIZE,
-    parameters,
-    state_of,
-)
-from presswear.validation.by_hand.loop import run as run_loop
 
 # Function of start and setting that returns the final state and the cost, s/s
 Method = Callable[[Start, float], tuple[Array, float]]

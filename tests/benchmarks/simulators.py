@@ -10,11 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from by_hand.equations import OPEN
 from evaluation import Outcome, evaluate, measured
 
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, specialised
-from presswear.validation.by_hand.equations import OPEN
 
 HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
 # Bodies in the order of their coordinates, each relative to its parent

@@ -2,6 +2,19 @@
 
 import numpy as np
 import pytest
+from by_hand.accounts import (
+    CONTACTS,
+    DISTANCE,
+    DRIVES,
+    EXCHANGE,
+    FRICTION_LOSS,
+    HIGHEST,
+    JOINTS,
+    PEAK,
+    WORK,
+)
+from by_hand.equations import parameters, state_of
+from by_hand.loop import Outcome, run
 from numpy.testing import assert_allclose
 
 import presswear as pw
@@ -14,19 +27,6 @@ from presswear.recording.columns import (
     TORQUE,
     TORQUE_SQUARE,
 )
-from presswear.validation.by_hand.accounts import (
-    CONTACTS,
-    DISTANCE,
-    DRIVES,
-    EXCHANGE,
-    FRICTION_LOSS,
-    HIGHEST,
-    JOINTS,
-    PEAK,
-    WORK,
-)
-from presswear.validation.by_hand.equations import parameters, state_of
-from presswear.validation.by_hand.loop import Outcome, run
 
 END = 0.05  # s, with ten touchdowns
 TOLERANCE = 1e-12

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from by_hand.equations import Cranks, Four, Levers, Push, cranks
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-from presswear.validation.by_hand.equations import Cranks, Four, Levers, Push, cranks
 
 BINS = 360  # of a wear map
 FRAMES = 500  # of the film in a cycle

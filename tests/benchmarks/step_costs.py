@@ -1,5 +1,7 @@
 """CPU time of a step of ``dae`` relative to a step of the loop by hand, and of a first start.
 
+usage: python tests/benchmarks/step_costs.py [--repeats N] [--cycles N]
+
 Both keep the same accounts over the same cycles at the tolerance for wear. The loop has
 the radial contact of round surfaces; ``dae`` runs with this contact, on the elastic
 foundation of round surfaces, and on worn ones. Runs are interleaved. A first start is a
@@ -7,6 +9,7 @@ process that runs a cycle of the press with an empty cache of kernels, a second 
 the same process with the filled one.
 """
 
+import argparse
 import os
 import resource
 import subprocess
@@ -16,9 +19,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from by_hand.equations import parameters, state_of
+from by_hand.loop import run
 
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.replicates import linkage_on, start_of
@@ -30,9 +35,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
-from presswear.validation.by_hand.equations import parameters, state_of
-from presswear.validation.by_hand.loop import run
-from presswear.validation.cases import Progress, finished, part_of
+from presswear.validation.cases import finished
 
 TOLERANCE = 1e-6
 SLOPES = 6  # evaluations of a trial step
@@ -43,16 +46,6 @@ START = (
     "--set replicates=1 --set seed=1"
 )
 ENGINES = "dae", "exudyn-tree", "exudyn-joints"
-
-
-class StepExtent(NamedTuple):
-    """Repeats of each run, and its cycles."""
-
-    repeats: int = 5
-    cycles: int = 20
-
-
-QUICK_STEPS = StepExtent(repeats=2, cycles=4)
 
 
 class Cost(NamedTuple):
@@ -102,11 +95,9 @@ def worn_surfaces(scene: Scene) -> Array:
     return np.asarray(cycles_of_update(scene, ensemble) * mean_map(ensemble.maps))
 
 
-def step_costs(extent: StepExtent, report: Progress) -> list[dict[str, object]]:
+def step_costs(repeats: int = 5, cycles: int = 20) -> list[dict[str, Any]]:
     """Time the steps of the loop and of ``dae``; return a row for each, medians of the repeats."""
-    report("wear of the worn surfaces", 0.0)
     paper, refined = (wear_times(conventions=name) for name in ("paper", "refined"))
-    cycles = extent.cycles
     runs: dict[str, Callable[[], Cost]] = {
         LOOP: partial(loop_cost, paper, cycles),
         "dae, radial contact": partial(engine_cost, paper, cycles),
@@ -117,11 +108,8 @@ def step_costs(extent: StepExtent, report: Progress) -> list[dict[str, object]]:
     }
     for each in runs.values():
         each()  # compiles
-    rounds = []
-    for k in range(extent.repeats):
-        report(f"repeat {k + 1}", 0.3 + 0.7 * k / extent.repeats)
-        rounds.append({name: each() for name, each in runs.items()})
-    rows: list[dict[str, object]] = []
+    rounds = [{name: each() for name, each in runs.items()} for _ in range(repeats)]
+    rows = []
     for name in runs:
         costs = [one[name] for one in rounds]
         loops = [one[LOOP] for one in rounds]
@@ -142,25 +130,23 @@ def step_costs(extent: StepExtent, report: Progress) -> list[dict[str, object]]:
     return rows
 
 
-def start_costs(report: Progress) -> list[dict[str, object]]:
+def start_costs() -> list[dict[str, Any]]:
     """Return the CPU times of a first and of a second start of each engine."""
-    rows: list[dict[str, object]] = []
-    for k, engine in enumerate(ENGINES):
-        progress = part_of(report, k / len(ENGINES), 1.0 / len(ENGINES))
-        first, second = start_times(engine, progress)
+    rows = []
+    for engine in ENGINES:
+        first, second = start_times(engine)
         rows.append(
             {"engine": engine, "first_start_s": first, "second_start_s": second}
         )
     return rows
 
 
-def start_times(engine: str, report: Progress) -> list[float]:
+def start_times(engine: str) -> list[float]:
     """Return the CPU times of a first and a second start of an engine, s."""
     times = []
     with tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "XDG_CACHE_HOME": folder}
-        for k, name in enumerate(("first", "second")):
-            report(f"{name} start of {engine}", 0.7 * k)
+        for name in ("first", "second"):
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             command = [
                 sys.executable,
@@ -178,3 +164,26 @@ def start_times(engine: str, report: Progress) -> list[float]:
             start, end = (one.ru_utime + one.ru_stime for one in (before, after))
             times.append(end - start)
     return times
+
+
+def main() -> None:
+    """Print a line for each method and each engine."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=5, help="(default 5)")
+    parser.add_argument("--cycles", type=int, default=20, help="(default 20)")
+    options = parser.parse_args()
+    for row in step_costs(options.repeats, options.cycles):
+        print(
+            f"{row['method']}: {1e6 * row['cpu_s_per_step']:.2f} µs per step, "
+            f"{row['relative']:.2f} of the loop, "
+            f"{row['steps_per_cycle']:.0f} steps per cycle"
+        )
+    for row in start_costs():
+        print(
+            f"{row['engine']}: first start {row['first_start_s']:.1f} s, "
+            f"second start {row['second_start_s']:.1f} s"
+        )
+
+
+if __name__ == "__main__":
+    main()

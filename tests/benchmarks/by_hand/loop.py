@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled
-from presswear.validation.by_hand.accounts import (
+from by_hand.accounts import (
     CONTACT_COLUMNS,
     CONTACT_LOSS,
     CONTACTS,
@@ -30,7 +28,9 @@ from presswear.validation.by_hand.accounts import (
     stored_energy,
     torques,
 )
-from presswear.validation.by_hand.equations import OPEN, SIZE, accelerations, cranks
+from by_hand.equations import OPEN, SIZE, accelerations, cranks
+from presswear.tools.arrays import Array
+from presswear.tools.compile import Records, compiled
 
 STAGES = 7
 NEAR = 1e-14  # m, penetration at which a touchdown or a separation is located
