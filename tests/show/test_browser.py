@@ -58,6 +58,17 @@ def show(browser: Chrome, report: Path, width: int) -> None:
     WebDriverWait(browser, 60.0).until(is_loaded)
 
 
+def is_as_wide_as_its_window(browser: Chrome) -> bool:
+    page = "document.documentElement"
+    script = f"return {page}.scrollWidth === {page}.clientWidth"
+    return bool(browser.execute_script(script))
+
+
+def open_all_parts(browser: Chrome) -> None:
+    parts = "document.querySelectorAll('details')"
+    browser.execute_script(f"{parts}.forEach(part => part.open = true)")
+
+
 def is_loaded(browser: Chrome) -> bool:
     return bool(browser.execute_script("return document.readyState === 'complete'"))
 
@@ -99,11 +110,8 @@ def test_a_report_of_seven_joints_is_small(tmp_path: Path) -> None:
 
 def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -> None:
     show(browser, report, 400)
-    for part in browser.find_elements(By.CSS_SELECTOR, "details"):
-        browser.execute_script("arguments[0].open = true", part)
-    widths = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
-    wide, visible = browser.execute_script(widths)
-    assert wide == visible
+    open_all_parts(browser)
+    assert is_as_wide_as_its_window(browser)
     value = browser.find_element(By.CSS_SELECTOR, ".key .value")
     assert value.rect["y"] < 800
 
@@ -112,8 +120,7 @@ def test_a_table_that_scrolls_says_so(browser: Chrome, report: Path) -> None:
     words = {}
     for width in (400, 1280):
         show(browser, report, width)
-        for part in browser.find_elements(By.CSS_SELECTOR, "details"):
-            browser.execute_script("arguments[0].open = true", part)
+        open_all_parts(browser)
         texts = "return [...document.querySelectorAll('.scroll')].map(box => ["
         texts += "box.scrollWidth > box.clientWidth + 1, "
         texts += "getComputedStyle(box, '::before').content])"
@@ -185,9 +192,7 @@ def test_a_slider_moves_the_mechanism(
     places.append(body.get_dom_attribute("transform"))
     assert len({*places}) == 4
     assert browser.execute("getLog", {"type": "browser"})["value"] == []
-    widths = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth]"
-    wide, visible = browser.execute_script(widths)
-    assert wide == visible
+    assert is_as_wide_as_its_window(browser)
 
 
 def test_parts_open_by_mouse_keyboard_and_contents(

@@ -19,7 +19,6 @@ from presswear.show.comparison import (
     render_comparison,
     setting_pairs,
 )
-from presswear.show.drive_numbers import IDEAL, RUBBING, drive_numbers
 from presswear.show.limits import ABOVE, WITHIN
 
 ONE = made.made_up(replace(made.BODY, wear_updates=0), 1)
@@ -118,18 +117,6 @@ def test_a_page_has_figures_of_both_and_no_text_of_a_title() -> None:
     assert "<script>x" not in page
     assert len(re.findall('class="pair"', page)) >= 2
     assert "All settings are equal." in page
-
-
-def test_torques_of_rigid_joints_stand_beside_those_of_each_run() -> None:
-    faster = pw.changed(ONE.scene, {"speed": "150 rpm"})
-    page = render_comparison(ONE, replace(ONE, scene=faster))
-    for scene in (ONE.scene, faster):
-        numbers = {one.name: one for one in drive_numbers(scene, list(ONE.stages))}
-        compared = numbers["Peak drive torque"].compared
-        assert [label for label, _ in compared] == [RUBBING, IDEAL]
-        assert all(f"{label}: {value}<" in page for label, value in compared)
-    pairs = {pair.name: pair for pair in number_pairs(ONE, replace(ONE, scene=faster))}
-    assert pairs["Peak drive torque"].ratio.verdict == "run 2 is larger"
 
 
 def test_folders_that_cannot_be_compared_are_named(

@@ -14,8 +14,7 @@ from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.show.drive_numbers import IDEAL, RUBBING
 from presswear.show.key_number import measured
 from presswear.show.key_numbers import key_numbers
-from presswear.show.page import FirstScreen, render_page
-from presswear.show.report import render_report
+from presswear.show.page import FirstScreen, KeyNumber, render_page
 from presswear.show.warnings import warnings
 from presswear.tools.numbers import quantity_text
 
@@ -25,13 +24,6 @@ from presswear.tools.numbers import quantity_text
     [
         (Estimate.symmetric(225e3, 0.0, 30), "225 kN", "", ""),
         (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N", ""),
-        (
-            Estimate.symmetric(150.0, 260.0, 3).positive,
-            "150 N",
-            "27 to 850 N",
-            "3 of 20 strokes",
-        ),
-        (Estimate(150.0, samples=1), "150 N", "interval unknown", "1 of 20 strokes"),
         (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
         # the standard deviation of two cycles in each of two runs
         (
@@ -186,9 +178,8 @@ def test_joints_that_hardly_differ_are_both_named(
         name: replace(one, wear_volume=volumes[name])
         for name, one in statistics.joints.items()
     }
-    found = key_numbers(
-        altered(result, 1, statistics=replace(statistics, joints=joints))
-    )[-1]
+    worn = altered(result, 1, statistics=replace(statistics, joints=joints))
+    found = key_numbers(worn)[-1]
     assert (found.name, found.value) == ("Improve first", f"joint {first}")
 
 
@@ -221,50 +212,38 @@ def test_one_number_of_cycles_is_recommended() -> None:
         assert re.findall(r"cycles = (\d+)", text) == [f"{cycles}"] * 2
 
 
-WEAR = "Wear per million strokes"
+def wear_of(result: pw.Result) -> KeyNumber:
+    numbers = {one.name: one for one in key_numbers(result)}
+    return numbers["Wear per million strokes"]
 
 
 def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
     known = replace(Estimate.symmetric(4e-6, 1e-7), samples=40)
     result = made_up(made.BOTH, 2)
-    (last,) = [one for one in key_numbers(result) if one.name == WEAR]
+    last = wear_of(result)
     assert (
         "2 million strokes on worn surfaces, with wear_coefficient = " in last.meaning
     )
-    assert last.note == "2 of 20 strokes"
-    assert "bins of 1°; twice as many bins halve it" in last.meaning
     statistics = result.stages[1].statistics
     started = altered(result, 1, statistics=replace(statistics, cycles=4))
-    (last,) = [one for one in key_numbers(started) if one.name == WEAR]
+    last = wear_of(started)
     assert last.note == "2 of 20 strokes"  # without those of the start-up
-    peaks = {
-        name: {
-            side: replace(peak, depth=known) for side, peak in one.wear_peaks.items()
-        }
-        for name, one in statistics.joints.items()
-    }
-    joints = {
-        name: replace(one, wear_peaks=peaks[name])
-        for name, one in statistics.joints.items()
-    }
+    joint = statistics.joints["A"]
+    peak = replace(joint.wear_peaks["both"], depth=known)
+    worn = replace(joint, wear_peaks=dict.fromkeys(joint.wear_peaks, peak))
+    joints = dict.fromkeys("AC", worn)
     deep = altered(result, 1, statistics=replace(statistics, joints=joints))
-    (last,) = [one for one in key_numbers(deep) if one.name == WEAR]
+    last = wear_of(deep)
     assert last[1:3] == ("2.00 µm", "1.95 to 2.05 µm")
     assert last.meaning.endswith("Other joints: C 2.00 µm.")
-    joints = {
-        name: replace(one, wear_peaks={}) for name, one in statistics.joints.items()
-    }
+    joints = dict.fromkeys("AC", replace(joint, wear_peaks={}))
     jump = altered(result, 1, statistics=replace(statistics, joints=joints))
-    (first,) = [one for one in key_numbers(jump) if one.name == WEAR]
+    first = wear_of(jump)
     assert "strokes on new surfaces, with" in first.meaning
     bearings = pw.Bearing(clearance=5e-5, viscosity=0.1)
     oiled = replace(result, scene=replace(made.BOTH, bearings=bearings))
-    (first,) = [one for one in key_numbers(oiled) if one.name == WEAR]
+    first = wear_of(oiled)
     assert "that of dry contact: an upper bound where oil carries." in first.meaning
-    assert first.meaning.endswith("the joint is nearer to dry contact.")
-    assert "Full oil film for 100 % of the cycle at A, 100 % of the cycle at C." in (
-        first.meaning
-    )
 
 
 @pytest.mark.parametrize(
@@ -282,13 +261,6 @@ def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(
     statistics = replace(result.stages[0].statistics, peak_force_step_error=0.3)
     lines = warnings(altered(result, 0, statistics=statistics))
     assert f"Finer time steps change peak forces by 30 %: use {advice}." in lines
-
-
-def test_the_report_says_what_rigid_joints_with_friction_are() -> None:
-    scene = pw.changed(replace(made.BOTH, drive_torque="on"), {"friction": 0.1})
-    page = render_report(made_up(scene, 2))
-    assert "Rigid joints with friction: the joints with clearance are replaced" in page
-    assert page.count("<dd>rigid joints without friction: ") == 2
 
 
 def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:

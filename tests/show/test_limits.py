@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import made_up_result as made
-import numpy as np
 import pytest
 from made_up_result import made_up
 
@@ -79,14 +78,3 @@ def test_the_report_states_the_command_version_and_date() -> None:
     origin = {**result.provenance, "command": "presswear run 'my press.toml'"}
     page = render_report(replace(result, provenance=origin))
     assert "Made by presswear run &#39;my press.toml&#39;, presswear 0.1.0" in page
-
-
-def test_work_and_motion_of_a_press_are_on_the_first_screen() -> None:
-    """The slider-crank rises by twice the crank; the stiffness of one pin is that of its law."""
-    scene = pw.Scene(
-        pw.SliderCrank(crank_length=0.04, speed=np.pi), joints="none", cycles=2
-    )
-    page = render_report(made_up(scene, 1))
-    assert "<dt>Stroke</dt>" in page
-    assert '<dd class="value">80.0 mm</dd>' in page
-    assert '<dd class="value">30.0</dd>' in page

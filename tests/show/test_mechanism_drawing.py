@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 
 import presswear as pw
-from presswear.scene.catalog import press_blanking, slider_crank, wear_times
+from presswear.scene.catalog import press_blanking, wear_times
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings, save
 from presswear.show.figures.mechanism import labelled
@@ -24,7 +24,7 @@ def words_of(axes: Axes) -> set[str]:
 
 
 CRANK = pw.SliderCrank(0.03, 0.45, slide_angle=-0.5 * math.pi)
-LABELLED = [wear_times(), press_blanking(), slider_crank(), pw.Scene(FOUR_BAR)]
+LABELLED = [wear_times(), press_blanking(), pw.Scene(FOUR_BAR)]
 LABELLED += [pw.Scene(CRANK, joints="AB"), pw.Scene(pw.SixBar(), joints="B")]
 
 
@@ -119,15 +119,9 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
         pw.Pin("P", (0.18, 0.0), "rocker.tail"),
     ]
     spring = pw.Spring("$_$", "rocker.head", (0.18, 0.3), stiffness=100.0, length=0.1)
-    linkage = pw.assemble(
-        bodies,
-        pins,
-        [pw.Drive(body, 30.0)],
-        body,
-        FOUR_BAR.guess,
-        name="$^$",
-        springs=[spring],
-    )
+    drives = [pw.Drive(body, 30.0)]
+    named: dict[str, Any] = {"name": "$^$", "springs": [spring]}
+    linkage = pw.assemble(bodies, pins, drives, body, FOUR_BAR.guess, **named)
     scene = pw.Scene(
         linkage, "$a^$", "$b^$", pw.Bearing(), joints=f"{joint},B", wear_updates=1
     )

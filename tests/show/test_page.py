@@ -17,7 +17,6 @@ from presswear.show.figures import Drawing
 from presswear.show.figures.style import Sheet
 from presswear.show.page import Row, column_table, plain_table
 from presswear.tools.errors import InputError
-from presswear.tools.numbers import unit_scale
 
 
 class Page(HTMLParser):
@@ -90,10 +89,8 @@ def test_a_path_reads_attributes_keys_and_indices() -> None:
     ("value", "unit", "text"),
     [
         (None, "µm", "–"),
-        ("as it is", "µm", "as it is"),
         (12345, "", "12\u202f345"),
         (2e-5, "µm", "20.0"),
-        (0.5, "%", "50.0"),
         (Estimate.symmetric(1e-5, 2e-6, 9), "µm", "10.0\u00a0± 2.0"),
         (Estimate(1e-5, 8e-6, 2e-5), "µm", "10 (8.0 to 20)"),
         (Estimate(1e-5), "µm", "10.0 (too few cycles)"),
@@ -103,12 +100,6 @@ def test_values_are_shown_in_the_unit_of_their_row(
     value: object, unit: str, text: str
 ) -> None:
     assert page.text_of(value, unit) == text
-
-
-def test_units_read_naturally() -> None:
-    assert unit_scale("m", 1.2e-5) == (1e6, "µm")
-    assert unit_scale("m", 0.0)[1] == "pm"
-    assert (unit_scale("N", 2e4), unit_scale("Hz", 2e4)) == ((1e-3, "kN"), (1.0, "Hz"))
 
 
 ENERGY = Row("energy", "made", "J")

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -121,14 +120,6 @@ def test_a_key_ends_a_window_that_plays(folder: Path, display: None) -> None:
     assert window.wait(30) == 0
     assert window.stderr is not None
     assert window.stderr.read() == b""
-
-
-@needs_xdotool
-def test_ctrl_c_closes_the_window(folder: Path, display: None) -> None:
-    window = subprocess.Popen([*REPLAY, str(folder)], stderr=subprocess.DEVNULL)
-    press(window)
-    window.send_signal(signal.SIGINT)
-    assert window.wait(30) == 130
 
 
 @needs_xdotool
