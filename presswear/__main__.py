@@ -84,11 +84,11 @@ def _run(words: Sequence[str]) -> int:
 
     from rich.console import Console
 
-    from presswear.cli.parser import joined, parser_for
+    from presswear.cli.parser import parser_for, with_joined_command
 
     if not words or words[0] == "help":
         words = [*words[1:], "--help"]
-    words = joined(words)
+    words = with_joined_command(words)
     arguments = parser_for(words).parse_args(words)
     from presswear.cli import COMMANDS
     from presswear.cli.terminal import logging_to_stderr

@@ -29,8 +29,8 @@ from presswear.tools.errors import InputError, RunFailed
 Context = TypeVar("Context")
 Arrays = Mapping[str, NDArray[Any]]
 
-# Share of the first intervals that is discarded. In these the distance of a pair turns
-# into the direction of fastest growth.
+# Share of the intervals that is discarded at the start, while the distance of a pair
+# rotates into the direction of fastest growth
 DISCARDED = 0.1
 # With a tolerance of 1e-11 the exponent differs by 1e-3 from that with 1e-13; with 1e-10
 # it differs by 0.1.
@@ -138,7 +138,7 @@ class Flow:
         recorder.stop_recording()
         self.records = recorder.records
         equations = write_equations(linkage, self.records.packed)
-        if isinstance(equations, str):
+        if isinstance(equations, str):  # the reason why there are none
             raise InputError(
                 f"an exponent needs a linkage without free loops, but {equations}"
             )

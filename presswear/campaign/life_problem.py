@@ -39,7 +39,7 @@ def _new_coefficient(scene: Scene, name: str) -> float:
         return coefficient * max(pair.running_in, 1.0)
     new = 0.0, 0.0, pair.pressure_reference, coefficient
     state = dict(zip(WEAR_PARAMETERS, new, strict=True))
-    return max(law.number(f"{name}.wear_law", WEAR_PARAMETERS, state), coefficient)
+    return max(law.evaluate(f"{name}.wear_law", WEAR_PARAMETERS, state), coefficient)
 
 
 def fewest_cycles_of(scene: Scene) -> float:

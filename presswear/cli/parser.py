@@ -21,8 +21,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **settings)
-        # It may stand before or after the command; neither may reset the value of the
-        # other.
+        # The option is allowed before and after the command. Without a default the parser
+        # of the command does not reset the value that was set before the command.
         self.add_argument(
             "-v",
             "--verbose",
@@ -36,10 +36,8 @@ class Parser(argparse.ArgumentParser):
         arguments, rest = super().parse_known_args(args, namespace)
         if rest:
             options = self._option_string_actions
-            hint = (
-                nearest(rest[0].partition("=")[0], options)
-                or f"; see {self.prog} --help"
-            )
+            hint = nearest(rest[0].partition("=")[0], options)
+            hint = hint or f"; see {self.prog} --help"
             setting = _intended_setting(rest, getattr(arguments, "scene", ""))
             if "--set" in options and setting:
                 hint = f"; use --set {shlex.quote(setting)} to set a value of the scene"
@@ -64,34 +62,34 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
     if not key.startswith("-"):
         return rest[0] if equals else "KEY=VALUE"
     key = key.lstrip("-")
+    if not scene:
+        return ""
     try:
-        keys = (
-            {setting.key for setting in settings_of(load_scene(scene))}
-            if scene
-            else set()
-        )
+        keys = {setting.key for setting in settings_of(load_scene(scene))}
     except InputError:
-        keys = set()
+        return ""
     if key not in keys:
         return ""
-    return f"{key}={value or ' '.join(rest[1:2]) or 'VALUE'}"
+    following = rest[1] if len(rest) > 1 else ""
+    return f"{key}={value or following or 'VALUE'}"
 
 
-def joined(words: Sequence[str]) -> list[str]:
-    """Return the words of a line with a command of two words, ``dynamics settle``, as one."""
+def with_joined_command(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line, with a command of two words as one element.
+
+    ``["dynamics", "settle", "DIR"]`` becomes ``["dynamics settle", "DIR"]``.
+    """
     first = next((k for k, word in enumerate(words) if not word.startswith("-")), 0)
     command = " ".join(words[first : first + 2])
-    return (
-        [*words[:first], command, *words[first + 2 :]]
-        if command in COMMANDS
-        else list(words)
-    )
+    if command not in COMMANDS:
+        return list(words)
+    return [*words[:first], command, *words[first + 2 :]]
 
 
 def parser_for(words: Sequence[str]) -> Parser:
     """Return a parser with the options of the command in ``words`` and the names of all others.
 
-    A command of two words is one of ``words``, see ``joined``.
+    ``words`` are those of ``with_joined_command``.
     """
     command = next((word for word in words if not word.startswith("-")), "")
     return parser_with([command])[0]
@@ -163,7 +161,8 @@ def number(
     kind: str, least: str, most: str = "", unit: str = ""
 ) -> Callable[[str], float]:
     """Return a converter to an ``integer`` or a finite ``number`` within a range."""
-    low, high = float(least), float(most or "1e9")
+    low = float(least)
+    high = float(most or "1e9")
     what = "a whole number" if kind == "integer" else "a number"
     of_unit = f" of {unit}" if unit else ""
     to_most = f" to {most}" if most else ""
@@ -185,7 +184,7 @@ def number(
 
 
 def folder(text: str) -> Path:
-    """Return a path; the empty text, which Path takes for the present folder, is refused."""
+    """Return a path; an empty text is refused, which ``Path`` takes for the present folder."""
     if not text.strip():
         raise argparse.ArgumentTypeError("a name is expected")
     return Path(text)

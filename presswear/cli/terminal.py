@@ -6,7 +6,7 @@ import sys
 import textwrap
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import chain, count, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     from presswear.results.result import Result
 
 MIN_BAR = 12  # width of a progress bar, characters
-MIN_SHARE = 0.02  # completed part from which the time left is estimated
+MIN_SHARE = 0.02  # share of a task after which the time left is estimated
 
 
 def parse_settings(items: Iterable[str]) -> dict[str, str]:
-    """Return the options ``--set`` by key."""
+    """Return the values of ``--set KEY=VALUE`` options by key."""
     settings: dict[str, str] = {}
     for item in items:
         key, equals, value = (part.strip() for part in item.partition("="))
@@ -85,7 +85,10 @@ def requested_scene(arguments: Namespace) -> Scene:
 def merge_options(
     settings: Mapping[str, str], options: Mapping[str, Any]
 ) -> dict[str, str]:
-    """Return the settings with options that set a value too; a value of None is left out."""
+    """Return the settings of ``--set`` and of options; an option of None is not set.
+
+    Raises InputError if an option and ``--set`` set different values.
+    """
     merged = dict(settings)
     for key, value in options.items():
         if value is None:
@@ -112,11 +115,14 @@ def unfinished_folder(name: str) -> Path | None:
     """Return the last folder of a name, if it holds an unfinished run."""
     from presswear.results.folder import FINISHED, read_stored
 
-    for path in [*takewhile(Path.exists, _folders(name))][-1:]:
-        with suppress(InputError):  # it holds something else
-            if read_stored(path).status not in FINISHED:
-                return path
-    return None
+    existing = list(takewhile(Path.exists, _folders(name)))
+    if not existing:
+        return None
+    try:
+        is_finished = read_stored(existing[-1]).status in FINISHED
+    except InputError:  # it holds something else
+        return None
+    return None if is_finished else existing[-1]
 
 
 def check_resume(resume: bool, path: Path | None) -> None:
@@ -175,7 +181,7 @@ def resumable(command: str, path: Path, stored: Callable[[], str]) -> Iterator[N
 
 
 def load_result(path: Path, console: Console) -> "Result":
-    """Return a stored run and print a note if it is incomplete."""
+    """Return a stored run; print a note if it is incomplete, or raise InputError if it is empty."""
     from presswear.results.result import load, unfinished
 
     check_folder(path)
@@ -213,13 +219,16 @@ def print_table(
     rows: Iterable[Sequence[Any]],
     title: str = "",
 ) -> None:
-    """Print a table of texts, which wrap, and of numbers: their headings begin with ``>``."""
+    """Print a table with columns of texts, which wrap, and of numbers, aligned to the right.
+
+    The heading of a column of numbers begins with ``>``, which is not printed.
+    """
     table = Table(box=SIMPLE, pad_edge=False, title=title or None, title_justify="left")
     for head in heads:
-        number: Any = {"justify": "right", "no_wrap": True}
-        table.add_column(
-            head.lstrip(">"), **(number if head[:1] == ">" else {"overflow": "fold"})
-        )
+        if head.startswith(">"):
+            table.add_column(head[1:], justify="right", no_wrap=True)
+        else:
+            table.add_column(head, overflow="fold")
     for row in rows:
         cells = (
             Text(printable(cell)) if isinstance(cell, str) else cell for cell in row
@@ -229,15 +238,16 @@ def print_table(
 
 
 def verdict(passed: bool) -> Text:
-    """Return pass or MISS, in red."""
+    """Return ``pass``, or ``MISS`` in red."""
     return Text("pass") if passed else Text("MISS", "bold red")
 
 
 class _TimeLeft(ProgressColumn):
     """Time left at the mean speed so far.
 
-    Fields of the task: ``idle`` is the time of compilation, ``share`` the completed
-    part by the latest estimate, and ``start`` the part that a resumed run started with.
+    Fields of the task: ``idle`` is the time spent on compilation, s; ``share`` is the
+    latest estimate of the completed share; ``start`` is the share that was completed
+    before the run was resumed.
     """
 
     def render(self, task: Task) -> Text:
@@ -246,14 +256,14 @@ class _TimeLeft(ProgressColumn):
 
 
 def time_left(task: Task) -> str:
-    """Return the time left in words; nothing while little is done."""
+    """Return the time left in words, or "" before ``MIN_SHARE``."""
     share = task.fields.get("share", task.percentage / 100.0)
-    start = task.fields.get("start", 0.0)
-    if not share - start >= MIN_SHARE or share >= 1.0 or task.elapsed is None:
+    completed = share - task.fields.get("start", 0.0)
+    # The first comparison is false for NaN.
+    if not completed >= MIN_SHARE or share >= 1.0 or task.elapsed is None:
         return ""
-    seconds = (
-        (task.elapsed - task.fields.get("idle", 0.0)) * (1.0 - share) / (share - start)
-    )
+    working_time = task.elapsed - task.fields.get("idle", 0.0)
+    seconds = working_time * (1.0 - share) / completed
     return f"{duration_text(round(max(seconds, 0.0)))} left"
 
 
@@ -311,13 +321,11 @@ class _StandardError(logging.Handler):
 
 @contextmanager
 def logging_to_stderr(is_verbose: bool) -> Iterator[None]:
-    """Log to standard error; if not ``is_verbose``, warnings alone."""
+    """Log to standard error: each step if ``is_verbose``, else warnings only."""
     logger = logging.getLogger("presswear")
     handler = _StandardError()
-    words = (
-        "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
-    )
-    handler.setFormatter(logging.Formatter(words, "%H:%M:%S"))
+    line = "%(asctime)s %(name)s: %(message)s" if is_verbose else "warning: %(message)s"
+    handler.setFormatter(logging.Formatter(line, "%H:%M:%S"))
     level = logger.level
     logger.addHandler(handler)
     if is_verbose:

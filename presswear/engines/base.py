@@ -17,7 +17,7 @@ from presswear.physics.drive_motion import motions_of
 from presswear.physics.equations.layout import ENERGIES
 from presswear.physics.interactions.elastic_guide import period_on
 from presswear.physics.interactions.spring import check_springs
-from presswear.physics.ledger import SETTLED
+from presswear.physics.ledger import CHECK_START
 from presswear.physics.load_transitions import place_loads
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import COUNTERS, STORED_CONTACT
@@ -116,7 +116,7 @@ class Plan:
     @property
     def settled(self) -> float:
         """Nominal time from which the energies of a run are judged, s."""
-        return self.run_up + SETTLED * self.cycle
+        return self.run_up + CHECK_START * self.cycle
 
     def advanced(self, recorder: Recorder) -> None:
         """Report the nominal time reached."""

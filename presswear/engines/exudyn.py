@@ -11,7 +11,7 @@ import numpy as np
 
 from presswear.engines.base import Plan
 from presswear.physics.equations.layout import CONTACT_LOSS, DRIVE_EXCHANGE
-from presswear.physics.ledger import created_energy, remedy_for_created_energy
+from presswear.physics.ledger import created_energy_message, remedy_for_created_energy
 from presswear.recording.nominal_time import SECTION_TOL
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding, Progress, check_motor
@@ -185,7 +185,7 @@ class Solver:
         records = self.recorder.records
         if self.recorder.nominal_time > self.plan.settled:
             loss, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
-            if message := created_energy(records.packed, loss, exchange):
+            if message := created_energy_message(records.packed, loss, exchange):
                 return Finding(
                     "energy",
                     message,

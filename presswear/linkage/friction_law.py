@@ -66,7 +66,7 @@ def steady_state(key: str, law: UserFunction, values: Mapping[str, float]) -> fl
 
     def slope(state: float) -> float:
         point = {**values, "state": state, "closed": 1.0}
-        return rate.number(key, RATE_PARAMETERS, point)
+        return rate.evaluate(key, RATE_PARAMETERS, point)
 
     low = -1.0
     high = 1.0
@@ -91,7 +91,7 @@ def check_friction(key: str, law: UserFunction, values: Mapping[str, float]) -> 
             state = {**values, "sliding": sliding, "normal": CHECKED_FORCE}
             if has_state(law):
                 state["state"] = steady_state(key, law, state)
-            force = law.number(key, STATE_PARAMETERS, state)
+            force = law.evaluate(key, STATE_PARAMETERS, state)
             if force * sliding > 0.0:
                 fault = (
                     f"it gives {force:g} N where the surfaces slide at {sliding:g} m/s"

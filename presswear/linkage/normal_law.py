@@ -189,7 +189,7 @@ def check_normal(key: str, law: UserFunction, values: Mapping[str, float]) -> No
 
     def force(penetration: float, rate: float, onset_speed: float) -> float:
         state = {"penetration": penetration, "rate": rate, "onset_speed": onset_speed}
-        return law.number(key, NORMAL_PARAMETERS, {**values, **state})
+        return law.evaluate(key, NORMAL_PARAMETERS, {**values, **state})
 
     for fraction in (1e-6, 1e-4, 1e-2):
         penetration = fraction * values["clearance"]

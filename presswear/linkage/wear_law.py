@@ -74,7 +74,7 @@ def check_wear(key: str, law: UserFunction, coefficient: float) -> None:
     def coefficient_at(depth: float, load_distance: float, pressure: float) -> float:
         values = depth, load_distance, pressure, coefficient
         state = dict(zip(WEAR_PARAMETERS, values, strict=True))
-        result = law.number(key, WEAR_PARAMETERS, state)
+        result = law.evaluate(key, WEAR_PARAMETERS, state)
         if not result > 0.0:
             place = ", ".join(f"{name} = {state[name]:g}" for name in used)
             raise InputError(

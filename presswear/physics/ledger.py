@@ -4,11 +4,12 @@
                              + residual
 
 The stored energy is kinetic, potential and elastic. The load work is that of loads with
-a law, less the losses in the dampers of springs; constant loads have a potential. The
-normal force does its work on the approach e_dot . n. The contact loss is this work less
-the change of elastic energy: the loss by damping, less the energy that the law creates.
-A law creates energy if its force is not the gradient of an energy, as in radial contact
-on a sloping profile.
+a law, less the losses in the dampers of springs. Constant loads have a potential energy.
+
+The power of a normal force F_n is F_n e_dot . n. Its integral less the change of elastic
+energy is the contact loss: the loss by damping, less the energy that the normal law
+creates. A law creates energy if its force is not the gradient of an energy, as in radial
+contact on a worn profile.
 """
 
 from dataclasses import dataclass
@@ -39,8 +40,8 @@ def stored_energy(
 # Largest energy that contacts may create, over the energy exchanged by the drives; a run
 # with more is ended
 MAX_CREATED = 0.5
-# Start of this check after the run-up, in cycles
-SETTLED = 0.05
+# Time after the run-up at which this check starts, cycles
+CHECK_START = 0.05
 
 
 def has_worn_radial_contact(packed: Packed) -> bool:
@@ -48,12 +49,12 @@ def has_worn_radial_contact(packed: Packed) -> bool:
     return bool(depths_of(packed)[packed.joints["foundation"] == 0.0].any())
 
 
-def created_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
-    """Return a message if contacts created more energy than they dissipated, else "".
+def created_energy_message(packed: Packed, contact_loss: float, exchange: float) -> str:
+    """Return a message if contacts created more energy than ``MAX_CREATED`` allows, else "".
 
     A radial force on a steep worn profile is not the gradient of an energy, so that the
-    pin can gain speed at each turn of its motion. ``contact_loss`` and ``exchange`` are
-    those since the start of the run, J; see ``Ledger``.
+    pin can gain speed in each of its orbits. ``contact_loss`` and ``exchange`` are the
+    contact loss and the drive exchange since the start of the run, J; see ``Ledger``.
     """
     # The comparison is false for NaN: another check reports a state that is not finite.
     if not (exchange > 0.0 and contact_loss < -MAX_CREATED * exchange):
@@ -68,7 +69,10 @@ def created_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
 
 
 def remedy_for_created_energy(packed: Packed, finer: str) -> str:
-    """Return advice for a run whose contacts created energy; ``finer`` advises on steps."""
+    """Return advice for a run whose contacts created energy.
+
+    ``finer`` says how finer steps are selected.
+    """
     if has_worn_radial_contact(packed):
         return (
             f"contact = foundation can follow steep surfaces; else finer steps: {finer}"

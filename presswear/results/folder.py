@@ -32,7 +32,7 @@ from presswear.scene.differences import differences
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.exudyn import requested
+from presswear.tools.exudyn import requested_module
 from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
 from presswear.tools.serialize import plain, read_json, typed, write_json
@@ -86,7 +86,9 @@ def revision_of(source: Path) -> str:
 def _program() -> Provenance:
     """Return what stays the same while this process runs, without a date."""
     packages = {name: version(name) for name in PACKAGES}
-    packages["exudyn"] += f", {requested()}"  # last digits differ between its modules
+    packages["exudyn"] += (
+        f", {requested_module()}"  # last digits differ between its modules
+    )
     sha = hashlib.sha256()
     for path in sorted(_SOURCE.rglob("*.py")):
         sha.update(path.relative_to(_SOURCE).as_posix().encode())

@@ -1,4 +1,4 @@
-"""Pin joints of a linkage that have a bearing: sizes, laws and oil."""
+"""Pin joints of a linkage from the settings of their bearings: sizes, laws and oil."""
 
 import math
 from dataclasses import replace
@@ -78,6 +78,7 @@ def _user_law(law: object) -> UserFunction | None:
 def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:
     """Return the normal force law with its parameters."""
     user_law = _user_law(bearing.normal_law)
+    # A user law gets the damping of this law as its parameter ``damping``.
     name = "lankarani-nikravesh" if user_law else str(bearing.normal_law)
     elasticity = elastic_law(bearing, conventions.contact)
     return NormalLaw(
@@ -130,7 +131,7 @@ def check_user_friction(bearing: Bearing, joint: str) -> None:
 
 
 def rigid_joint(bearing: Bearing, revolute: Revolute) -> Revolute:
-    """Return an ideal pin joint with the friction of this bearing, or an elastic one."""
+    """Return a pin joint without clearance, ideal or elastic, with the friction of a bearing."""
     stiffness = bearing.stiffness
     if stiffness is not None:
         stiffness *= bearing.parallel_rods
@@ -144,7 +145,7 @@ def rigid_joint(bearing: Bearing, revolute: Revolute) -> Revolute:
 
 
 def deepest_joint_wear(bearing: Bearing, contact: SurfaceContact) -> float:
-    """Return the depth of a worn surface, m, up to which the model holds."""
+    """Return the largest wear depth for which the model is valid, m."""
     if bearing.has_film:
         return OILED_WEAR * bearing.clearance
     return deepest_wear(contact, bearing.clearance, bearing.bearing_radius)
@@ -167,9 +168,12 @@ def clearance_joint(
     bearing: Bearing,
     revolute: Revolute,
     conventions: Conventions,
-    worn: tuple[Surface, Surface],
+    surfaces: tuple[Surface, Surface],
 ) -> ClearanceJoint:
-    """Return a revolute joint with clearance: bearing on its first end, pin on its second."""
+    """Return a revolute joint with clearance: bearing on its first end, pin on its second.
+
+    ``surfaces`` are those of bearing and pin.
+    """
     wear = WearLaw(
         coefficient=bearing.materials.wear_coefficient,
         slip=conventions.slip,
@@ -194,7 +198,7 @@ def clearance_joint(
         wear=wear if wear.coefficient > 0.0 else None,
         map_frame=conventions.map_frame,
         contact=conventions.contact,
-        bearing_surface=worn[0],
-        pin_surface=worn[1],
+        bearing_surface=surfaces[0],
+        pin_surface=surfaces[1],
         oil=oil_of(bearing),
     )

@@ -1,4 +1,4 @@
-"""Wear maps of the walls of guides, as long as the way of the slide in the ideal motion."""
+"""Wear maps of the walls of guides, over the range of the slide in the ideal motion."""
 
 import math
 from collections.abc import Mapping
@@ -14,13 +14,14 @@ from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import Bearing
 from presswear.tools.arrays import Array
 
-_MARGIN = 0.01  # of a map at each end, beside the ideal motion
+# Additional length of a map at each end, over the range of the slide
+_MARGIN = 0.01
 
 
 def with_wall_maps(
     linkage: Linkage, ideal: IdealMotion, bearings: Mapping[str, Bearing]
 ) -> Linkage:
-    """Return a linkage whose corners wear the walls, if their bearings wear.
+    """Return a linkage whose corners have the wear maps of their walls, if their bearings wear.
 
     Parameters
     ----------
@@ -37,35 +38,36 @@ def with_wall_maps(
         if coefficient > 0.0:
             maps[guide.name] = _wall_map(guide, ideal, coefficient)
 
-    def worn(joint: ClearanceJoint) -> ClearanceJoint:
+    def with_map(joint: ClearanceJoint) -> ClearanceJoint:
         if not isinstance(joint, GuideCorner):
             return joint
         return replace(joint, wall=maps.get(joint.guide.name))
 
-    return replace(linkage, clearances=tuple(map(worn, linkage.clearances)))
+    return replace(linkage, clearances=tuple(map(with_map, linkage.clearances)))
 
 
 def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
-    """Return the map of both walls of a guide, from the places of its slide."""
+    """Return the map of both walls of a guide, from the positions of its slide."""
     assert guide.length is not None
-    x, y = _places_in_frame(guide, ideal)
+    x, y = _slide_in_frame(guide, ideal)
     cosine = math.cos(guide.direction)
     sine = math.sin(guide.direction)
-    place = cosine * (x - guide.x) + sine * (y - guide.y)
-    length = float(np.ptp(place)) + guide.length
-    start = float(place.min()) - 0.5 * guide.length
-    return WallMap(
-        coefficient, start - _MARGIN * length, (1.0 + 2.0 * _MARGIN) * length
-    )
+    along = cosine * (x - guide.x) + sine * (y - guide.y)
+    length = float(np.ptp(along)) + guide.length
+    margin = _MARGIN * length
+    start = float(along.min()) - 0.5 * guide.length
+    return WallMap(coefficient, start - margin, (1.0 + 2.0 * _MARGIN) * length)
 
 
-def _places_in_frame(guide: Guide, ideal: IdealMotion) -> tuple[Array, Array]:
+def _slide_in_frame(guide: Guide, ideal: IdealMotion) -> tuple[Array, Array]:
     """Return the coordinates of a slide in the frame of the body with its walls, m, (n,) each."""
     linkage = ideal.rows.linkage
     x, y, _ = ideal.position[:, linkage.index(guide.body)].T
     if not guide.is_moving:
         return x, y
     carrier_x, carrier_y, angle = ideal.position[:, linkage.index(guide.on)].T
-    x, y = x - carrier_x, y - carrier_y
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return cosine * x + sine * y, cosine * y - sine * x
+    dx = x - carrier_x
+    dy = y - carrier_y
+    cosine = np.cos(angle)
+    sine = np.sin(angle)
+    return cosine * dx + sine * dy, cosine * dy - sine * dx

@@ -34,17 +34,18 @@ def spread_of_rows(
     Intervals of quantiles are those of order statistics (David and Nagaraja, Order
     Statistics, section 7.1), the interval of a probability is that of Clopper and
     Pearson (1934). A censored value may be any larger one: intervals contain all
-    possibilities. None without values.
+    possibilities. None if no point has a value.
     """
     from scipy import stats
 
-    k = table.index(key)
-    values = table.values[:: table.replicates, k]
-    censored = table.censored[:: table.replicates, k][np.isfinite(values)]
+    column = table.index(key)
+    values = table.values[:: table.replicates, column]
+    censored = table.censored[:: table.replicates, column][np.isfinite(values)]
     values = values[np.isfinite(values)]
     count = len(values)
     if count == 0:
         return None
+    # Smallest and largest possible values in order
     least = np.sort(values)
     most = np.sort(np.where(censored, np.inf, values))
     first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
@@ -54,11 +55,11 @@ def spread_of_rows(
     high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)
     violation = None
     if limit is not None:
-        fewest, largest = limit.count(values, censored)
+        fewest, greatest = limit.count(values, censored)
         violation = (
-            0.5 * (fewest + largest) / count,
+            0.5 * (fewest + greatest) / count,
             float(stats.binomtest(fewest, count).proportion_ci(LEVEL).low),
-            float(stats.binomtest(largest, count).proportion_ci(LEVEL).high),
+            float(stats.binomtest(greatest, count).proportion_ci(LEVEL).high),
         )
     middle = np.where(least[place] == most[place], least[place], np.nan)
     high = np.where(np.isinf(high), np.nan, high)

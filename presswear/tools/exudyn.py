@@ -1,8 +1,8 @@
 """Choice of Exudyn's compiled module: by default without range checks, with vector instructions.
 
-A step of the open tree spends seven eighths of its time in the module. Its input is
-checked before. The environment variable EXUDYN_MODULE=safe selects the module with
-range checks, whose numbers differ in their last digits.
+A step of the open tree spends seven eighths of its time in the module. The program
+checks the input of the module before. The environment variable EXUDYN_MODULE=safe
+selects the module with range checks, whose numbers differ in their last digits.
 """
 
 import io
@@ -13,10 +13,10 @@ from importlib import import_module
 from typing import Any
 
 
-def requested() -> str:
-    """Return the requested module: ``fast`` or ``safe``."""
-    word = os.environ.get("EXUDYN_MODULE", "").strip().lower() or "fast"
-    return "fast" if word == "fast" else "safe"
+def requested_module() -> str:
+    """Return the requested module: ``fast``, the default, or ``safe``."""
+    name = os.environ.get("EXUDYN_MODULE", "").strip().lower()
+    return "fast" if name in ("", "fast") else "safe"
 
 
 def exudyn_module() -> Any:
@@ -25,6 +25,7 @@ def exudyn_module() -> Any:
     Exudyn falls back on the safe module where the processor lacks the instructions.
     """
     if "exudyn" not in sys.modules:
-        vars(sys)["exudynFast"] = requested() == "fast"
-    with redirect_stdout(io.StringIO()):  # which would tell the choice on every start
+        # Exudyn reads ``sys.exudynFast`` when it is imported.
+        vars(sys)["exudynFast"] = requested_module() == "fast"
+    with redirect_stdout(io.StringIO()):  # Exudyn prints the choice at each start.
         return import_module("exudyn")

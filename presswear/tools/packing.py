@@ -80,27 +80,30 @@ def _unbox_address(kind: Any, packed: Any, context: Any) -> Any:
     )
 
 
-_NUMBERS = {types.float64: ctypes.c_double, types.int64: ctypes.c_int64}
-_NUMBERS |= {types.boolean: ctypes.c_bool}
+_NUMBERS = {
+    types.float64: ctypes.c_double,
+    types.int64: ctypes.c_int64,
+    types.boolean: ctypes.c_bool,
+}
 
 
 @cache
 def _layout(kind: Any) -> Any:
-    """Return the layout of a type of numba in memory.
-
-    That of an array: owners, number and size of items, address, shape and strides.
-    """
+    """Return the layout in memory of a value of a numba type."""
     if isinstance(kind, types.BaseTuple):
         parts = [_layout(part) for part in kind]
     elif isinstance(kind, types.Array):
-        pointer, count, counts = (
-            ctypes.c_void_p,
-            ctypes.c_int64,
-            ctypes.c_int64 * kind.ndim,
-        )
-        parts = [pointer, pointer, count, count, pointer, counts, counts]
+        parts = [
+            ctypes.c_void_p,  # memory that numba manages: none
+            ctypes.c_void_p,  # Python object that owns the memory: none
+            ctypes.c_int64,  # number of items
+            ctypes.c_int64,  # size of an item, bytes
+            ctypes.c_void_p,  # address of the items
+            ctypes.c_int64 * kind.ndim,  # shape
+            ctypes.c_int64 * kind.ndim,  # strides, bytes
+        ]
     else:
-        return _NUMBERS.get(kind, ctypes.c_void_p)  # of None and of an address
+        return _NUMBERS.get(kind, ctypes.c_void_p)  # also for None
     fields = [(f"part_{k}", part) for k, part in enumerate(parts)]
     return type("Layout", (ctypes.Structure,), {"_fields_": fields})
 
@@ -125,7 +128,10 @@ def _stored(kind: Any, value: Any) -> Any:
 
 
 def _key(argument: Any) -> Any:
-    """Return what is equal for arguments of one type; numba takes 100 times as long to find it."""
+    """Return a key that is equal for arguments of one numba type.
+
+    ``numba.typeof`` takes 100 times as long.
+    """
     if isinstance(argument, tuple):
         return type(argument), *map(_key, argument)
     if isinstance(argument, np.ndarray):
@@ -163,7 +169,7 @@ def bind(
 
 @cache
 def _read_kind(kind: Any) -> Any:
-    """Return what kernels read of a part: the address of a named tuple, else the value."""
+    """Return the type in which kernels read a part: an address for a named tuple."""
     return _Reference(kind) if isinstance(kind, types.BaseNamedTuple) else kind
 
 
@@ -187,9 +193,9 @@ class _Attributes(AttributeTemplate):
 
     def generic_resolve(self, reference: _Reference, name: str) -> Any:
         fields = getattr(reference.kind, "fields", ())
-        return (
-            _read_kind(reference.kind[fields.index(name)]) if name in fields else None
-        )
+        if name not in fields:
+            return None
+        return _read_kind(reference.kind[fields.index(name)])
 
 
 @lower_getattr_generic(_Reference)
@@ -206,8 +212,8 @@ def _load(typing: Any, packed: Any) -> Any:
     kinds = types.Tuple([_read_kind(kind) for kind in packed.kind])
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        count = range(len(packed.kind))
-        parts = [_read(context, builder, packed, values[0], index) for index in count]
+        indices = range(len(packed.kind))
+        parts = [_read(context, builder, packed, values[0], index) for index in indices]
         return context.make_tuple(builder, signature.return_type, parts)
 
     return kinds(packed), generate

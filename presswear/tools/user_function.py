@@ -23,13 +23,13 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
 from presswear.tools.law_numbers import LawNumber, numbers_of
 
-_JUMP_WIDTH = 1e-9  # m/s or rad/s; a change that is as narrow is a jump
-_JUMP_SIZE = 1e-4  # smallest jump, part of the greatest value
-_POINTS = 20  # at which a law is run in Python before it is compiled
+_JUMP_WIDTH = 1e-9  # m/s or rad/s; a change within a narrower interval is a jump
+_JUMP_SIZE = 1e-4  # smallest jump over the greatest absolute value
+_POINTS = 20  # number of points at which a law is run before it is compiled
 
 _trusted: set[str] = set()  # texts that may be executed in this process
-_files: dict[str, str] = {}  # file of a text that was read from one
-_executed: set[str] = set()  # names under which texts were executed in this process
+_files: dict[str, str] = {}  # file name by text, of texts that were read from a file
+_executed: set[str] = set()  # file names of texts that were executed in this process
 
 
 class UntrustedLaw(InputError):
@@ -76,7 +76,7 @@ class UserFunction:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A worker process may execute the same texts as the process that started it.
-        return _unpickled, (self.as_plain(), self.is_trusted, self._file[1:-1])
+        return _unpickled, (self.as_plain(), self.is_trusted, self._file_name)
 
     @property
     def is_trusted(self) -> bool:
@@ -189,8 +189,13 @@ class UserFunction:
         return names
 
     @property
+    def _file_name(self) -> str:
+        return _files.get(self.source, self.name)
+
+    @property
     def _file(self) -> str:
-        return f"<{_files.get(self.source, self.name)}>"
+        """Name of the text in messages of Python, which marks it as no present file."""
+        return f"<{self._file_name}>"
 
     def _failure(self, error: BaseException) -> str:
         """Return the message of an error with the last line of the text that was executed."""
@@ -204,10 +209,10 @@ class UserFunction:
         self.check_trusted("law")
         return _in_python(self)
 
-    def number(
+    def evaluate(
         self, key: str, allowed: tuple[str, ...], values: dict[str, float]
     ) -> float:
-        """Return the value in plain Python; InputError where it is no finite number."""
+        """Return the value in plain Python; InputError if it is no finite number."""
         arguments = {name: values[name] for name in self.parameters(key, allowed)}
         place = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
         self.check_trusted(key)
@@ -228,37 +233,25 @@ class UserFunction:
     def jump(
         self, name: str, values: dict[str, float]
     ) -> tuple[float, float, float] | None:
-        """Return where the law jumps as one parameter varies from -1 to 1, or None.
+        """Return the first jump of the law as one parameter varies from -1 to 1, or None.
 
-        The place and the values below and above it, with the other parameters held. The
-        interval with a change is halved until the change is spread, as in a steep
-        function, or is a jump.
+        The result is the parameter at the jump, and the values below and above the jump.
+        The other parameters are constant, ``values``. An interval with a change is
+        halved until the change is distributed, as in a steep function, or is a jump.
         """
         used = self.parameters(self.name, (*values, name))
         if name not in used:
             return None
-        function = self.in_python()
-        held = {key: values[key] for key in used if key != name}
-
-        def value(x: float) -> float:
-            try:
-                return float(function(**held, **{name: x}))
-            except (ArithmeticError, ValueError):
-                return math.nan
-            except Exception as error:
-                reason = self._failure(error)
-                raise InputError(
-                    f"{self.name} fails at {name} = {x:g}: {reason}"
-                ) from None
-
+        constant = {key: values[key] for key in used if key != name}
         positive = [10.0 ** (0.25 * k) for k in range(-24, 1)]
-        places = [-x for x in reversed(positive)] + [0.0] + positive
-        sizes = [value(x) for x in places]
-        least = _JUMP_SIZE * max(abs(size) for size in sizes)
-        for (low, below), (high, above) in pairwise(zip(places, sizes, strict=True)):
+        arguments = [-x for x in reversed(positive)] + [0.0] + positive
+        results = [self._result_at(x, name, constant) for x in arguments]
+        least = _JUMP_SIZE * max(abs(result) for result in results)
+        points = zip(arguments, results, strict=True)
+        for (low, below), (high, above) in pairwise(points):
             while abs(above - below) > least and high - low > _JUMP_WIDTH:
                 middle = 0.5 * (low + high)
-                between = value(middle)
+                between = self._result_at(middle, name, constant)
                 if abs(between - below) > abs(above - between):
                     high = middle
                     above = between
@@ -266,11 +259,21 @@ class UserFunction:
                     low = middle
                     below = between
             if abs(above - below) > least:
-                return round(low, 8) + 0.0, below, above  # no negative zero
+                return round(low, 8) + 0.0, below, above  # + 0.0: no negative zero
         return None
 
+    def _result_at(self, x: float, name: str, constant: dict[str, float]) -> float:
+        """Return the value for ``name`` = ``x``, or NaN outside of the range of the law."""
+        try:
+            return float(self.in_python()(**constant, **{name: x}))
+        except (ArithmeticError, ValueError):
+            return math.nan
+        except Exception as error:
+            reason = self._failure(error)
+            raise InputError(f"{self.name} fails at {name} = {x:g}: {reason}") from None
+
     def check_runs(self, key: str, allowed: tuple[str, ...]) -> None:
-        """Raise InputError with the key for a function that fails at one of twenty points.
+        """Raise InputError with the key for a function that fails at one of ``_POINTS`` points.
 
         Arithmetic errors are allowed: a point may lie outside of the range of the law.
         """

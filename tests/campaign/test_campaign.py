@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import presswear as pw
 from presswear.campaign.campaign import run_stage
-from presswear.tools.exudyn import exudyn_module, requested
+from presswear.tools.exudyn import exudyn_module, requested_module
 
 Campaign = tuple[pw.Scene, pw.Result, pw.Result]
 """A scene, its result in memory, and its result on disk."""
@@ -104,7 +104,7 @@ def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign) 
 def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign) -> None:
     """On worn surfaces a pin may graze a bump: with other round-off one of some hundred did."""
     document = json.loads((Path(f"{campaign[2].path}") / "result.json").read_text())
-    exudyn = f"{exudyn_module().config.Version()}, {requested()}"
+    exudyn = f"{exudyn_module().config.Version()}, {requested_module()}"
     assert document["provenance"]["packages"]["exudyn"] == exudyn
     assert document["provenance"]["python"].startswith("3.")
     assert document["wall_s"] > 0.0

@@ -27,7 +27,7 @@ from readme import result_table
 
 import presswear as pw
 from presswear.cli import COMMANDS
-from presswear.cli.parser import joined, parser_for
+from presswear.cli.parser import parser_for, with_joined_command
 from presswear.cli.terminal import parse_settings
 from presswear.recording.columns import DRIVE_CYCLE
 from presswear.results.life import LifeResult
@@ -66,7 +66,7 @@ def test_command_line_is_valid(
     (tmp_path / "laws.py").write_text(TABLES["laws.py"])
     monkeypatch.chdir(tmp_path)
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
-    words = joined(words)
+    words = with_joined_command(words)
     arguments = parser_for(words).parse_args(words)
     scene = getattr(arguments, "scene", None)
     settings = getattr(arguments, "set", None)

@@ -16,7 +16,11 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.normal_law import KELVIN_VOIGT
 from presswear.linkage.surface import Surface
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ledger import Ledger, created_energy, remedy_for_created_energy
+from presswear.physics.ledger import (
+    Ledger,
+    created_energy_message,
+    remedy_for_created_energy,
+)
 from presswear.recording import soundness
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import (
@@ -204,7 +208,7 @@ def test_steep_radial_surfaces_are_named(
     packed = recorder_of(
         linkage, START, Plan(scene.mechanism.period, 1, 1)
     ).records.packed
-    what = created_energy(packed, -1.5, 2.0)
+    what = created_energy_message(packed, -1.5, 2.0)
     assert ("worn surfaces are too steep" in what) == is_steep
     assert "the steps are too coarse" in what
     remedy = remedy_for_created_energy(

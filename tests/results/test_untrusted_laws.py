@@ -131,7 +131,7 @@ def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path: Path) ->
     stored = UserFunction.read("law", {"name": "soft", "source": text})
     assert not stored.is_trusted
     with pytest.raises(UntrustedLaw, match="--trust"):
-        stored.number("law", ("penetration",), {"penetration": 1.0})
+        stored.evaluate("law", ("penetration",), {"penetration": 1.0})
     (tmp_path / "laws.py").write_text(text)
     UserFunction.read("law", f"{tmp_path}/laws.py:soft")
     assert stored.is_trusted

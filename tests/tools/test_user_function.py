@@ -35,7 +35,7 @@ def test_same_text_is_the_same_law(tmp_path: Path) -> None:
         == function
     )
     assert function.parameters("law", KNOWN) == ("b", "a")
-    assert function.number("law", KNOWN, {"a": 3.0, "b": 1.0, "c": 9.0}) == 5.0
+    assert function.evaluate("law", KNOWN, {"a": 3.0, "b": 1.0, "c": 9.0}) == 5.0
     assert str(UserFunction(function.name, function.source + "\n")) != str(function)
 
 
@@ -84,7 +84,7 @@ def test_text_without_law_is_refused_without_execution(source: str, words: str) 
 )
 def test_message_names_the_place_without_number(body: str, words: str) -> None:
     with pytest.raises(InputError, match=words) as refusal:
-        law(body).number("normal_law", KNOWN, {"a": 2.5})
+        law(body).evaluate("normal_law", KNOWN, {"a": 2.5})
     assert "a = 2.5" in str(refusal.value)
 
 
@@ -157,7 +157,7 @@ def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
     text += "def law(a):\n    return a\n"
     function = UserFunction("law", text).trusted()
     for value in range(50):
-        assert function.number("F1", KNOWN, {"a": value}) == value
+        assert function.evaluate("F1", KNOWN, {"a": value}) == value
     check_compiles(function, "F1", KNOWN)
     compile_function(function, KNOWN)
     assert log.read_text() == "xx"

@@ -36,7 +36,7 @@ from presswear.physics.equations.writer import (
 )
 from presswear.physics.ledger import (
     Ledger,
-    created_energy,
+    created_energy_message,
     remedy_for_created_energy,
     stored_energy,
 )
@@ -299,7 +299,7 @@ class _Solver:
         is_settled = self.recorder.nominal_time > self.plan.settled
         loss = float(self.energies[CONTACT_LOSS])
         exchange = float(self.energies[DRIVE_EXCHANGE])
-        message = created_energy(packed, loss, exchange) if is_settled else ""
+        message = created_energy_message(packed, loss, exchange) if is_settled else ""
         if message:
             return Finding(
                 "energy", message, time, "", remedy_for_created_energy(packed, REMEDY)

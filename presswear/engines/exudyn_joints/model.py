@@ -67,24 +67,22 @@ def add_bodies(
             initialCoordinates=list(start.position[3 * i : 3 * i + 3]),
             initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
         )
-        inertia = body.effective_inertia
         bodies[body.name] = rigid = add(
             system,
             "Object",
             "RigidBody2D",
             mass=body.mass,
-            inertia=inertia,
+            inertia=body.effective_inertia,
             nodeNumber=node,
         )
         if linkage.gravity != 0.0:
             marker = add(system, "Marker", "BodyMass", bodyNumber=rigid)
-            weight = [0.0, -linkage.gravity, 0.0]
             add(
                 system,
                 "Load",
                 "MassProportional",
                 markerNumber=marker,
-                loadVector=weight,
+                loadVector=[0.0, -linkage.gravity, 0.0],  # acceleration, m/s^2
             )
     return nodes, bodies
 
@@ -132,9 +130,9 @@ class _Model:
         self.linkage = linkage
         self.nodes = nodes
         self.bodies = bodies
-        still = add(system, "Node", "PointGround")
+        frame = add(system, "Node", "PointGround")
         self.fixed = add(
-            system, "Marker", "NodeCoordinate", nodeNumber=still, coordinate=0
+            system, "Marker", "NodeCoordinate", nodeNumber=frame, coordinate=0
         )
 
     def _marker_at(self, point: Attachment) -> Any:
@@ -164,6 +162,7 @@ class _Model:
 
     def add_guide(self, guide: Guide) -> Any:
         """Add a guide without clearance."""
+        # Direction of the normal in the frame of the slide, which has the angle of the guide
         normal = guide.direction - guide.angle + 0.5 * math.pi
         return add(
             self.system,
@@ -190,7 +189,7 @@ class _Model:
         markers = [self.fixed, driven]
         speed: dict[str, Any] = {"offset": drive.speed}
         if isinstance(drive, GearedDrive):
-            # Exudyn has a factor of the second marker only.
+            # ``factor1`` multiplies the coordinate of the second marker.
             markers = [driven, self._marker_of(drive.leader, 2)]
             factor = drive.ratio
             speed = {"offset": 0.0}

@@ -84,7 +84,7 @@ class ClearanceContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return 0: the elastic energies of contacts are in the memory of the joints."""
+        """Return 0: ``ledger.stored_energy`` adds the elastic energies of contacts."""
         return 0.0
 
     def write(self, page: Page) -> None:
@@ -112,7 +112,7 @@ class ContactText(MotionText):
         A user law may have a larger force while the pin leaves than while it approaches.
         The radial force on a worn profile is not the gradient of an energy.
         """
-        return self.is_worn or self.joint.round_normal.user_law is not None
+        return self.uses_kernel or self.joint.round_normal.user_law is not None
 
     @property
     def title(self) -> str:
@@ -170,15 +170,15 @@ class ContactText(MotionText):
         """Write the motion of the pin, the forces, and the record at the end of a step."""
         text = self.text
         self.write_motion()
-        if self.is_worn:
-            self._write_worn()
+        if self.uses_kernel:
+            self._write_kernel_call()
         else:
-            self._write_round()
+            self._write_penetration()
         sliding = self.write_sliding()
         is_closed = f"{self.value('penetration')} > {ZERO}"
         self.friction.write_state(sliding, is_closed)
         with text.block(f"if {is_closed}:"):
-            if not self.is_worn:
+            if not self.uses_kernel:
                 elastic = self.normal_law.elastic()
                 text.write(f"{self.value('elastic')} = {elastic}")
             with text.block(f"if {onset} >= {ZERO}:"):
@@ -186,8 +186,8 @@ class ContactText(MotionText):
         with text.block("if level == END:"):
             self._write_record()
 
-    def _write_round(self) -> None:
-        """Write the contact of round surfaces, in the direction of the eccentricity."""
+    def _write_penetration(self) -> None:
+        """Write penetration and contact point of round surfaces, along the eccentricity."""
         joint = self.joint
         size = self.value("eccentricity")
         clearance = self.parameter("clearance", joint.clearance)
@@ -220,7 +220,7 @@ class ContactText(MotionText):
         component = f"{quotient} if {size} > {ZERO} else {centred}"
         self.fields[f"normal_{axis}"] = self.let(f"normal_{axis}", component)
 
-    def _write_worn(self) -> None:
+    def _write_kernel_call(self) -> None:
         """Write the call of the kernel for worn surfaces."""
         self.fields["turning"] = self.turning()
         contact = self.let("contact", f"data.contacts[{self.number}]")
@@ -260,7 +260,7 @@ class ContactText(MotionText):
         """Write the moments about both mass centres of a force at one common point."""
         radius = normal.times(self.value("pin_arm"))
         couple = ZERO
-        if self.is_worn and self.record["foundation"] > 0.0:
+        if self.uses_kernel and self.record["foundation"] > 0.0:
             # The elastic force is zero at a penetration of some 1e-19 m, by underflow.
             elastic = self.value("elastic")
             scaled = f"{normal_force} / {elastic} * {self.value('couple')}"
@@ -268,12 +268,12 @@ class ContactText(MotionText):
             couple = self.let("couple_moment", scaled)
         if self.pin.index >= 0:
             point = self.pin_arm.plus(radius)
-            point = self.text.let_vector(self.name("pin_point"), point)
+            point = self.let_vector("pin_point", point)
             moment = total(point.cross(force), couple)
             self.text.write(f"{self.name('pin_moment')} = {moment}")
         if self.bearing.index >= 0:
             point = self._bearing_point(radius)
-            point = self.text.let_vector(self.name("bearing_point"), point)
+            point = self.let_vector("bearing_point", point)
             moment = negative(total(point.cross(force), couple))
             self.text.write(f"{self.name('bearing_moment')} = {moment}")
 
@@ -296,7 +296,7 @@ class ContactText(MotionText):
             return
         created = self.name("created")
         write(f"{created} = -min({damping_power}, {ZERO})")
-        if self.is_worn:
+        if self.uses_kernel:
             # The radial force of a worn profile does work at the rate of ``approach``, its
             # elastic energy changes at the rate of ``closing``.
             power = product(normal_force, difference(self.value("approach"), closing))
@@ -305,17 +305,17 @@ class ContactText(MotionText):
 
     def _write_record(self) -> None:
         """Write the contact for the recorder."""
-        if not self.is_worn:
+        if not self.uses_kernel:
             self.fields["turning"] = self.turning()
             law = f"data.joints[{self.number}].normal"
             energy = f"elastic_of({law}, {self.value('penetration')})[1]"
             self.fields["energy"] = self.let("elastic_energy", energy)
         contact = self.name("contact")
-        if not self.is_worn:
+        if not self.uses_kernel:
             self.text.write(f"{contact} = data.contacts[{self.number}]")
         self.fields["normal"] = self.name("normal_force")
         self.fields["tangential"] = self.name("friction_force")
         for field, value in self.fields.items():
-            if self.is_worn and field in _FIELDS_OF_KERNELS:
+            if self.uses_kernel and field in _FIELDS_OF_KERNELS:
                 continue
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")

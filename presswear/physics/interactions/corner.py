@@ -1,16 +1,17 @@
 """Contact of a corner of a slide with a wall of its guide.
 
-m is the direction of the guide turned by +90 degrees, sigma = 1 on the left wall and -1
-on the right one, and n = sigma m points into the wall. A corner r stands at e = ((r -
-r_0) . n) n from a point r_0 at half the width of the slide beside the middle of the
-guide, and presses on the wall by delta = |e| - c. Four corners let the slide tilt.
+The normal n points into the wall: it is the direction d of the guide, rotated by +90
+degrees for the left wall and by -90 degrees for the right one. The point r_0 is half
+the width of the slide beside the middle of the guide. The corner has the position r, the
+eccentricity e = ((r - r_0) . n) n, and with the clearance c the penetration delta = |e| - c.
+With four corners the slide can tilt.
 
-A worn wall lies deeper by h(s) at the place s = (r - r_0) . d along the direction d of
-the guide: delta = |e| - c - h(s). The force is the gradient of the elastic energy, along
-n - h' d, so that a worn wall creates no energy.
+A worn wall has the depth h(s) at the position s = (r - r_0) . d along the guide, and the
+penetration is delta = |e| - c - h(s). The force is the gradient of the elastic energy,
+parallel to n - (dh/ds) d, so that a worn wall creates no energy.
 
-Point and directions of walls on a moving body are those in its frame. The rate of delta
-is v . n with the velocity v of the corner relative to this body, at the same place.
+If a body carries the wall, r_0, n and d are fixed in this body. The rate of delta is
+v . n, with the velocity v of the corner relative to the point of the body at the corner.
 """
 
 import math
@@ -42,9 +43,9 @@ class CornerContact:
 
     joint: GuideCorner
     record: Records  # of JOINT
-    number: int  # among the clearance joints
+    number: int  # index among the clearance joints
 
-    # Beside the kernels that a clearance joint calls
+    # The kernels of ``ClearanceContact`` are called, too.
     kernels: ClassVar[Kernels] = (wall_profile,)
 
     @classmethod
@@ -78,8 +79,8 @@ class _CornerText(ContactText):
     joint: GuideCorner
 
     @property
-    def is_worn(self) -> bool:
-        """False, because these equations contain the worn wall, unlike those of a worn pin."""
+    def uses_kernel(self) -> bool:
+        """False: the penetration of a worn wall is written as a formula."""
         return False
 
     @property
@@ -110,15 +111,15 @@ class _CornerText(ContactText):
 
     @cached_property
     def _wall_arm(self) -> Vector:
-        """Position of the corner from the mass centre of the body with the wall."""
+        """Vector from the mass centre of the body with the wall to the corner."""
         corner = self.pin.position.plus(self.pin_arm)
         if not self.is_moving:
             return corner
         arm = corner.minus(self.bearing.position)
-        return self.text.let_vector(self.name("wall_arm"), arm)
+        return self.let_vector("wall_arm", arm)
 
     def _from_wall(self) -> Vector:
-        """Return the position of the corner from the point beside the middle of the guide."""
+        """Return r - r_0."""
         return self._wall_arm.minus(self.bearing_arm)
 
     def _fixed_normal(self) -> Vector:
@@ -138,7 +139,7 @@ class _CornerText(ContactText):
         if not self.is_moving:
             return normal
         normal = rotated(normal, *self.bearing.axis)
-        return self.text.let_vector(self.name("normal"), normal)
+        return self.let_vector("normal", normal)
 
     def write_motion(self) -> None:
         """Write distance and velocity of the corner along the normal of the wall."""
@@ -146,6 +147,7 @@ class _CornerText(ContactText):
         arm = self.pin_arm
         normal = self._wall_normal
         self.set_fields("normal", normal)
+        # Component of the eccentricity along n
         across = self.let("across", normal.dot(self._from_wall()))
         velocity = slide.velocity_at(arm)
         if self.is_moving:
@@ -153,16 +155,19 @@ class _CornerText(ContactText):
             velocity = velocity.minus(wall.velocity_at(self._wall_arm))
             self.fields |= {"bearing_angle": wall.angle, "bearing_spin": wall.omega}
             self.set_fields("bearing_lever", self._wall_arm)
-        velocity = self.text.let_vector(self.name("velocity"), velocity)
+        velocity = self.let_vector("velocity", velocity)
         name = "rate_across" if self.has_profile else "rate"
         rate = self.let(name, normal.dot(velocity))
-        self.fields |= {"across": across, "rate_across": rate, "rate": rate}
+        # ``across`` and ``rate_across`` are no fields of CONTACT: ``_write_record`` uses them.
+        self.fields |= {"across": across, "rate_across": rate}
+        # A worn wall replaces this rate of the penetration in ``_write_profile``.
+        self.fields["rate"] = rate
         self.fields["is_flat"] = ONE
         self.fields |= {"pin_angle": slide.angle, "pin_spin": slide.omega}
         self.set_fields("pin_lever", arm)
         self.set_fields("velocity", velocity)
 
-    def _write_round(self) -> None:
+    def _write_penetration(self) -> None:
         """Write the penetration, and the contact point at half of the penetration."""
         clearance = self.parameter("clearance", self.joint.clearance)
         penetration = difference(self.value("across"), clearance)
@@ -171,15 +176,17 @@ class _CornerText(ContactText):
         penetration = self.let("penetration", penetration)
         self.fields["penetration"] = penetration
         arm = self.let("pin_arm", f"-0.5 * max({penetration}, {ZERO})")
-        self.fields |= {"pin_arm": arm, "elastic": self.name("elastic_force")}
+        self.fields["pin_arm"] = arm
         if self.is_moving:
             self.fields["bearing_arm"] = arm
         rate = self.value("rate")
-        self.fields |= dict.fromkeys(("approach", "closing"), rate)
+        self.fields["approach"] = rate
+        self.fields["closing"] = rate
+        self.fields["elastic"] = self.name("elastic_force")
         self.text.write(f"{self.name('elastic_force')} = {ZERO}")
 
     def _write_profile(self) -> str:
-        """Write the gradient of the penetration and its rate; return the depth of the wall."""
+        """Write gradient and rate of the penetration; return the wear depth h of the wall."""
         self._write_place()
         depth = self.name("wall_depth")
         slope = self.name("wall_slope")
@@ -188,7 +195,7 @@ class _CornerText(ContactText):
         call = f"wall_profile(data.joints[{k}], data.surfaces[{k}], {place})"
         self.text.write(f"{depth}, {slope}, _ = {call}")
         gradient = self._wall_normal.minus(self._guide_direction().times(slope))
-        gradient = self.text.let_vector(self.name("gradient"), gradient)
+        gradient = self.let_vector("gradient", gradient)
         self.set_fields("normal", gradient)
         rate = gradient.dot(self.vector("velocity"))
         self.fields["rate"] = self.let("rate", rate)
@@ -205,18 +212,18 @@ class _CornerText(ContactText):
     def _guide_direction(self) -> Vector:
         """Return d, the direction of the guide."""
         normal = self._wall_normal
-        turned = Vector(normal.y, negative(normal.x))
-        return turned.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
+        rotated_normal = Vector(normal.y, negative(normal.x))  # by -90 degrees
+        return rotated_normal.times(ONE if self.joint.side > 0.0 else f"-{ONE}")
 
     def _write_place(self) -> None:
-        """Write the position of the corner along the guide, from the point of the guide."""
+        """Write the position s of the corner along the guide."""
         along = self._guide_direction().dot(self._from_wall())
         self.fields["place"] = self.let("along", along)
 
     def _write_record(self) -> None:
         """Write the contact for the recorder.
 
-        Eccentricity and velocity along n are vectors in the frame of the body with the wall.
+        Eccentricity and velocity are recorded in the frame of the body with the wall.
         """
         if self.wears and not self.has_profile:
             self._write_place()

@@ -1,4 +1,4 @@
-"""Motion of a pin relative to its bearing, as text of the equations of a joint."""
+"""Motion of a pin relative to its bearing, written into the equations of a joint."""
 
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.physics.contact import CONTACT
@@ -10,12 +10,8 @@ from presswear.tools.compile import Records
 FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 
 
-class MotionText:
-    """Writer of the motion of a pin in its bearing.
-
-    ``fields`` has the expression, or the name of the variable, of each field of CONTACT
-    that has been written.
-    """
+class JointText:
+    """Writer of the equations of a clearance joint, whose variables begin with its name."""
 
     def __init__(
         self, page: Page, joint: ClearanceJoint, record: Records, number: int
@@ -31,17 +27,6 @@ class MotionText:
         self.pin = page.chain.of(joint.pin.body)
         self.bearing_arm = self.bearing.arm(text, joint.bearing, self.prefix)
         self.pin_arm = self.pin.arm(text, joint.pin, self.prefix)
-        self.fields: dict[str, str] = {}
-
-    @property
-    def is_worn(self) -> bool:
-        """True if a kernel for worn surfaces fills in the contact."""
-        return bool(self.record["surface_bins"] > 0)
-
-    @property
-    def onset_floor(self) -> str:
-        """Name of the lower limit of the closing speed in the damping law."""
-        return "ONSET_SPEED_FLOOR"
 
     def name(self, word: str) -> str:
         """Return the name of a variable of the joint."""
@@ -51,9 +36,37 @@ class MotionText:
         """Assign an expression to a variable of the joint."""
         return self.text.let(self.name(word), expression)
 
+    def let_vector(self, word: str, vector: Vector) -> Vector:
+        """Assign both components of a vector to variables of the joint."""
+        return self.text.let_vector(self.name(word), vector)
+
     def parameter(self, word: str, value: float) -> str:
         """Return the name of a number of the joint."""
         return self.text.parameter(self.name(word), value)
+
+
+class MotionText(JointText):
+    """Writer of the motion of a pin in its bearing.
+
+    ``fields`` has the expression, or the name of the variable, of each field of CONTACT
+    that has been written.
+    """
+
+    def __init__(
+        self, page: Page, joint: ClearanceJoint, record: Records, number: int
+    ) -> None:
+        super().__init__(page, joint, record, number)
+        self.fields: dict[str, str] = {}
+
+    @property
+    def uses_kernel(self) -> bool:
+        """True if a kernel for worn surfaces computes the penetration."""
+        return bool(self.record["surface_bins"] > 0)
+
+    @property
+    def onset_floor(self) -> str:
+        """Name of the lower limit of the closing speed in the damping law."""
+        return "ONSET_SPEED_FLOOR"
 
     def value(self, word: str) -> str:
         """Return the expression of a field of CONTACT."""
@@ -65,15 +78,14 @@ class MotionText:
 
     def write_motion(self) -> None:
         """Write position and velocity of the pin relative to the bearing."""
-        text = self.text
         pin = self.pin
         bearing = self.bearing
         centre = bearing.position.plus(self.bearing_arm)
         eccentricity = pin.position.plus(self.pin_arm).minus(centre)
-        eccentricity = text.let_vector(self.name("eccentricity"), eccentricity)
+        eccentricity = self.let_vector("eccentricity", eccentricity)
         bearing_velocity = bearing.velocity_at(self.bearing_arm)
         velocity = pin.velocity_at(self.pin_arm).minus(bearing_velocity)
-        velocity = text.let_vector(self.name("velocity"), velocity)
+        velocity = self.let_vector("velocity", velocity)
         length = f"math.sqrt({eccentricity.dot(eccentricity)})"
         self.fields["eccentricity"] = self.let("eccentricity", length)
         self.set_fields("eccentricity", eccentricity)

@@ -19,7 +19,7 @@ class LoadWithLaw:
 
     load: Force | Moment
     record: Records  # of LOAD
-    number: int  # among the loads with a law
+    number: int  # index among the loads with a law
 
     kernels: ClassVar[Kernels] = (load_size,)
 
@@ -61,6 +61,7 @@ class LoadWithLaw:
             position = direction.dot(link.position.plus(arm))
             speed = direction.dot(link.velocity_at(arm))
         else:
+            # The direction of a moment is 1 or -1, and is stored in x.
             position = product(direction.x, link.angle)
             speed = product(direction.x, link.omega)
         position = text.let(f"{prefix}_position", difference(position, zero))

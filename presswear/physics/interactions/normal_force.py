@@ -1,4 +1,4 @@
-"""Normal force of a contact, as text of the equations of a joint."""
+"""Normal force of a contact, written into the equations of a joint."""
 
 from presswear.physics.equations.text import ONE, ZERO, product
 from presswear.physics.friction_and_normal import (

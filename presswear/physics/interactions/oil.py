@@ -1,12 +1,15 @@
 """Oil between a pin and its bearing: a film without mass in series with the elastic contact.
 
-The place e_f of the pin on a rigid film is a state. The elastic contact is stretched by
-u = e - e_f, and its force F = -F_e u / |u| - D u' on the pin is that of the film and of
-the asperities together. The film's part gives the rate of e_f in closed form.
+The eccentricity e of the pin is the sum of the eccentricity e_f on a film between rigid
+surfaces, which is a state of the equations, and of the deformation u = e - e_f of the
+elastic contact. The force of the contact on the pin is F = -F_e u / |u| - D u', equal to
+the sum of the forces of film and asperities. The force of the film gives e_f' in closed
+form.
 
-Velocities are those in a frame that turns at half the sum S of the speeds of pin and
-bearing. Each body bears half of the couple e x F, so that the power is that of F there.
-The mean of both speeds draws no oil in there.
+Velocities are relative to a frame that rotates at the mean of the angular velocities of
+pin and bearing: there both surfaces move oppositely, and their motion alone draws no oil
+into the gap. Each body takes half of the couple e x F. The power of all forces is then
+that of F on the velocities in this frame.
 """
 
 import math
@@ -16,7 +19,7 @@ from typing import ClassVar, NamedTuple, Self
 
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage, place_of
-from presswear.physics.contact import CONTACT
+from presswear.linkage.oil import Oil
 from presswear.physics.equations.layout import State
 from presswear.physics.equations.text import (
     ONE,
@@ -29,14 +32,13 @@ from presswear.physics.equations.text import (
 )
 from presswear.physics.friction_and_normal import elastic_of
 from presswear.physics.interactions.friction import FrictionWithoutState
+from presswear.physics.interactions.joint_motion import FIELDS, JointText
 from presswear.physics.interactions.page import Kernels, Page
 from presswear.physics.mixed_lubrication import DECAY, shear_moment
 from presswear.physics.oil_film import OilFilm, film_of, film_velocity
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled
-
-FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 
 # Least gap over the clearance in the formulas of the film, far below any roughness
 THINNEST = 1e-6
@@ -159,11 +161,11 @@ def start_on_film(
 
 @dataclass(frozen=True)
 class OiledContact:
-    """The contact of an oiled joint, as text: always closed, without events."""
+    """Contact of an oiled joint for the equations: always closed, without events."""
 
     joint: ClearanceJoint
     record: Records  # of JOINT
-    number: int  # among the clearance joints
+    number: int  # index among the clearance joints
 
     kernels: ClassVar[Kernels] = (
         OilFilm,
@@ -193,210 +195,204 @@ class OiledContact:
 
     @classmethod
     def stored_energy(cls, linkage: Linkage, position: Array) -> float:
-        """Return 0: the elastic energies of contacts are in the memory of the joints."""
+        """Return 0: ``ledger.stored_energy`` adds the elastic energies of contacts."""
         return 0.0
 
     def write(self, page: Page) -> None:
-        """Write the rate of e_f, the forces on both bodies, powers, and the dose of wear."""
-        text = page.text
-        joint = self.joint
-        prefix = text.prefix(joint.name)
-        text.comment(f"{joint.name}: oiled pin of {joint.pin.body}")
-        ends = joint.bearing, joint.pin
-        place, velocity = page.chain.relative_motion(text, ends, prefix)
-        axes = self._declare_film(page, prefix)
-        film = text.let_vector(f"{prefix}_film", Vector(*(f"y[{i}]" for i in axes)))
-        elastic = self._write_elastic(page, prefix, place.minus(film))
-        pin = page.chain.of(joint.pin.body)
-        bearing = page.chain.of(joint.bearing.body)
-        mean = product("0.5", total(pin.omega, bearing.omega))
-        mean = text.let(f"{prefix}_mean_speed", mean)
-        velocity = velocity.minus(place.rotated_at(mean))
-        velocity = text.let_vector(f"{prefix}_velocity", velocity)
-        resistance = elastic.minus(velocity.times(f"{prefix}_damping"))
-        film_velocity = self._write_film_velocity(page, prefix, film, resistance)
+        """Write the rate of e_f, the forces on both bodies, powers, and the rate of wear."""
+        _OilText(page, self.joint, self.record, self.number).write()
+
+
+class _OilText(JointText):
+    """Writer of the equations of an oiled joint."""
+
+    def write(self) -> None:
+        """Write the rate of e_f, the forces on both bodies, powers, and the rate of wear."""
+        text = self.text
+        page = self.page
+        text.comment(f"{self.joint.name}: oiled pin of {self.joint.pin.body}")
+        ends = self.joint.bearing, self.joint.pin
+        eccentricity, velocity = page.chain.relative_motion(text, ends, self.prefix)
+        indices = self._declare_film()
+        film = self.let_vector("film", Vector(*(f"y[{i}]" for i in indices)))
+        elastic = self._write_elastic(eccentricity.minus(film))
+        mean = product("0.5", total(self.pin.omega, self.bearing.omega))
+        mean = self.let("mean_speed", mean)
+        velocity = velocity.minus(eccentricity.rotated_at(mean))
+        velocity = self.let_vector("velocity", velocity)
+        film_velocity = self._write_film_velocity(film, velocity, elastic)
         rate = film_velocity.plus(film.rotated_at(mean))
-        rate = text.let_vector(f"{prefix}_film_rate", rate)
-        for i, component in zip(axes, rate, strict=True):
+        rate = self.let_vector("film_rate", rate)
+        for i, component in zip(indices, rate, strict=True):
             text.write(f"out[{i}] = {component}")
         stretching = velocity.minus(film_velocity)
-        stretching = text.let_vector(f"{prefix}_stretching", stretching)
-        force = elastic.minus(stretching.times(f"{prefix}_damping"))
-        force = text.let_vector(f"{prefix}_force", force)
-        moment, friction_loss = self._write_friction(page, prefix, f"{film.dot(film)}")
-        self._add_forces(page, prefix, place, force, moment)
-        damped = product(f"{prefix}_damping", stretching.dot(stretching))
+        stretching = self.let_vector("stretching", stretching)
+        force = elastic.minus(stretching.times(self.name("damping")))
+        force = self.let_vector("force", force)
+        moment, friction_loss = self._write_friction(film)
+        self._add_forces(eccentricity, force, moment)
+        damped = product(self.name("damping"), stretching.dot(stretching))
         loss = difference(damped, force.dot(film_velocity))
-        loss = text.let(f"{prefix}_loss", loss)
+        loss = self.let("loss", loss)
         page.add_power("contact_loss", loss)
         page.add_power("friction_loss", friction_loss)
         with text.block("if level == END:"):
-            losses = total(loss, friction_loss)
-            self._write_record(page, prefix, (film, rate, force), losses)
+            self._write_record(film, rate, force, total(loss, friction_loss))
 
     def _write_film_velocity(
-        self, page: Page, prefix: str, film: Vector, resistance: Vector
+        self, film: Vector, velocity: Vector, elastic: Vector
     ) -> Vector:
-        """Write e_f' in the turning frame; ``resistance`` is the force at e_f' = 0."""
-        text = page.text
-        clearance = text.parameter(f"{prefix}_clearance", self.joint.clearance)
-        chord = f"chord_of({prefix}_stretch, {clearance})"
+        """Write e_f' in the rotating frame."""
+        clearance = self.parameter("clearance", self.joint.clearance)
+        damping = self.name("damping")
+        # Force on the pin for e_f' = 0
+        force = elastic.minus(velocity.times(damping))
+        chord = f"chord_of({self.name('stretch')}, {clearance})"
         arguments = (
             f"({film.x}, {film.y})",
-            f"({resistance.x}, {resistance.y})",
-            f"({chord}, {prefix}_damping, {prefix}_relaxation)",
-            self._bearing(page, prefix),
+            f"({force.x}, {force.y})",
+            f"({chord}, {damping}, {self.name('relaxation')})",
+            self._parameters(),
         )
         call = f"film_velocity_of({', '.join(arguments)})"
-        velocity = Vector(f"{prefix}_film_velocity_x", f"{prefix}_film_velocity_y")
-        text.write(f"{velocity.x}, {velocity.y}, {prefix}_rough = {call}")
-        return velocity
+        result = Vector(self.name("film_velocity_x"), self.name("film_velocity_y"))
+        self.text.write(f"{result.x}, {result.y}, {self.name('rough')} = {call}")
+        return result
 
-    def _declare_film(self, page: Page, prefix: str) -> list[int]:
-        """Declare the place on the film; return the places of its coordinates in ``y``."""
-        places = []
+    def _declare_film(self) -> list[int]:
+        """Declare both coordinates of e_f as states; return their indices in ``y``."""
+        indices = []
         for i, axis in enumerate("xy"):
             state = State(
-                name=f"{prefix}_film_{axis}",
+                name=self.name(f"film_{axis}"),
                 scale=SCALE * self.joint.clearance,
-                at_start=partial(start_on_film, page.chain.linkage, self.joint, i),
+                at_start=partial(start_on_film, self.page.chain.linkage, self.joint, i),
             )
-            places.append(page.add_state(state))
-        return places
+            indices.append(self.page.add_state(state))
+        return indices
 
-    def _write_elastic(self, page: Page, prefix: str, stretch: Vector) -> Vector:
-        """Write damping and elastic force on the pin, against the stretch of the contact."""
-        text = page.text
-        oil = self.joint.oil
-        assert oil is not None
-        stretch = text.let_vector(f"{prefix}_stretch", stretch)
-        size = text.let(f"{prefix}_stretch", f"math.sqrt({stretch.dot(stretch)})")
+    def _write_elastic(self, deformation: Vector) -> Vector:
+        """Write the damping of the contact; return the elastic force on the pin."""
+        text = self.text
+        deformation = self.let_vector("stretch", deformation)
+        size = self.let("stretch", f"math.sqrt({deformation.dot(deformation)})")
+        elastic = self.name("elastic")
+        energy = self.name("energy")
         law = f"elastic_of(data.joints[{self.number}].normal, {size})"
-        text.write(f"{prefix}_elastic, {prefix}_energy = {law}")
+        text.write(f"{elastic}, {energy} = {law}")
         mass = float(self.record["effective_mass"])
         # Between two prescribed bodies nothing oscillates.
-        mass_text = text.parameter(
-            f"{prefix}_mass", mass if math.isfinite(mass) else 0.0
-        )
-        ratio = text.parameter(f"{prefix}_damping_ratio", oil.damping_ratio)
-        sizes = f"{prefix}_elastic, {prefix}_energy, {mass_text}, {ratio}"
-        call = f"contact_damping({sizes})"
-        text.write(f"{prefix}_damping, {prefix}_relaxation = {call}")
-        quotient = f"{prefix}_elastic / {size} if {size} > {ZERO} else {ZERO}"
-        factor = text.let(f"{prefix}_factor", quotient)
-        return text.let_vector(f"{prefix}_pull", stretch.times(f"-{factor}"))
+        mass = self.parameter("mass", mass if math.isfinite(mass) else 0.0)
+        ratio = self.parameter("damping_ratio", self._oil.damping_ratio)
+        call = f"contact_damping({elastic}, {energy}, {mass}, {ratio})"
+        text.write(f"{self.name('damping')}, {self.name('relaxation')} = {call}")
+        factor = f"{elastic} / {size} if {size} > {ZERO} else {ZERO}"
+        factor = self.let("factor", factor)
+        return self.let_vector("pull", deformation.times(f"-{factor}"))
 
-    def _add_forces(
-        self, page: Page, prefix: str, place: Vector, force: Vector, moment: str
-    ) -> None:
-        """Add force and moment to those on both bodies, the force at the middle of e."""
-        text = page.text
-        joint = self.joint
-        pin = page.chain.of(joint.pin.body)
-        bearing = page.chain.of(joint.bearing.body)
-        couple = text.let(f"{prefix}_couple", place.cross(force))
-        pin.add_force(pin.arm(text, joint.pin, prefix), force)
-        arm = bearing.arm(text, joint.bearing, prefix)
-        bearing.add_force(arm, force.times(f"-{ONE}"))
+    def _add_forces(self, eccentricity: Vector, force: Vector, moment: str) -> None:
+        """Add force and moment to those on both bodies, the force in the middle of e."""
+        couple = self.let("couple", eccentricity.cross(force))
         half = product("0.5", couple)
-        pin.moments.append(difference(moment, half))
-        bearing.moments.append(negative(total(moment, half)))
+        self.pin.add_force(self.pin_arm, force)
+        self.bearing.add_force(self.bearing_arm, force.times(f"-{ONE}"))
+        self.pin.moments.append(difference(moment, half))
+        self.bearing.moments.append(negative(total(moment, half)))
 
-    def _bearing(self, page: Page, prefix: str) -> str:
-        """Return the parameters of the bearing."""
+    def _parameters(self) -> str:
+        """Return the expression of the parameters of the bearing."""
         joint = self.joint
-        oil = self.joint.oil
-        assert oil is not None
+        oil = self._oil
         film = film_of(
             joint.width / oil.films,
             joint.bearing_radius,
             joint.clearance,
             oil.viscosity,
         )
-        text = page.text
-        ratio = text.parameter(f"{prefix}_width_ratio", film.width_ratio)
-        film_size = text.parameter(f"{prefix}_film_size", oil.films * film.size)
-        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
-        size = oil.asperity_pressure * joint.width * joint.bearing_radius
-        asperity_size = text.parameter(f"{prefix}_asperity_size", size)
-        roughness = text.parameter(f"{prefix}_roughness", oil.roughness)
-        film_text = f"OilFilm({ratio}, {film_size})"
-        return f"OiledBearing({film_text}, {clearance}, {asperity_size}, {roughness})"
+        asperity_size = oil.asperity_pressure * joint.width * joint.bearing_radius
+        ratio = self.parameter("width_ratio", film.width_ratio)
+        film_size = self.parameter("film_size", oil.films * film.size)
+        arguments = (
+            f"OilFilm({ratio}, {film_size})",
+            self.parameter("clearance", joint.clearance),
+            self.parameter("asperity_size", asperity_size),
+            self.parameter("roughness", oil.roughness),
+        )
+        return f"OiledBearing({', '.join(arguments)})"
 
-    def _write_friction(self, page: Page, prefix: str, square: str) -> tuple[str, str]:
-        """Write shear and friction of asperities.
+    @property
+    def _oil(self) -> Oil:
+        """Oil of the joint."""
+        assert self.joint.oil is not None
+        return self.joint.oil
 
-        Returns the moment on the pin, and the power that both take.
-        """
-        text = page.text
-        joint = self.joint
-        oil = self.joint.oil
-        assert oil is not None
-        pin = page.chain.of(joint.pin.body)
-        bearing = page.chain.of(joint.bearing.body)
-        spin = text.let(f"{prefix}_spin", difference(pin.omega, bearing.omega))
-        radius = text.parameter(f"{prefix}_radius", joint.bearing_radius)
-        width = text.parameter(f"{prefix}_width", joint.width)
-        viscosity = text.parameter(f"{prefix}_viscosity", oil.viscosity)
-        clearance = text.parameter(f"{prefix}_clearance", joint.clearance)
-        gap = f"max(1.0 - math.sqrt({square}) / {clearance}, {THINNEST})"
+    def _write_shear(self, film: Vector, spin: str) -> str:
+        """Write the moment of the sheared oil against the rotation of the pin."""
+        radius = self.parameter("radius", self.joint.bearing_radius)
+        width = self.parameter("width", self.joint.width)
+        viscosity = self.parameter("viscosity", self._oil.viscosity)
+        clearance = self.parameter("clearance", self.joint.clearance)
+        gap = f"max(1.0 - math.sqrt({film.dot(film)}) / {clearance}, {THINNEST})"
         sizes = f"({width}, {radius}, {clearance})"
         call = f"shear_moment({gap}, {spin}, {viscosity}, {sizes})"
-        shear = text.let(f"{prefix}_shear", call)
-        sliding = text.let(f"{prefix}_sliding", product(radius, spin))
+        return self.let("shear", call)
+
+    def _write_friction(self, film: Vector) -> tuple[str, str]:
+        """Write the shear of the oil and the friction of asperities.
+
+        Returns the moment on the pin, and the power of both losses.
+        """
+        joint = self.joint
+        spin = self.let("spin", difference(self.pin.omega, self.bearing.omega))
+        shear = self._write_shear(film, spin)
+        radius = self.parameter("radius", joint.bearing_radius)
+        sliding = self.let("sliding", product(radius, spin))
+        rough = self.name("rough")
         if joint.wear is not None:
-            page.set_dose(self.number, "work", f"{prefix}_rough * abs({sliding})")
+            self.page.set_dose(self.number, "work", f"{rough} * abs({sliding})")
         if joint.friction.coefficient == 0.0:
-            text.write(f"{prefix}_friction = {ZERO}")
+            self.text.write(f"{self.name('friction')} = {ZERO}")
             return f"-{shear}", product(shear, spin)
         law = FrictionWithoutState(
-            page, prefix, joint.friction, self.record["friction"]
+            self.page, self.prefix, joint.friction, self.record["friction"]
         )
         law.write_state(sliding, ONE)
-        friction = text.let(f"{prefix}_friction", law.force(f"{prefix}_rough"))
-        moment = text.let(f"{prefix}_moment", f"{radius} * {friction} - {shear}")
+        friction = self.let("friction", law.force(rough))
+        moment = self.let("moment", f"{radius} * {friction} - {shear}")
         return moment, difference(product(shear, spin), product(friction, sliding))
 
     def _write_record(
-        self,
-        page: Page,
-        prefix: str,
-        vectors: tuple[Vector, Vector, Vector],
-        loss: str,
+        self, film: Vector, rate: Vector, force: Vector, loss: str
     ) -> None:
         """Write the contact for the recorder: the eccentricity is that on the rigid film.
 
-        ``vectors`` are e_f, its rate and the force, and ``loss`` is the power that the joint
-        takes, W. Asperities bear where the film is least, over the arc of the elastic contact.
-        As in a dry joint, the length of the arc follows from the clearance and the
-        penetration.
+        ``rate`` is the rate of e_f, and ``loss`` the power that the joint takes, W.
+        Asperities bear where the film is least, over the arc of the elastic contact. As in
+        a dry joint, the length of the arc follows from the clearance and the penetration.
         """
-        text = page.text
-        joint = self.joint
-        film, rate, force = vectors
-        size = f"{prefix}_stretch"
-        place = text.let(f"{prefix}_place", f"math.sqrt({film.dot(film)})")
+        text = self.text
+        penetration = self.name("stretch")
+        size = self.let("place", f"math.sqrt({film.dot(film)})")
         fields = {
-            "penetration": size,
-            "eccentricity": f"{prefix}_clearance + {size}",
+            "penetration": penetration,
+            "eccentricity": f"{self.name('clearance')} + {penetration}",
             "eccentricity_x": film.x,
             "eccentricity_y": film.y,
             "velocity_x": rate.x,
             "velocity_y": rate.y,
-            "sliding": f"{prefix}_sliding",
-            "normal_x": f"{film.x} / {place} if {place} > {ZERO} else {ONE}",
-            "normal_y": f"{film.y} / {place} if {place} > {ZERO} else {ZERO}",
-            "elastic": f"{prefix}_elastic",
-            "energy": f"{prefix}_energy",
+            "sliding": self.name("sliding"),
+            "normal_x": f"{film.x} / {size} if {size} > {ZERO} else {ONE}",
+            "normal_y": f"{film.y} / {size} if {size} > {ZERO} else {ZERO}",
+            "elastic": self.name("elastic"),
+            "energy": self.name("energy"),
             "normal": f"math.sqrt({force.dot(force)})",
-            "tangential": f"{prefix}_friction",
+            "tangential": self.name("friction"),
             "film_loss": loss,
+            "bearing_angle": self.bearing.angle,
+            "bearing_spin": self.bearing.omega,
+            "pin_angle": self.pin.angle,
+            "pin_spin": self.pin.omega,
         }
-        for end, link in (
-            ("bearing", page.chain.of(joint.bearing.body)),
-            ("pin", page.chain.of(joint.pin.body)),
-        ):
-            fields |= {f"{end}_angle": link.angle, f"{end}_spin": link.omega}
-        contact = text.let(f"{prefix}_contact", f"data.contacts[{self.number}]")
-        for word, value in fields.items():
-            text.write(f"{contact}[{FIELDS[word]}] = {value}")
+        contact = self.let("contact", f"data.contacts[{self.number}]")
+        for field, value in fields.items():
+            text.write(f"{contact}[{FIELDS[field]}] = {value}")

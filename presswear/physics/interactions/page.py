@@ -28,11 +28,11 @@ class Page:
     text: Text
     chain: Chain
     states: list[State] = field(default_factory=list)  # of interactions
-    # expressions of the powers of each of ENERGIES
+    # expressions of powers, W, by energy of ENERGIES
     powers: dict[str, list[str]] = field(
         default_factory=lambda: {name: [] for name in ENERGIES}
     )
-    # expression of the rate of a dose, by number of the joint and one of DOSES
+    # expression of the rate of a wear dose, by number of the joint and name in DOSES
     doses: dict[tuple[int, str], str] = field(default_factory=dict)
     # expressions of torque and power of a motor, by the number of its drive
     torques: dict[int, tuple[str, str]] = field(default_factory=dict)
@@ -47,7 +47,7 @@ class Page:
         self.powers[energy].append(expression)
 
     def set_dose(self, joint: int, dose: str, expression: str) -> None:
-        """Set the rate of one of DOSES of a joint."""
+        """Set the rate of a wear dose of a joint; ``dose`` is a name in DOSES."""
         self.doses[joint, dose] = expression
 
     def set_torque(self, drive: int, torque: str, power: str) -> None:
@@ -73,7 +73,7 @@ class Page:
         return bool(self.doses or self.torques) or any(self.powers.values())
 
     def write_rates(self) -> None:
-        """Write the rates of all integrals; a rate to which nothing was added stays zero."""
+        """Write the rates of all integrals; an energy without powers has the rate zero."""
         layout = self.layout
         for i, powers in enumerate(self.powers.values()):
             if powers:

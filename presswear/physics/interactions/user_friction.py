@@ -95,5 +95,5 @@ class UserFrictionWithState:
         for speed, load in zip(sliding, normal, strict=True):
             state = {**numbers, "sliding": float(speed), "normal": float(load)}
             state["state"] = steady_state("friction_law", function, state)
-            forces.append(function.number("friction_law", STATE_PARAMETERS, state))
+            forces.append(function.evaluate("friction_law", STATE_PARAMETERS, state))
         return np.array(forces)

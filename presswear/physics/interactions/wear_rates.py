@@ -1,4 +1,4 @@
-"""Rates of wear of a contact, as text of the equations of a joint."""
+"""Rates of wear of a contact, written into the equations of a joint."""
 
 from presswear.physics.equations.text import ZERO
 from presswear.physics.interactions.joint_motion import MotionText
@@ -52,7 +52,7 @@ class WearText:
         motion = self.motion
         if not self.record["slip_by_angle"]:
             return f"abs({motion.value('sliding')})"
-        turning = motion.value("turning") if motion.is_worn else motion.turning()
+        turning = motion.value("turning") if motion.uses_kernel else motion.turning()
         radius = motion.parameter("pin_radius", self.joint.pin_radius)
         return f"({radius} + {motion.value('penetration')}) * abs({turning})"
 

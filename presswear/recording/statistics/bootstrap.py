@@ -1,4 +1,7 @@
-"""Intervals of a wear map by the bootstrap; ``count`` is the number of maps behind the samples."""
+"""Confidence intervals of a wear map by the bootstrap.
+
+``count`` is the number of maps from which the bootstrap samples are drawn.
+"""
 
 import math
 from dataclasses import replace
@@ -15,8 +18,9 @@ from presswear.recording.statistics.estimate import (
 )
 from presswear.tools.arrays import Array
 
-# an end of an interval scatters by about 5 % of its width
+# Number of bootstrap samples. An end of an interval scatters by about 5 % of its width.
 RESAMPLES = 1000
+# Probabilities at the ends of an interval
 _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 
@@ -31,9 +35,11 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
 
 
 def _ends(draws: Array, centre: Array | float, count: int) -> Array:
-    """Return quantiles of bootstrap samples, widened about a centre as Student's interval is.
+    """Return the ends of an interval relative to a centre, from bootstrap samples.
 
-    The standard deviation of a bootstrap is smaller than the one without bias.
+    The quantiles of the samples are widened by the ratio of Student's quantile to that
+    of the normal distribution, and by sqrt(n / (n - 1)), because the standard deviation
+    of bootstrap means has the factor 1 / n instead of 1 / (n - 1).
     """
     ratio = quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
     return np.asarray(ratio * (np.quantile(draws, _ENDS, axis=0) - centre))
@@ -74,7 +80,7 @@ def angle_interval(
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
-    """Return the ends of the interval of each bin of a mean map; of one map the mean twice."""
+    """Return the ends of the interval of each bin of a mean map, m; one map has the width zero."""
     if count < 2:
         return mean, mean
     low, high = mean + _ends(draws, mean, count)
@@ -93,8 +99,8 @@ def peak_of(
     draws : ndarray, shape (RESAMPLES, bins)
         Bootstrap samples of ``resampled``.
     centre : ndarray, shape (bins,) or None
-        Mean of the maps behind them, if it differs from the mean, m. The interval is
-        then moved to the mean and widened by the distance.
+        Mean of the maps from which the samples are drawn, m, if it differs from ``mean``.
+        The interval is then moved to ``mean`` and widened by the distance.
     """
     place = int(mean.argmax())
     deepest = float((mean if centre is None else centre).max())

@@ -1,6 +1,6 @@
 """Film clips: stored frames with everything else that is needed to draw them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -63,14 +63,16 @@ class Clip:
 
     @property
     def default_start(self) -> float:
-        """Time, s: after the run-up and, if there are two, after the first cycle.
+        """Time at which a film starts, s: after the run-up, and after the first of two cycles.
 
         A service life starts with its first frame, because all its cycles are samples.
         """
         if len(self.chapters) > 1:
             return self.span[0]
         run_up = self.linkage.run_up_time
-        return run_up + self.period * (self.span[1] - run_up >= 1.98 * self.period)
+        # The last frame is up to a frame before the end of the cycle.
+        has_two_cycles = self.span[1] - run_up >= 1.98 * self.period
+        return run_up + self.period if has_two_cycles else run_up
 
     @property
     def default_slow(self) -> float:
@@ -97,14 +99,12 @@ def stage_clip(result: Result, index: int) -> Clip:
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
     folder = result.path.resolve().name if result.path else scene.name
-    depths = [max_depths(scene.linkage(each.surfaces)) for each in result.stages]
+    depths = [max_depths(scene.linkage(stage.surfaces)) for stage in result.stages]
     return Clip(
         title=name if folder == scene.name else f"{folder}: {name}",
         chapters=(Chapter(result.stage_name(index), scene.linkage(stage.surfaces)),),
         period=scene.mechanism.period,
-        max_depth={
-            joint: max(d[joint] for d in depths) for joint in scene.clearance_joints
-        },
+        max_depth=_largest(depths),
         max_force=dict(zip(scene.clearance_joints, largest, strict=True)),
         film=film,
     )
@@ -118,22 +118,24 @@ def life_clip(result: Result) -> Clip:
             "use presswear life"
         )
     clips = equal_limits([stage_clip(result, stage.index) for stage in result.stages])
-    cycles = [_last_cycle(clip, place) for place, clip in enumerate(clips)]
-    parts = (
-        [getattr(cycle, name) for cycle in cycles]
-        for name in ("time", "position", "joints")
+    cycles = [_last_cycle(clip, number) for number, clip in enumerate(clips)]
+    film = Film(
+        time=np.concatenate([cycle.time for cycle in cycles]),
+        position=np.concatenate([cycle.position for cycle in cycles]),
+        joints=np.concatenate([cycle.joints for cycle in cycles]),
     )
-    firsts = np.cumsum([0, *(cycle.time.size for cycle in cycles[:-1])])
+    counts = [cycle.time.size for cycle in cycles]
+    firsts = np.cumsum([0, *counts[:-1]])
     return replace(
         clips[0],
         chapters=tuple(clip.chapters[0] for clip in clips),
-        film=Film(*map(np.concatenate, parts)),
+        film=film,
         firsts=tuple(map(int, firsts)),
     )
 
 
-def _last_cycle(clip: Clip, place: int) -> Film:
-    """Return the last whole cycle of a clip, shifted in time to cycle number ``place``."""
+def _last_cycle(clip: Clip, number: int) -> Film:
+    """Return the last whole cycle of a clip, shifted in time to the cycle of a number."""
     film = clip.film
     period = clip.period
     run_up = clip.linkage.run_up_time
@@ -144,7 +146,7 @@ def _last_cycle(clip: Clip, place: int) -> Film:
         )
     phase = (film.time - run_up) / period - last
     rows = (phase > -1e-6) & (phase < 1.0 - 1e-6)
-    time = run_up + (phase[rows] + place) * period
+    time = run_up + (phase[rows] + number) * period
     return Film(time, film.position[rows], film.joints[rows])
 
 
@@ -159,19 +161,22 @@ def max_depths(linkage: Linkage) -> dict[str, float]:
 
 def equal_limits(clips: Sequence[Clip]) -> list[Clip]:
     """Return the clips with the same limits of depth and force, so that they can be compared."""
-
-    def largest(name: str) -> dict[str, float]:
-        limits: list[Mapping[str, float]] = [getattr(clip, name) for clip in clips]
-        joints = {joint for each in limits for joint in each}
-        return {joint: max(each.get(joint, 0.0) for each in limits) for joint in joints}
-
-    depths = largest("max_depth")
-    forces = largest("max_force")
+    depths = _largest([clip.max_depth for clip in clips])
+    forces = _largest([clip.max_force for clip in clips])
     return [replace(clip, max_depth=depths, max_force=forces) for clip in clips]
 
 
+def _largest(values: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    """Return the largest of the values of each joint; the values are not negative."""
+    largest: dict[str, float] = {}
+    for by_joint in values:
+        for joint, value in by_joint.items():
+            largest[joint] = max(value, largest.get(joint, 0.0))
+    return largest
+
+
 def speed_text(slow: float) -> str:
-    """Return the playing speed in words."""
+    """Return the playing speed in words; ``slow`` is time on the screen over time of the clip."""
     if slow < 1.0:
         return f"{1.0 / slow:.3g} times real speed"
     return f"slowed {slow:.3g} times" if slow > 1.0 else "real speed"
@@ -182,15 +187,15 @@ def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
     frames = []
     for clip in clips:
         first, last = clip.span
-        t = time / clips[0].period * clip.period
-        # the last frame stands for its interval
-        slack = 2.0 * clip.period / FRAMES_PER_CYCLE
-        if not first - slack <= t <= last + slack:
+        clip_time = time / clips[0].period * clip.period
+        # Times within two frames of the film are shown by its first or last frame.
+        margin = 2.0 * clip.period / FRAMES_PER_CYCLE
+        if not first - margin <= clip_time <= last + margin:
             raise InputError(
-                f"time {t:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "
+                f"time {clip_time:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "
                 f"goes from {first:g} s to {last:g} s"
             )
-        frames.append(int(np.abs(clip.film.time - t).argmin()))
+        frames.append(int(np.abs(clip.film.time - clip_time).argmin()))
     return tuple(frames)
 
 
