@@ -75,7 +75,7 @@ def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
     return console.export_text().splitlines()
 
 
-@pytest.mark.parametrize("width", [48, 80, 120, 200])
+@pytest.mark.parametrize("width", [48, 120])
 def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> None:
     bar = progress_bar(console_of(width, clock))
     long = "applying the seventh wear in 200 steps, cycle 151 of 163"
@@ -116,8 +116,8 @@ def in_terminal(words: list[str], folder: Path) -> str:
     return output.decode()
 
 
-@pytest.mark.parametrize("stage", [0, 7, 20])
-def test_descriptions_fit_in_a_line_of_80_columns(stage: int, clock: Clock) -> None:
+def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock) -> None:
+    stage = 20
     update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None, 2)
     assert update is not None
     labels = [

@@ -1,8 +1,6 @@
 """Deep contacts and sheets that do not break: sentences, and peak forces of the contact laws."""
 # mypy: disable-error-code="union-attr,operator"
 
-# mypy: disable-error-code="union-attr,operator"
-
 import math
 from dataclasses import replace
 from functools import partial

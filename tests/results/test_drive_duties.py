@@ -1,8 +1,6 @@
 """Torques, powers and works of drives in closed form."""
 # mypy: disable-error-code="union-attr,operator"
 
-# mypy: disable-error-code="union-attr,operator"
-
 import math
 from dataclasses import replace
 from typing import Any

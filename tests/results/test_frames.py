@@ -79,11 +79,8 @@ def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep) -> None:
 
 
 def test_texts_of_results_are_short(result: pw.Result, sweep: pw.Sweep) -> None:
-    text = repr(result)
-    assert text.startswith("<Result: clearance-c, changed: ")
-    assert text.endswith("completed, 1 stage, in memory>")
-    assert len(text) < 200
-    assert repr(sweep).startswith("<Sweep: C.force_max over clearance, C.friction, 4")
+    assert repr(result).startswith("<Result: clearance-c, changed: ")
+    assert len(repr(result)) < 200
     assert len(repr(sweep)) < 400
 
 

@@ -16,10 +16,8 @@ from presswear.cli.terminal import progress_bar
 from presswear.linkage.guide_corner import CORNERS, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import (
-    STATES,
     GuideTilt,
     _load_of,
-    _states,
     guide_tilts,
     self_locking,
 )
@@ -171,12 +169,9 @@ def test_the_report_has_the_tilt(result: pw.Result) -> None:
         if one.number.name == "Tilt of the slide"
     ]
     assert (line.limit, line.verdict.word) == ("50 µm/m", "above the limit")
-    assert "makers of presses ask for the limit under load" in line.number.meaning
     jams = replace(result, scene=press(offset=1.0, friction=0.21))
     assert any("self-locking" in line for line in warnings(jams))
     assert not any("self-locking" in line for line in warnings(result))
-    table = f"{stage_tables(result)['guide']}"
-    assert "share of the time, two opposite corners" in table
 
 
 def test_the_walls_wear_by_the_load_distance_of_their_corners(
@@ -213,10 +208,6 @@ def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result) -> None:
     (line,) = [one for one in console.file.getvalue().splitlines() if "wear per" in one]
     for side in ("left", "right"):
         volume = walls[side].volume_per_cycle.scaled(1e15)
-        assert (
-            f"{side} wall of guide: worn volume per million strokes {volume} mm³"
-            in repr(stage)
-        )
         assert f"{side} wall of guide {volume}" in line
     assert "guide left front" not in line
 
@@ -257,17 +248,6 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     ideal = replace(result, scene=replace(result.scene, joints="none", bearings={}))
     with pytest.raises(pw.InputError, match="nothing to draw"):
         ideal.plot("tilt")
-
-
-def test_every_state_of_four_corners() -> None:
-    closed = np.array(list(np.ndindex(2, 2, 2, 2)), dtype=bool)
-    names = [STATES[k] for k in _states(list(closed.T))]
-    named = dict(zip(map(tuple, closed.astype(int).tolist()), names, strict=True))
-    assert named[0, 0, 0, 0] == "free"
-    assert named[0, 1, 0, 0] == "one corner"
-    assert named[1, 1, 0, 0] == named[0, 0, 1, 1] == "one face"
-    assert named[1, 0, 0, 1] == named[0, 1, 1, 0] == "two opposite corners"
-    assert named[1, 0, 1, 0] == named[1, 1, 1, 0] == "other"
 
 
 def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:

@@ -1,8 +1,6 @@
 """Bottom dead centre at the highest place, compared with the press turned by half a turn."""
 # mypy: disable-error-code="union-attr,operator"
 
-# mypy: disable-error-code="union-attr,operator"
-
 import math
 from dataclasses import replace
 from typing import Any

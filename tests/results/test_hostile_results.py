@@ -57,6 +57,14 @@ def packed(arrays: dict[str, Any]) -> bytes:
     return data.getvalue()
 
 
+def bomb() -> bytes:
+    """Return a small archive of 105 MB of zeros."""
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("time.npy", bytes(100 * 2**20))
+    return data.getvalue()
+
+
 def arrays_of(folder: Path, name: str) -> dict[str, Any]:
     with np.load(folder / name) as stored:
         return dict(stored)
@@ -80,11 +88,9 @@ def test_pipes_and_devices_are_not_read(received: Path, name: str, target: str) 
 def test_arrays_larger_than_a_run_writes_are_not_unpacked(
     received: Path, name: str
 ) -> None:
-    data = io.BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("time.npy", bytes(100 * 2**20))
-    plant(received, name, data.getvalue())
-    assert len(data.getvalue()) < 2**18
+    data = bomb()
+    plant(received, name, data)
+    assert len(data) < 2**18
     with pytest.raises(pw.InputError, match="its arrays have 105 MB"):
         print(pw.load(received).stages[0].film)
 
@@ -201,10 +207,7 @@ def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received: Path) -> None:
     for stage in document["stages"]:
         stage["statistics"]["cycles"] = 10**12
     (received / FILE).write_text(json.dumps(document))
-    data = io.BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("time.npy", bytes(100 * 2**20))
-    plant(received, STAGE, data.getvalue())
+    plant(received, STAGE, bomb())
     with pytest.raises(pw.InputError, match="its arrays have 105 MB, expected are 7"):
         pw.load(received)
 

@@ -58,11 +58,7 @@ def test_least_film_of_the_press_of_250_kn() -> None:
             assert film.time_shares == (1.0, 0.0, 0.0)
             assert film.orbit.is_closed
         text = " ".join(dry_contact(scene))
-        assert "Oil keeps pin and bearing apart in the whole cycle" in text
-        assert (
-            f"With {viscosity} the least film of the cycle is {readable(least[0])} µm"
-            in text
-        )
+        assert f"the least film of the cycle is {readable(least[0])} µm" in text
 
 
 def test_shares_of_time_and_load() -> None:
@@ -121,10 +117,6 @@ def test_a_weight_on_a_turning_pin_has_the_film_of_steady_rotation() -> None:
         (
             {"clearance": "1 mm", "viscosity": "0.1 Pa s"},
             "too wide for a film: the contact is",
-        ),
-        (
-            {"clearance": "20 um", "viscosity": "0.1 Pa s"},
-            "The film assumes a rigid bearing that is full of oil",
         ),
     ],
 )

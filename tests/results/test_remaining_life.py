@@ -41,32 +41,34 @@ def depth_after(strokes: Any) -> Array:
     return LAW.worn(np.zeros(np.shape(strokes)), RATE * np.asarray(strokes))
 
 
-def result_with(scene: pw.Scene, step: float = 0.0, **curves: Array) -> Result:
+def result_with(scene: pw.Scene, curves: dict[str, Array], step: float = 0.0) -> Result:
     """Return a result whose life has known courses."""
-    bands = {
-        f"B.{name}": np.column_stack([values, values, values])
-        for name, values in (curves or {"depth": depth_after(STROKES)}).items()
-    }
-    bands |= {"strokes": STROKES}
+    bands = {name: np.column_stack([one] * 3) for name, one in curves.items()}
+    bands["strokes"] = STROKES
     life = LifeResult("limit", "", 7e6, step, 0.0, 0.9, (), (), curves=bands)
     return Result(scene, (), "completed", "", {}, 0.0, None, life)
 
 
 SCENE = scene_with()
-RESULT = result_with(SCENE)
+DEPTH = depth_after(STROKES)
+RESULT = result_with(SCENE, {"B.depth": DEPTH})
+DEVIATION = math.sqrt(math.log1p(0.5**2))  # of the logarithm of the coefficient
 LIFE = float(LAW.archard_depth(np.array(LIMIT))) / RATE  # strokes, exact
+
+
+def readings_of(strokes: Array, depths: Array, error: float | None) -> list[Reading]:
+    rows = zip(strokes, depths, strict=True)
+    return [Reading("B", n, "depth", float(depth), error) for n, depth in rows]
 
 
 def history(
     draw: np.random.Generator, count: int, error: float, has_error: bool
 ) -> tuple[float, list[Reading]]:
     """Return a factor on the coefficient and readings at even strokes up to half of the life."""
-    factor = draw.lognormal(0.0, math.sqrt(math.log1p(0.5**2)))
+    factor = draw.lognormal(0.0, DEVIATION)
     strokes = np.linspace(0.0, 0.5 * LIFE / factor, count + 1)[1:]
     values = depth_after(factor * strokes) + draw.normal(0.0, error, count)
-    known = error if has_error else None
-    rows = zip(strokes, values, strict=True)
-    return factor, [Reading("B", n, "depth", float(h), known) for n, h in rows]
+    return factor, readings_of(strokes, values, error if has_error else None)
 
 
 @pytest.mark.parametrize(
@@ -104,11 +106,10 @@ def test_posterior_is_the_integral_over_prior_and_likelihood(
     """Even wear, whose readings are linear in the coefficient; errors integrated over."""
     values = np.array([6e-6, 9e-6, 17e-6])
     strokes = np.array([1e6, 2e6, 3e6])
-    deviation = math.sqrt(math.log1p(0.5**2))
     f = np.linspace(1e-3, 6.0, 200_001)
     squares = ((values - RATE * f[:, np.newaxis] * strokes) ** 2).sum(axis=1)
     likelihood = squares**-1.5 if error is None else np.exp(-0.5 * squares / error**2)
-    density = likelihood * stats.lognorm.pdf(f, deviation)
+    density = likelihood * stats.lognorm.pdf(f, DEVIATION)
     below = np.cumsum(density) / density.sum()
     levels = np.array([0.025, 0.5, 0.975])
     exact = np.interp(levels, below, f)
@@ -120,14 +121,10 @@ def test_posterior_is_the_integral_over_prior_and_likelihood(
 def test_a_joint_without_readings_keeps_the_scatter_of_its_materials() -> None:
     """The first of two limits is that of the minimum of independent lives."""
     scene = pw.scenes.press_blanking(life=pw.Life(until="depth > 50 um"))
-    courses = np.column_stack([depth_after(STROKES)] * 3)
-    curves = {"strokes": STROKES, "A.depth": courses, "C.depth": courses}
-    life = LifeResult("limit", "", 7e6, 0.0, 0.0, 0.9, (), (), curves=curves)
-    result = Result(scene, (), "completed", "", {}, 0.0, None, life)
+    result = result_with(scene, {"A.depth": DEPTH, "C.depth": DEPTH})
     value = float(depth_after(1e6))
     left = remaining_life(result, [Reading("A", 1e6, "depth", value, 1e-9)])
-    deviation = math.sqrt(math.log1p(0.5**2))
-    ends = LIFE * np.exp(1.96 * deviation * np.array([-1.0, 0.0, 1.0]))
+    ends = LIFE * np.exp(1.96 * DEVIATION * np.array([-1.0, 0.0, 1.0]))
     other = left.each["C"]
     assert [other.low, other.mean, other.high] == pytest.approx(ends, rel=5e-3)
     assert left.each["A"].mean == pytest.approx(LIFE, rel=2e-3)
@@ -143,17 +140,12 @@ def test_the_walls_of_a_guide_wear_beside_a_pin() -> None:
         "depth > 50 um", joints="B, guide", guide_length=0.06, guide_width=0.04
     )
     assert [limit.key for limit in scene.life_limits] == ["B.depth", "guide.depth"]
-    result = result_with(scene, depth=depth_after(STROKES))
-    life = result.life
-    assert life is not None
-    curves = {**life.curves, "guide.depth": life.curves["B.depth"]}
-    result = replace(result, life=replace(life, curves=curves))
+    result = result_with(scene, {"B.depth": DEPTH, "guide.depth": DEPTH})
     value = float(depth_after(1e6))
     pin, wall = (Reading(one, 1e6, "depth", value, 1e-9) for one in ("B", "guide"))
     left = remaining_life(result, [pin])
-    deviation = math.sqrt(math.log1p(0.5**2))
     assert left.each["B"].mean == pytest.approx(LIFE, rel=2e-3)
-    ends = LIFE * np.exp(1.96 * deviation * np.array([-1.0, 1.0]))
+    ends = LIFE * np.exp(1.96 * DEVIATION * np.array([-1.0, 1.0]))
     assert [left.each["guide"].low, left.each["guide"].high] == pytest.approx(
         ends, rel=5e-3
     )
@@ -170,12 +162,8 @@ def test_a_tilt_between_worn_walls_is_predicted() -> None:
         wear_updates=1, life=pw.Life(until="guide.tilt > 300 um/m")
     )
     (limit,) = scene.life_limits
-    tilt = limit.new + 3.0 * depth_after(STROKES)
-    names = {"depth": depth_after(STROKES), "tilt": tilt}
-    curves = {f"guide.{key}": np.column_stack([one] * 3) for key, one in names.items()}
-    curves["strokes"] = STROKES
-    life = LifeResult("limit", "", 7e6, 0.0, 0.0, 0.9, (), (), curves=curves)
-    result = Result(scene, (), "completed", "", {}, 0.0, None, life)
+    curves = {"guide.depth": DEPTH, "guide.tilt": limit.new + 3.0 * DEPTH}
+    result = result_with(scene, curves)
     reading = Reading("guide", 1e6, "depth", float(depth_after(1e6)), 1e-9)
     depth = np.array((limit.value - limit.new) / 3.0)
     until = float(LAW.archard_depth(depth)) / RATE
@@ -186,11 +174,8 @@ def test_a_tilt_between_worn_walls_is_predicted() -> None:
 def test_readings_far_from_the_prior_are_used_alone() -> None:
     """An oiled joint that wears a ten-thousandth of the coefficient of the scene."""
     strokes = np.array([1e9, 4e9, 8e9])
-    values = depth_after(1e-4 * strokes)
-    rows = zip(strokes, values, strict=True)
-    left = remaining_life(
-        RESULT, [Reading("B", n, "depth", float(h), 1e-7) for n, h in rows]
-    )
+    readings = readings_of(strokes, depth_after(1e-4 * strokes), 1e-7)
+    left = remaining_life(RESULT, readings)
     factor = left.joints[0].factor
     assert factor.low < 1e-4 < factor.high < 1.1e-4
     assert "the readings are used alone" in left.lines[-1]
@@ -202,8 +187,7 @@ def test_clearance_when_new_is_taken_from_the_readings() -> None:
     scene = scene_with("B.diametral_clearance > 3 x new")
     new = 2.0 * scene.bearing("B").clearance
     limit = scene.life_limits[0].value
-    course = new + 40.0 * depth_after(STROKES)
-    result = result_with(scene, diametral_clearance=course)
+    result = result_with(scene, {"B.diametral_clearance": new + 40.0 * DEPTH})
     more = 0.2 * new
     strokes = np.array([0.0, 1e6, 2e6])
     values = new + more + 40.0 * depth_after(strokes)
@@ -223,14 +207,14 @@ def test_clearance_when_new_is_taken_from_the_readings() -> None:
 def test_a_line_of_diametral_readings_ends_at_a_radial_limit() -> None:
     scene = scene_with("B.clearance > 3 x new")
     new = scene.bearing("B").clearance
-    course = new + 20.0 * depth_after(STROKES)
-    curves = {"radial_clearance": course, "diametral_clearance": 2.0 * course}
+    course = new + 20.0 * DEPTH
+    curves = {"B.radial_clearance": course, "B.diametral_clearance": 2.0 * course}
     strokes = (1e6, 2e6, 3e6)
     readings = [
         Reading("B", n, "diametral_clearance", 2.0 * new + 2e-10 * n, 1e-6)
         for n in strokes
     ]
-    left = remaining_life(result_with(scene, **curves), readings)
+    left = remaining_life(result_with(scene, curves), readings)
     line = left.joints[0].steady
     assert line.until.mean == pytest.approx(4.0 * new / 2e-10, rel=1e-6)
 
@@ -240,13 +224,7 @@ def test_readings_of_another_course_are_told() -> None:
     strokes = np.linspace(0.5e6, 4e6, 8)
     values = depth_after(1e6 * (strokes / 1e6) ** 0.6)
     both = [
-        remaining_life(
-            RESULT,
-            [
-                Reading("B", n, "depth", float(h), 2e-7)
-                for n, h in zip(strokes, course, strict=True)
-            ],
-        )
+        remaining_life(RESULT, readings_of(strokes, course, 2e-7))
         for course in (values, depth_after(strokes))
     ]
     unlike, alike = (one.joints[0] for one in both)
@@ -299,7 +277,7 @@ def test_error_of_the_computed_life_widens_the_interval(strokes: float) -> None:
     """It grows as the root of the strokes from an early reading on."""
     value = float(depth_after(strokes))
     readings = [Reading("B", strokes, "depth", value, 1e-9)]
-    left = remaining_life(result_with(SCENE, step=0.3), readings)
+    left = remaining_life(result_with(SCENE, {"B.depth": DEPTH}, 0.3), readings)
     half = 0.3 * math.sqrt(max(LIFE / strokes - 1.0, 1.0))
     assert math.log(left.each["B"].high / LIFE) == pytest.approx(half, rel=0.02)
 
@@ -353,4 +331,4 @@ def test_lives_that_readings_do_not_fit_are_refused() -> None:
     }
     for words, scene in cases.items():
         with pytest.raises(pw.InputError, match=words):
-            remaining_life(result_with(scene), reading)
+            remaining_life(replace(RESULT, scene=scene), reading)

@@ -59,10 +59,6 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
-        (
-            pw.scenes.wear_times(conventions="refined"),
-            {"conventions": ("refined", "custom", "")},
-        ),
         (pw.scenes.wear_times(slip="sliding"), {"slip": ("sliding", "angle", "")}),
         (
             pw.scenes.wear_times(geometry="swapped", process="blanking"),
@@ -74,15 +70,6 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
         (
             pw.scenes.press_blanking(**{"process.force": "200 N"}),
             {"process.force": ("200", "500", "N")},
-        ),
-        (
-            pw.scenes.wear_times(**{"A.clearance": "0.4 mm"}),
-            {"A.clearance": ("0.4", "0.8", "mm")},
-        ),
-        (pw.scenes.wear_times(cycles=3), {"cycles": ("3", "none", "")}),
-        (
-            replace(pw.scenes.wear_times(), wear_updates=1, name="mine"),
-            {"wear_updates": ("1", "2", "")},
         ),
         (
             replace(pw.scenes.wear_times(), mechanism=FOUR_BAR, joints="B"),

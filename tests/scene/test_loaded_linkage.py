@@ -5,10 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from presswear.linkage.bodies import Bar
-from presswear.linkage.drives import Drive
-from presswear.linkage.joints import Pin
-from presswear.linkage.linkage import assemble
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.normal_law import hertz_stiffness
 from presswear.scene.catalog import wear_times
@@ -59,18 +55,6 @@ def test_conventions_reach_the_joint(
     reading = CONVENTIONS[conventions].stiffness
     stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
     assert joint.normal.stiffness == pytest.approx(stiffness, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("body", "words"),
-    [("ram", "the ram"), ("link 7", "link 7"), ("slider 6", "the slider")],
-)
-def test_the_body_of_the_output_point_has_an_article_unless_it_has_a_number(
-    body: str, words: str
-) -> None:
-    bars = [Bar(body, 0.1, 1.0)]
-    pins = [Pin("O", (0.0, 0.0), f"{body}.tail")]
-    assert Scene(assemble(bars, pins, [Drive(body, 10.0)])).output == words
 
 
 @pytest.mark.parametrize(

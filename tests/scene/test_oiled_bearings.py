@@ -1,7 +1,6 @@
 """Bearings whose oil film acts in the run: allowed settings, and the film of the joint."""
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
@@ -16,45 +15,6 @@ OILED = {"film": "run", "viscosity": "0.1 Pa s"}
 NARROW_BEARING: dict[str, Any] = {**OILED, "clearance": "50 um"}
 # Settings of a scene; its wear coefficient is a setting of the materials.
 NARROW: dict[str, Any] = {**NARROW_BEARING, "wear_coefficient": 1e-16}
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"film": "run"}, "film = run: it needs a viscosity, such as 0.1 Pa s"),
-        (
-            {**NARROW, "viscosity": 5e-5},
-            "film = run: viscosity = 5e-05 Pa s: allowed is from 0.0001 Pa s",
-        ),
-        (
-            {**OILED, "clearance": "0.1 mm"},
-            "clearance = 0.1 mm is 10 per mille of the radius of the bearing; allowed is "
-            "up to 5 per mille, or film = report",
-        ),
-        (
-            {**NARROW, "width": "2 mm"},
-            "width = 2 mm is 0.1 of the diameter of the bearing; allowed is 0.125 to 1",
-        ),
-        ({**OILED, "clearance": 0.0}, "with clearance = 0 allowed is report"),
-        (
-            {**NARROW, "friction_law": "lugre"},
-            "friction_law = lugre: with film = run allowed is ramp, threlfall",
-        ),
-        (
-            {**NARROW, "pressure_exponent": 0.8},
-            "pressure_exponent = 0.8: with film = run allowed is 1",
-        ),
-        (
-            {**NARROW, "wear_distribution": "bin"},
-            "film = run: with wear_distribution = bin allowed is report",
-        ),
-    ],
-)
-def test_setting_that_a_film_in_the_run_does_not_allow(
-    settings: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        pw.scenes.slider_crank(**settings)
 
 
 def test_guide_has_no_film() -> None:

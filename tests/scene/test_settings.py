@@ -53,6 +53,9 @@ def test_changed_sets_every_part_and_nothing_else() -> None:
 
 SCENES_BY_NAME = {"press": PRESS, "crank": CRANK, "ideal": pw.scenes.ideal()}
 SCENES_BY_NAME["off-centre"] = pw.scenes.press_off_centre()
+SCENES_BY_NAME["oiled"] = pw.scenes.slider_crank(
+    film="run", viscosity="0.1 Pa s", clearance="50 um", wear_coefficient=1e-16
+)
 SCENES_BY_NAME["refined"] = pw.scenes.wear_times(conventions="refined")
 # Scene, settings, and pattern of the message.
 REFUSED = r"""
@@ -124,6 +127,19 @@ off-centre | elasticity=liu | guide\.elasticity = liu: in a guide allowed is aut
 off-centre | process.offset=60 | process\.offset = '60' has no unit
 off-centre | process.offset=11m | process\.offset = 11 m: allowed is -10 to 10 m
 off-centre | joints=none | process\.offset = 60 mm: allowed is 0, because the slider cannot tilt
+oiled | viscosity=none | film = run: it needs a viscosity, such as 0.1 Pa s
+oiled | viscosity=5e-5Pa·s | film = run: viscosity = 5e-05 Pa s: allowed is from 0.0001 Pa s
+oiled | clearance=0.1mm | .*0.1 mm is 10 per mille .* up to 5 per mille, or film = report
+oiled | width=2mm | .*width = 2 mm is 0.1 of the diameter .*; allowed is 0.125 to 1
+oiled | clearance=0mm | .*with clearance = 0 allowed is report
+oiled | friction_law=lugre | .*friction_law = lugre: with film = run allowed is ramp, threlfall
+oiled | pressure_exponent=0.8 | .*pressure_exponent = 0.8: with film = run allowed is 1
+oiled | wear_distribution=bin | .*film = run: with wear_distribution = bin allowed is report
+ideal | motor.inertia=1kgm^2 | motor.inertia: a motor needs a torque
+ideal | motor.torque=20Nm | motor: crank 7 follows the time
+ideal | servo.damping=1Nms/rad | servo.damping: servo = none
+ideal | servo.stiffness=1Nm/rad | servo.stiffness: the servo follows the
+ideal | motor.torque=none | motor.torque = none: a motor has a torque, such
 ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d = 5 N m: the ideal
 """
 
@@ -317,18 +333,3 @@ def test_a_motor_begins_with_its_torque() -> None:
     assert leader.motor == pw.Motor(20.0, inertia=0.25)
     assert follower.motor == pw.Motor(stiffness=1e5)
     assert pw.Scene.from_dict(scene.as_dict()) == scene
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"motor.inertia": "1 kg m^2"}, "motor.inertia: a motor needs a torque"),
-        ({"motor.torque": "20 N m"}, "motor: crank 7 follows the time"),
-        ({"servo.damping": "1 N m s/rad"}, "servo.damping: servo = none"),
-        ({"servo.stiffness": "1 N m/rad"}, "servo.stiffness: the servo follows the"),
-        ({"motor.torque": "none"}, "motor.torque = none: a motor has a torque, such"),
-    ],
-)
-def test_incomplete_motors_are_refused(keys: dict[str, str], message: str) -> None:
-    with pytest.raises(pw.InputError, match=message):
-        changed(pw.scenes.ideal(), keys)
