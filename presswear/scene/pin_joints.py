@@ -35,6 +35,9 @@ from presswear.linkage.wear_law import WEAR_PARAMETERS, WearLaw, check_wear
 from presswear.scene.bearing import AUTO, Bearing
 from presswear.scene.conventions import Conventions
 from presswear.tools.compiled_law import check_compiles
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import written
+from presswear.tools.serialize import LARGEST
 from presswear.tools.user_function import UserFunction
 
 
@@ -81,8 +84,15 @@ def normal_law_of(bearing: Bearing, conventions: Conventions) -> NormalLaw:
     # A user law gets the damping of this law as its parameter ``damping``.
     name = "lankarani-nikravesh" if user_law else str(bearing.normal_law)
     elasticity = elastic_law(bearing, conventions.contact)
+    stiffness = normal_stiffness(bearing, elasticity, conventions.stiffness)
+    if stiffness > LARGEST:
+        raise InputError(
+            f"stiffness of the contact = {stiffness:.3g} N/m^n, with clearance = "
+            f"{written(bearing.clearance, 'm')}: allowed is up to {LARGEST:g} N/m^n, by a "
+            "larger clearance, a smaller width or contact_stiffness"
+        )
     return NormalLaw(
-        stiffness=normal_stiffness(bearing, elasticity, conventions.stiffness),
+        stiffness=stiffness,
         exponent=bearing.exponent,
         damping=DAMPINGS[name].factor(bearing.restitution),
         viscosity=bearing.parallel_rods * bearing.viscous_damping,

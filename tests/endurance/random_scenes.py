@@ -36,6 +36,7 @@ from presswear.scene.bearing import (
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.conventions import Conventions
 from presswear.scene.options import Numerics
+from presswear.scene.pin_joints import elastic_law, normal_stiffness
 from presswear.scene.run_checks import MAX_MASS_RATIO
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -43,6 +44,7 @@ from presswear.tools.choices import Choice
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.fields import meaning_of
 from presswear.tools.quantities import Quantity
+from presswear.tools.serialize import LARGEST
 from presswear.validation.cases import ENERGY, sound
 
 # Coarsest tolerances at which statistics are usable for wear; coarser ones are reported
@@ -249,6 +251,10 @@ def scene_of(draw: Random) -> Scene:
     bearings = _bearings(draw, min(getattr(mechanism, name) for name in lengths))
     if conventions.contact == "foundation":
         bearings = replace(bearings, exponent=1.5, elasticity="auto")
+    law = elastic_law(bearings, conventions.contact)
+    if normal_stiffness(bearings, law, conventions.stiffness) > LARGEST:
+        stiffest = LARGEST / bearings.parallel_rods
+        bearings = replace(bearings, contact_stiffness=stiffest)
     pins = [name for name in mechanism.allowed_joints if name != "guide"]
     joints = draw.choice([*pins, ",".join(pins), "none"])
     parts: dict[str, Any] = {
