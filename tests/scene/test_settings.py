@@ -77,7 +77,7 @@ press | joints=none,A | joints = 'none,A': allowed is
 crank | joints=AC | joints = 'AC': allowed is one of O, A, B, guide, none, several together
 press | clearance=15mm | clearance = 15 mm: .* below the bearing radius
 press | bearing_radius=0.5mm | clearance = 0\.8 mm:
-press | clearance=0.001um bearing_radius=1m youngs_modulus=1000GPa | stiffness of the contact = 2\.\d+e\+16 N/m\^n, .* up to 1e\+15
+press | contact_stiffness=1e15N/m parallel_rods=2 | stiffness of the contact = 2e\+15 N/m\^n
 press | lower_speed=1mm/s | lower_speed = 1 mm/s
 press | lower_speed=0.991mm/s | lower_speed = .*allowed is 0 to 0\.01 mm/s below
 press | lower_speed=0m/s upper_speed=9e-6m/s | .*allowed is 1e-05 to 1 m/s
