@@ -76,8 +76,8 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
             text += BEHIND_FLYWHEEL
         title = f"Peak {'motor' if has_motor else 'drive'} {words}"
         compared = tuple(
-            (label, _peak_text({body: one[body] for body in bodies}, name, unit))
-            for label, one in rigid.items()
+            (label, _peak_text({one: duty[one] for one in bodies}, name, unit, body))
+            for label, duty in rigid.items()
         )
         if name == "torque" and static:
             loads = {body: static[body] for body in bodies}
@@ -115,12 +115,12 @@ def _peaks_of(duties: Mapping[str, DriveDuty], name: str) -> dict[str, Estimate]
     return peaks
 
 
-def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str) -> str:
-    """Return the greatest peak of the drives as a text, with its drive if there are several."""
+def _peak_text(duties: Mapping[str, DriveDuty], name: str, unit: str, at: str) -> str:
+    """Return the greatest peak of the drives as a text, with its drive unless it is ``at``."""
     peaks = _peaks_of(duties, name)
     body = key_of_greatest(peaks)
     text = numbers.quantity_text(peaks[body].mean, unit)
-    return f"{text} at {body}" if len(peaks) > 1 else text
+    return text if body == at else f"{text} at {body}"
 
 
 def _static_text(torques: Mapping[str, float], unit: str) -> str:

@@ -41,15 +41,15 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     forces = {name: joint.peak_force_per_cycle for name, joint in joints.items()}
     at = key_of_greatest(forces)
     largest = numbers.quantity_text(joints[at].peak_force, "N")
-    where = "" if last is first else " of the last stage"
+    where = "of all strokes" if last is first else "in the last stage"
     sentences = [
-        f"Greatest force in a stroke at joint {at}, on average.",
-        f"Largest of all strokes{where}: {largest}.",
+        f"Greatest in a stroke at joint {at}, on average.",
+        f"Largest {where}: {largest}.",
     ]
     if scene.linkage().elastic_joints:
-        sentences.append("Impacts are included.")
+        sentences.append("With impacts.")
     else:
-        sentences.append("Impacts are included; a frame that bends makes them smaller.")
+        sentences.append("With impacts; a frame that bends makes them smaller.")
     ideal = ideal_force(scene, at)
     if ideal > 0.0:
         sentences.append(f"With {IDEAL}: {numbers.quantity_text(ideal, 'N')}.")

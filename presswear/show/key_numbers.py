@@ -113,7 +113,7 @@ def _improvement(
             forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
             joint = " or ".join(_rivals(forces))
             reason = "The largest force is there."
-        reason += " The command presswear improve compares changes of each joint."
+        reason += " presswear improve compares changes of each joint."
     return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
 
 

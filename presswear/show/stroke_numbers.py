@@ -23,7 +23,7 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the stroke and the strokes a minute, those that a motor reaches if there is one."""
     result = []
     if bottom_of(scene.ideal) is not None:
-        text = f"Between the lowest and the highest position of {scene.output}, without clearance."
+        text = f"Of {scene.output} from top to bottom, without clearance."
         result.append(exact("Stroke", scene.stroke, "m", text))
     rate = 60.0 / scene.mechanism.period
     nominal = numbers.readable(rate)
@@ -48,12 +48,11 @@ def stroke_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     bdc = stage.statistics.bdc
     if bdc is None or not scene.has_deviations:
         return result
-    text = f"Lowest position of {scene.output} compared with rigid joints without clearance; "
-    text += "negative is deeper."
+    text = "Against rigid joints without clearance; negative is deeper."
     if bottoms := equal_bottoms_text(scene, bdc):
         text += f" The stroke has equal bottoms, {bottoms}: no delay is defined."
     result.append(_of_bottom("Bottom dead centre error", bdc.error, text, bdc.strokes))
-    text = "Standard deviation of bottom dead centre from stroke to stroke."
+    text = "Standard deviation of bottom dead centre, stroke to stroke."
     scatter = bdc.standard_deviation
     return [*result, _of_bottom("Repeatability", scatter, text, bdc.strokes)]
 
@@ -66,7 +65,7 @@ def _work_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     text = f"Greatest force of the work on {scene.output} in a stroke."
     result = [measured("Working force", tonnage.peak_force, "N", text)]
     if tonnage.work is not None:
-        text = f"Energy that the work takes from {scene.output} in a stroke."
+        text = f"Energy that the work takes from {scene.output}."
         result.append(measured("Work of a stroke", tonnage.work, "J", text))
     force = tonnage.peak_force.mean
     if (rise := _deflection(scene, stage, force)) is not None:

@@ -73,9 +73,11 @@ def is_loaded(browser: Chrome) -> bool:
     return bool(browser.execute_script("return document.readyState === 'complete'"))
 
 
+@pytest.mark.parametrize("scene", [made.BOTH, pw.scenes.press_blanking()])
 def test_the_first_screen_has_drawing_and_key_numbers(
-    browser: Chrome, report: Path
+    browser: Chrome, scene: pw.Scene, tmp_path: Path
 ) -> None:
+    report = write_report(replace(made.made_up(scene, 2), path=tmp_path))
     show(browser, report, 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
     assert 6 <= len(numbers) <= 14

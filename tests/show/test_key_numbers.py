@@ -104,7 +104,8 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(
     scene = pw.changed(scene, {"friction": 0.1})
     numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
     for name, unit in (("torque", "N m"), ("power", "W")):
-        compared = dict(numbers[f"Peak drive {name}"].compared)
+        number = numbers[f"Peak drive {name}"]
+        compared = dict(number.compared)
         for words, duties in (
             (RUBBING, rubbing_drives(scene)),
             (IDEAL, ideal_drives(scene)),
@@ -112,7 +113,8 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(
             peak, body = max(
                 (abs(getattr(duty, name).peak), body) for body, duty in duties.items()
             )
-            assert compared[words] == f"{quantity_text(peak, unit)} at {body}"
+            place = "" if f" at {body};" in number.meaning else f" at {body}"
+            assert compared[words] == quantity_text(peak, unit) + place
     frictionless = pw.changed(scene, {"friction": 0.0})
     (row,) = {
         one.compared
