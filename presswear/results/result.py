@@ -43,7 +43,7 @@ from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import Array, read_numbers
 from presswear.tools.errors import InputError, printable, shown
 from presswear.tools.files import check_folder, holder, read_checked
-from presswear.tools.numbers import MM3_PER_MILLION, counted, large, readable
+from presswear.tools.numbers import MM3_PER_MILLION, counted, large
 from presswear.tools.type_check import check_type
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ _HEAD = (
     "cycles",
     "ended",
     "joint",
-    "largest force (N)",
+    "mean peak force (N)",
     "worn per million strokes (mm³)",
 )
 
@@ -194,25 +194,25 @@ class Result:
             if not stage.statistics.joints:
                 yield [*stage_cells, "", "", ""]
             for joint_name, joint in stage.statistics.joints.items():
-                volume = MM3_PER_MILLION * self._worn_volume(joint_name, joint, stage)
+                volume = self._worn_volume(joint_name, joint, stage)
                 yield [
                     *stage_cells,
                     joint_name,
-                    readable(joint.peak_force),
-                    readable(volume),
+                    f"{joint.peak_force_per_cycle}",
+                    f"{volume.scaled(MM3_PER_MILLION)}",
                 ]
                 stage_cells = ["", "", ""]
 
     def _worn_volume(
         self, name: str, joint: JointStatistics, stage: StageResult
-    ) -> float:
+    ) -> Estimate:
         """Return the volume that a pin, or the corner of a slide, wears off in a cycle, m^3."""
         if name not in self.scene.loose_pins:
             materials = self.scene.bearing(name).materials
-            return materials.wear_coefficient * joint.load_distance_per_cycle.mean
+            return joint.load_distance_per_cycle.scaled(materials.wear_coefficient)
         if joint.is_unworn:
-            return 0.0
-        return joint.wear_volume.mean / stage.cycles_per_update
+            return Estimate(0.0)
+        return joint.wear_volume.scaled(1.0 / stage.cycles_per_update)
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures and return their axes; a notebook shows the figures.

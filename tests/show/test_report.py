@@ -457,6 +457,15 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
     assert {one.file for one in drawings(result)} >= OF_PINS
 
 
+def test_a_printed_result_has_the_mean_peak_force_with_its_interval() -> None:
+    result = made_up(pw.scenes.wear_times(), 0)
+    head, first = str(result).splitlines()[1:3]
+    joint = result.stages[0].statistics.joints["A"]
+    assert "mean peak force (N)" in head
+    assert f"  {joint.peak_force_per_cycle}  " in first
+    assert joint.peak_force_per_cycle.has_interval
+
+
 def test_a_guide_alone_has_no_figures_of_pins() -> None:
     scene = pw.Scene(GUIDED, bearings={"guide": PLAY}, cycles=2)
     result = made_up(scene, 1)
