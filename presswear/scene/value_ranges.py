@@ -11,6 +11,8 @@ from presswear.tools.quantities import (
     parse_quantity,
 )
 
+# A list that begins like a number with a decimal comma, such as 0,1mm
+_COMMA = re.compile(r"(?:^|,)(0,\d+)(\s*[^\d\s.,])", re.ASCII)
 _MAX_VALUES = 1_000_000  # of a range
 # Significant digits of the values of a range. Equal values of a coarse and of a fine
 # range are then equal to the last bit.
@@ -47,9 +49,19 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
         text = f"{least!r} m:{largest!r} m:{count_text}"
     if ":" in text:
         return _values_of_range(key, text, meaning)
+    _check_commas(key, text, meaning)
     return [
         float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")
     ]
+
+
+def _check_commas(key: str, text: str, meaning: Quantity) -> None:
+    """Raise InputError if a 0 without unit in a list may be the digit before a decimal comma."""
+    if meaning.unit and _COMMA.search(text):
+        point = _COMMA.sub(lambda zero: zero[0].replace("0,", "0."), text)
+        raise InputError(
+            f"{key} = {text}: use a decimal point, {point}; a 0 of a list needs its unit here"
+        )
 
 
 def _values_of_range(key: str, text: str, meaning: Quantity) -> list[float]:

@@ -7,7 +7,7 @@ shows its traceback.
 from collections.abc import Iterable
 from typing import Any
 
-from presswear.tools.not_modelled import not_modelled
+from presswear.tools.not_modelled import NOT_MODELLED, not_modelled
 
 
 class InputError(ValueError):
@@ -68,6 +68,8 @@ def remedy(name: str, names: Iterable[str]) -> str:
     absent = not_modelled(name)
     if hint := nearest(name, words):
         listed = hint
+        if not absent.startswith(NOT_MODELLED):  # the nearest name is the better answer
+            absent = ""
         if 1 < len(words) <= FEW_NAMES:
             listed += f" Known are {', '.join(words)}."
     elif absent:

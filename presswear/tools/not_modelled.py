@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 PAGE = "docs/theory/not-modelled.md"
+NOT_MODELLED = "Not modelled: "  # begins the answers of the first table
 
 
 @cache
@@ -26,7 +27,7 @@ def not_modelled(name: str) -> str:
     singular = {word.removesuffix("s") for word in words} | set(words)
     for row in answers()["not_modelled"]:
         if not singular.isdisjoint(row["words"]):
-            return f"Not modelled: {row['answer']}; see {PAGE}"
+            return f"{NOT_MODELLED}{row['answer']}; see {PAGE}"
     for row in answers()["other_names"]:
         if not singular.isdisjoint(row["words"]):
             answer: str = row["answer"]

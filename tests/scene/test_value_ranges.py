@@ -26,6 +26,10 @@ def read(text: str) -> list[float]:
         ("contact_stiffness=1e8:1e10:3:log N/m^1.5", [1e8, 1e9, 1e10]),
         ("clearance=0.2mm, 0.5 mm", [2e-4, 5e-4]),
         ("friction=0:0.1:3", [0.0, 0.05, 0.1]),
+        ("restitution=0,1", [0.0, 1.0]),
+        ("clearance=0,0.1mm", [0.0, 1e-4]),
+        ("clearance=0, 1 mm", [0.0, 1e-3]),
+        ("clearance=0mm,1mm", [0.0, 1e-3]),
     ],
 )
 def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> None:
@@ -43,6 +47,11 @@ def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> 
         ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
         ("clearance=1:1:3 mm", "two ends that differ"),
         ("friction=0:0.1:3:log", "ends above 0"),
+        (
+            "clearance=0,1mm",
+            r"use a decimal point, 0\.1mm; a 0 of a list needs its unit",
+        ),
+        ("clearance=0,1 mm,0,2 mm", r"use a decimal point, 0\.1 mm,0\.2 mm;"),
         ("replicates=2:5:3", r"replicates = 3\.5: a whole number is expected"),
     ],
 )

@@ -48,6 +48,13 @@ def test_a_name_of_the_user_that_is_such_a_word_is_found_first() -> None:
     assert "Not modelled" not in f"{unknown('key', 'spead', ['speed', 'motion'])}"
 
 
+def test_a_near_name_is_the_answer_in_place_of_another_name_for_one_of_its_words() -> (
+    None
+):
+    message = f"{unknown('response', 'B.load_distance', ['B.sliding_distance'])}"
+    assert message.endswith("did you mean B.sliding_distance?")
+
+
 def test_the_page_lists_all_that_is_not_modelled() -> None:
     page = (ROOT / PAGE).read_text(encoding="utf-8")
     for row in answers()["not_modelled"]:
