@@ -76,6 +76,7 @@ TITLES = {
     "joints": "Motion, forces and wear",
     "bottom": "Accuracy and repeatability at bottom dead centre",
     "tonnage": "Tonnage and shock",
+    "elastic_pins": "Forces of elastic pins",
     "guide": "Tilt and load of the slide in its guide",
     "motor": "Speed, torque and energy of the motor",
     "drives": "Torque, power and energy of the drives",

@@ -48,11 +48,13 @@ def stage_tables(result: Result) -> dict[str, Table | None]:
         records.append(record)
     sound = [record for record in records if not record["stage"].failed]
     names = ["joints", "bottom", "tonnage"]
+    if scene.linkage().elastic_pins:
+        names.append("elastic_pins")
     if scene.loose_guides:
         names.append("guide")
     if scene.linkage().leader is not None:
         names.append("motor")
-    tables: dict[str, Table | None] = dict.fromkeys(("guide", "motor"))
+    tables: dict[str, Table | None] = dict.fromkeys(("elastic_pins", "guide", "motor"))
     tables |= {name: result_table(name, result, sound) for name in names}
     tables["endings"] = line_table("endings", result, records)
     tables["diagnostics"] = result_table("diagnostics", result, records)

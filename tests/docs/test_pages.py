@@ -267,7 +267,7 @@ def test_rows_of_a_report_have_a_formula() -> None:
     file = ROOT / "presswear" / "show" / "templates" / "tables.toml"
     text = re.sub(r"(?s)\{%.*?%\}", "", file.read_text())
     content = tomllib.loads(re.sub(r"\{\{.*?\}\}", "…", text))
-    names = "joints", "bottom", "tonnage", "drives", "growth", "motion"
+    names = "joints", "bottom", "tonnage", "elastic_pins", "drives", "growth", "motion"
     rows = [row for name in names for lines in content[name].values() for row in lines]
     rows += [
         row

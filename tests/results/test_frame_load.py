@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from presswear.results.export import table_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.strokes import sampled_strokes
 from presswear.show.limits import limit_lines
+from presswear.show.report import write_report
 from presswear.show.stage_tables import stage_tables
 
 FRAME = 0.5e9
@@ -107,13 +109,23 @@ def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
         within = expected[(stage.clock >= start) & (stage.clock <= end)]
         assert forces[phase].mean == pytest.approx(within.max(), rel=0.03)
     assert forces["approach"].mean < 5e3 < 9e4 < forces["work"].mean
-    table = f"{stage_tables(result)['tonnage']}"
+    table = f"{stage_tables(result)['elastic_pins']}"
     assert "Elastic pin B" in table
     assert "greatest in a stroke, snap-through" in table
     columns = table_of(result, 0)
     assert FRAME * columns["B_stretch"].max() == pytest.approx(
         max(one.mean for one in forces.values()), rel=1e-3
     )
+
+
+def test_a_report_without_work_has_the_force_of_an_elastic_pin(tmp_path: Path) -> None:
+    pin = pw.Bearing(clearance=0.0, stiffness=FRAME)
+    result = pw.run(pw.Scene(upright_crank(), cycles=2, bearings={"B": pin}), tmp_path)
+    text = write_report(result, has_all_figures=False).read_text()
+    for part in ("Elastic pin B", "in a stroke, approach", "in a stroke, return"):
+        assert part in text
+    assert "snap-through" not in text
+    assert "Tonnage and shock" not in text
 
 
 def test_a_rigid_frame_has_no_load() -> None:
