@@ -21,6 +21,7 @@ from presswear.physics.overlap import (
     add_parts,
     cubic_between,
     fourth_order,
+    has_one_root,
     inner_points,
     maximum_of,
     monotony,
@@ -157,12 +158,9 @@ def survey_cells(
         square += weight * part.square
         is_start = (left.overlap <= 0.0) & (right.overlap > 0.0)
         is_end = (left.overlap > 0.0) & (right.overlap <= 0.0)
-        bends = monotony(left, right)
-        # If the slopes have different signs the overlap turns once in the cell.
-        has_one_root = (bends >= 0.0) | (left.rise * right.rise < 0.0)
-        is_cut = (is_start | is_end) & has_one_root
+        is_cut = (is_start | is_end) & has_one_root(left, right)
         is_plain = (lower > 0.0) | (upper <= 0.0) | is_cut
-        is_hump = (bends <= 0.0) & (upper > previous)
+        is_hump = (monotony(left, right) <= 0.0) & (upper > previous)
         starts += 1 if is_start else 0
         start = max(start, k if is_start else -1)
         ends += 1 if is_end else 0
@@ -195,23 +193,30 @@ def greatest_within(
 
 
 @inlined
-def with_ends(
-    surfaces: Array, place: Place, start: int, end: int, sums: ArcIntegrals
+def with_start(
+    surfaces: Array, place: Place, node: int, sums: ArcIntegrals
 ) -> ArcIntegrals:
-    """Return the integrals with the cells in which an arc of overlap starts and ends."""
-    width = place.width
-    left, right = node_at(surfaces, place, start), node_at(surfaces, place, start + 1)
-    p = overlap_between(left, right, width)
+    """Return the integrals with the cell in which an arc of overlap starts."""
+    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    p = overlap_between(left, right, place.width)
     x = only_root(p)
-    surfaces[ARC_START, 0] = start + x
-    root = node_within(left, right, p, width, x)
-    sums = with_part(root, right, 1.0 - x, width, p.a4, sums)
-    left, right = node_at(surfaces, place, end), node_at(surfaces, place, end + 1)
-    p = overlap_between(left, right, width)
+    surfaces[ARC_START, sums.arcs] = node + x
+    root = node_within(left, right, p, place.width, x)
+    return with_part(root, right, 1.0 - x, place.width, p.a4, sums)
+
+
+@inlined
+def with_end(
+    surfaces: Array, place: Place, node: int, sums: ArcIntegrals
+) -> ArcIntegrals:
+    """Return the integrals with the cell in which an arc of overlap ends."""
+    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    p = overlap_between(left, right, place.width)
     x = only_root(p)
-    surfaces[ARC_END, 0] = end + x
-    root = node_within(left, right, p, width, x)
-    return with_part(left, root, x, width, p.a4, sums)
+    surfaces[ARC_END, sums.arcs] = node + x
+    root = node_within(left, right, p, place.width, x)
+    sums = with_part(left, root, x, place.width, p.a4, sums)
+    return ArcIntegrals(sums.x, sums.y, sums.pin_slope, sums.square, sums.arcs + 1)
 
 
 @compiled
@@ -224,7 +229,20 @@ def integrate_cells(
     for node in range(first, last + 1):
         left = right
         right = node_at(surfaces, place, node + 1)
-        sums = add_parts(surfaces, place, node, left, right, sums)
+        a4 = fourth_order(left, right, place.width)
+        second, third = inner_points(left, right)
+        lower = min(min(left.overlap, right.overlap), min(second, third))
+        upper = max(max(left.overlap, right.overlap), max(second, third)) + a4
+        if lower > 0.0:
+            sums = with_part(left, right, 1.0, place.width, a4, sums)
+        elif upper > 0.0:
+            is_cut = (left.overlap > 0.0) != (right.overlap > 0.0)
+            if not (is_cut and has_one_root(left, right)):
+                sums = add_parts(surfaces, place, node, left, right, sums)
+            elif right.overlap > 0.0:
+                sums = with_start(surfaces, place, node, sums)
+            else:
+                sums = with_end(surfaces, place, node, sums)
     return sums
 
 
@@ -254,11 +272,11 @@ def integrate_overlap(
     greatest, peak = previous, float(before)
     for node in range(first + survey.first_hump, first + survey.last_hump + 1):
         greatest, peak = greatest_within(surfaces, place, node, greatest, peak)
-    sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 1)
+    sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 0)
     is_arc = survey.starts == survey.ends == 1 and survey.start < survey.end
     if survey.others == 0 and is_arc:
-        start, end = first + survey.start, first + survey.end
-        sums = with_ends(surfaces, place, start, end, sums)
+        sums = with_start(surfaces, place, first + survey.start, sums)
+        sums = with_end(surfaces, place, first + survey.end, sums)
     elif survey.others + survey.starts + survey.ends > 0:
         sums = integrate_cells(surfaces, place, first, last)
     else:

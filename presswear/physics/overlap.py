@@ -309,6 +309,15 @@ def monotony(left: Node, right: Node) -> float:
 
 
 @inlined
+def has_one_root(left: Node, right: Node) -> bool:
+    """Return whether the overlap between two nodes of different signs has one root only.
+
+    If the slopes have different signs the overlap turns once in the cell.
+    """
+    return (monotony(left, right) >= 0.0) | (left.rise * right.rise < 0.0)
+
+
+@inlined
 def inner_points(left: Node, right: Node) -> tuple[float, float]:
     """Return the inner two Bezier points of the cubic of a cell, which lies within all four."""
     return left.overlap + (1 / 3) * left.rise, right.overlap - (1 / 3) * right.rise
