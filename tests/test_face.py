@@ -1,8 +1,6 @@
 """Public interface: every name, bad values of every part, and how a run ends for a script."""
 
 import re
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from types import ModuleType
@@ -10,6 +8,7 @@ from typing import Any
 
 import pytest
 from public_names import PUBLIC
+from python_process import python
 
 import presswear as pw
 from presswear.recording.recorder import Recorder
@@ -51,10 +50,7 @@ def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program: str) ->
         f"import sys; from presswear.__main__ import main; {program}; "
         "sys.exit(bool({'numba', 'exudyn', 'scipy', 'matplotlib', 'msgspec'} & set(sys.modules)))"
     )
-    assert (
-        subprocess.run([sys.executable, "-c", code], capture_output=True).returncode
-        == 0
-    )
+    assert python("-c", code).returncode == 0
 
 
 class Stops(pw.engines.Observer):

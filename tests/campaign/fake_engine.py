@@ -14,9 +14,7 @@ from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.running_in import RunningIn
 from presswear.recording.observer import Observer, Progress
 from presswear.recording.soundness import Finding
-from presswear.recording.statistics import (
-    half_width,
-)
+from presswear.recording.statistics import half_width
 from presswear.results.joint_result import JointResult
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
@@ -72,6 +70,7 @@ class Seen(Observer):
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
         self.progress: list[Progress] = []
+        self.lives: list[LifeResult] = []
         self.life: LifeResult | None = None
         self.status = self.message = ""
 
@@ -79,10 +78,24 @@ class Seen(Observer):
         self.progress.append(progress)
 
     def on_life(self, life: LifeResult) -> None:
+        self.lives.append(life)
         self.life = life
 
     def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
+
+
+class Stops(Observer):
+    """Interrupts a campaign after a number of reports of progress with a word."""
+
+    def __init__(self, word: str, reports: int = 1) -> None:
+        self.word = word
+        self.left = reports
+
+    def on_progress(self, progress: Progress) -> None:
+        self.left -= self.word in progress.word
+        if not self.left:
+            raise KeyboardInterrupt
 
 
 CLEARANCE = 0.8e-3

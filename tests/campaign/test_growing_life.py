@@ -1,6 +1,7 @@
 """Service lives of surfaces that wear by a law in closed form."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from io import StringIO
@@ -22,6 +23,7 @@ from campaign.fake_engine import (
     Campaign,
     FakeEngine,
     Seen,
+    Stops,
     Use,
     constant,
     exponential,
@@ -53,23 +55,12 @@ LIFE = replace(
 """Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
 
 
-class Stops(Observer):
-    """Interrupts a life in a refinement."""
-
-    def __init__(self, number: int) -> None:
-        self._word = f"refinement {number}"
-
-    def on_progress(self, progress: Progress) -> None:
-        if self._word in progress.word:
-            raise KeyboardInterrupt
-
-
 def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Scene:
     """Interrupt a life in a refinement; return its scene."""
     scene = replace(LIFE, tolerance=tolerance)
     use(FakeEngine(exponential))
     with pytest.raises(KeyboardInterrupt):
-        runs.run(scene, path, observers=[Stops(number)], jobs=1)
+        runs.run(scene, path, observers=[Stops(f"refinement {number}")], jobs=1)
     return scene
 
 
@@ -107,13 +98,10 @@ def test_a_finished_refinement_gives_a_preliminary_life(
     exact = REPRESENTED * math.log(1.0 + 0.3e-3 / (RATE * REPRESENTED))
     assert life.strokes == pytest.approx(exact, rel=0.1)
     state = "refinement 1 is finished and has an error of"
-    assert f"{life}".startswith("preliminary life: ")
     assert state in f"{life}"
     assert "an unknown error of the wear steps; refinement 2 runs next" in f"{life}"
     assert "a preliminary life and 0 of 2 stages are stored" in unfinished(result)
-    page = render_report(result)
-    assert state in page
-    assert "Service life, preliminary" in page
+    assert state in render_report(result)
     with pytest.raises(InputError, match="its life is preliminary, without curves"):
         life_table(result)
     finished = runs.run(scene, path, jobs=1).life
@@ -156,19 +144,26 @@ def test_a_looser_tolerance_completes_a_life_that_was_not_known(
     )
 
 
-@pytest.mark.parametrize("answer", ["y", "n"])
-def test_a_long_life_is_announced_and_confirmed(
-    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    console = Console(file=StringIO(), force_terminal=True, width=200)
-    bar = progress_bar(console)
-    scene = replace(LIFE, tolerance=0.1)
+@pytest.fixture(params=["y", "n"])
+def answers(
+    request: pytest.FixtureRequest, use: Use, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[str]:
+    """Return the answer to the one question before a life."""
+    left = [request.param]
     use(FakeEngine(exponential))
     monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("builtins.input", lambda question: answer)
+    monkeypatch.setattr("builtins.input", lambda question: left.pop())
+    yield request.param
+    assert not left
+
+
+def test_a_long_life_is_announced_and_confirmed(answers: str, tmp_path: Path) -> None:
+    console = Console(file=StringIO(), force_terminal=True, width=200)
+    bar = progress_bar(console)
+    scene = replace(LIFE, tolerance=0.1)
     watched = Noted(bar, scene, False)
-    if answer == "n":
+    if answers == "n":
         with pytest.raises(KeyboardInterrupt):
             runs.run(scene, tmp_path / "life", observers=[watched], jobs=1)
         assert watched.cycles > 0.0
@@ -180,37 +175,25 @@ def test_a_long_life_is_announced_and_confirmed(
     assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("answer", ["y", "n"])
 def test_compared_lives_are_announced_and_confirmed_once(
-    answer: str, use: Use, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    answers: str, tmp_path: Path
 ) -> None:
     console = Console(file=StringIO(), force_terminal=True, width=200)
     scene = replace(LIFE, tolerance=0.1)
-    asked = []
-
-    def answering(question: str) -> str:
-        asked.append(question)
-        return answer
-
-    use(FakeEngine(exponential))
-    monkeypatch.setattr(run_observer, "LONG_LIFE", 0.0)
-    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("builtins.input", answering)
     announce = announcing(progress_bar(console), 2.0, False)
     lives = {"plain": scene, "other": replace(scene, seed=1)}
     run_lives = partial(
         runs.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
     )
-    if answer == "n":
+    if answers == "n":
         with pytest.raises(KeyboardInterrupt):
             run_lives()
     else:
         assert [result.status for result in run_lives().values()] == ["completed"] * 2
     shown = console.file.getvalue()  # type: ignore[attr-defined]
-    assert len(asked) == 1
     assert "plain: the life needs about" in shown
     assert "all lives take about" in shown
-    assert ("other: the life needs about" in shown) == (answer == "y")
+    assert ("other: the life needs about" in shown) == (answers == "y")
 
 
 class Noted(RunObserver):
@@ -260,12 +243,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
     low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
     assert f"{life}".startswith("quick life: ")
-    page = render_report(result)
-    for text in (f"{life}", page):
-        assert "no error of steps" in text
-    assert "This life is quick, with no error of steps" in page
-    assert "Service life, quick" in page
-    assert "A: worn once" in page
+    assert "This life is quick, with no error of steps" in render_report(result)
     with pytest.raises(InputError, match="its life is quick, without curves"):
         life_table(result)
 

@@ -328,18 +328,10 @@ def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
         "cycles_per_update": 10.0,
     }
     progress = campaign(SCENE, FakeEngine(uneven), **settings).progress
-    words = [
-        each.word
-        for each in progress
-        if each.stage == 1 and each.word.startswith("cycle")
-    ]
-    first = [
-        each.word
-        for each in progress
-        if each.stage == 0 and each.word.startswith("cycle")
-    ]
-    assert first[0].endswith("of 12")
-    assert words[0].endswith("of 30")
+    cycles = [each for each in progress if each.word.startswith("cycle")]
+    for stage, count in ((0, "of 12"), (1, "of 30")):
+        words = [each.word for each in cycles if each.stage == stage]
+        assert words[0].endswith(count)
 
 
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])

@@ -1,8 +1,6 @@
 """Estimates of a service life where wear law and noise are known."""
 # mypy: disable-error-code="union-attr,operator"
 
-# mypy: disable-error-code="union-attr,operator"
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -138,14 +138,12 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
     [
         ({"until": "depth 5 um"}, "NAME > VALUE is expected"),
         ({"until": "dept > 5 um"}, "did you mean depth"),
-        ({"until": "depth > 5 N"}, "until: depth"),
         ({"until": "D.depth > 5 um"}, "joint with clearance in until"),
         (
             {"until": "A.diametral_clearance > 0.19 mm"},
             "allowed is above 0.2 mm, that of the new joint",
         ),
         ({"until": "A.clearance > 0.9 x new"}, "until: radial_clearance"),
-        ({"until": "A.clearance > 2.5 new"}, "VALUE x new is expected, such as 2.5 x"),
         ({"until": "A.clearance > 1 mm 2 x new"}, "VALUE x new is expected"),
         ({"until": "A.play > 1 mm"}, "The radial play of a pin is its clearance"),
         ({"until": "A.depth > 2 x new"}, "'x new' is allowed for clearance, radial_c"),
@@ -154,7 +152,6 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
             r"replaced = 'A2e6': JOINT@STROKES is expected, such as",
         ),
         ({"rotated": "C@2e6"}, "joint with clearance in rotated"),
-        ({"rotated": "A@many"}, "rotated: A"),
         ({"replaced": "A@2e6", "at_most": 1e6}, "allowed is below at_most = 1e"),
     ],
 )

@@ -2,19 +2,17 @@
 
 import json
 import logging
-import os
 import re
 import shutil
 import signal
 import subprocess
-import sys
 import sysconfig
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
+from python_process import python
 
 import presswear as pw
 from presswear.__main__ import main
@@ -120,8 +118,7 @@ sys.exit(main(["list"]))
 
 @pytest.mark.parametrize("module", ["numpy", "rich", "presswear.tools.errors"])
 def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
-    command = [sys.executable, "-c", INTERRUPTED % module]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    ended = python("-c", INTERRUPTED % module)
     assert (ended.returncode, ended.stdout, ended.stderr) == (
         130,
         "",
@@ -245,12 +242,11 @@ def test_a_new_run_names_the_unfinished_one_before_it(
 @pytest.mark.parametrize("line", ["list ideal", "--help", "--version"])
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
 def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) -> None:
-    words = [sys.executable, "-m", "presswear", *line.split()]
     for unbuffered in ("", "1") if line == "list ideal" else ("",):
-        environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+        environment = {"PYTHONUNBUFFERED": unbuffered}
         with Path("/dev/full").open("w") as full:
-            pipes: dict[str, Any] = {"stdout": full, "stderr": subprocess.PIPE}
-            done = subprocess.run(words, env=environment, text=True, **pipes)
+            pipes = {"capture_output": False, "stdout": full, "stderr": subprocess.PIPE}
+            done = python("-m", "presswear", *line.split(), env=environment, **pipes)
         assert done.returncode == 2
         output = (
             "presswear: standard output cannot be written: No space left on device\n"
@@ -263,20 +259,15 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
     file.write_text(
         example_file("four-bar").replace("My four-bar", "Ø 30 µm ±"), encoding="utf-8"
     )
-    words = [sys.executable, "-m", "presswear", "run", "mine.toml", "--out", "out"]
-    words += ["--engine", "dae", "--no-report", "--set", "joints=none"]
-    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(
-        words, cwd=tmp_path, env=environment, capture_output=True, check=False
-    )
+    words = "-m presswear run mine.toml --out out --engine dae --no-report --set"
+    line = words.split()
+    ascii = {"PYTHONIOENCODING": "ascii"}
+    done = python(*line, "joints=none", cwd=tmp_path, env=ascii)
     assert done.returncode == 0, done.stderr
-    assert b"\\xd8 30 \\xb5m \\xb1" in done.stdout
-    words[-1] = "joints=µ"
-    done = subprocess.run(
-        words, cwd=tmp_path, env=environment, capture_output=True, check=False
-    )
+    assert r"\xd8 30 \xb5m \xb1" in done.stdout
+    done = python(*line, "joints=µ", cwd=tmp_path, env=ascii)
     assert done.returncode == 2
-    assert b"joints = '\\xb5'" in done.stderr
+    assert r"joints = '\xb5'" in done.stderr
 
 
 def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from python_process import python
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
@@ -162,8 +163,7 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
         "    pw.run(pw.scenes.ideal(cycles=2, engine='dae'), jobs=1)\n    print('end')\n"
     )
     assert "no wear: cycle " in in_terminal([f"{script}"], tmp_path)
-    words = [sys.executable, f"{script}"]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    done = python(script, check=True)
     assert (done.stdout, done.stderr) == ("end\n", "")
 
 

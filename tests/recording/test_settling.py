@@ -7,7 +7,6 @@ import pytest
 
 from presswear.recording.settling import (
     REPEATED,
-    Settling,
     group_motions,
     half_life,
     settled_motion,
@@ -106,19 +105,3 @@ def test_intervals_of_half_lives_contain_the_true_value_in_92_of_100_trials() ->
         assert estimate.high is not None
         count += estimate.low <= truth <= estimate.high
     assert 0.92 * trials < count
-
-
-def test_without_a_settled_run_there_is_no_half_life() -> None:
-    assert half_life([], [64, 64]) is None
-
-
-@pytest.mark.parametrize(
-    ("watched", "starts", "verdict"),
-    [
-        (50, (None, None), "irregular"),
-        (5, (None, None), "unwatched"),
-        (50, (12, None), "mixed"),
-    ],
-)
-def test_verdicts(watched: int, starts: tuple[int | None, ...], verdict: str) -> None:
-    assert Settling(watched, starts, ()).verdict == verdict

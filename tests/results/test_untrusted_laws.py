@@ -1,11 +1,10 @@
 """Source code of user laws that a result stores is executed only on request."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from python_process import python
 
 import presswear as pw
 from presswear.results.folder import ResultFolder
@@ -88,10 +87,7 @@ for compute in (
 def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     """Report, export, replay and Python; what needs a law is refused or left out in a sentence."""
     # In a process that trusts nothing yet.
-    command = [sys.executable, "-c", READING]
-    done = subprocess.run(
-        command, cwd=received, capture_output=True, text=True, check=False
-    )
+    done = python("-c", READING, cwd=received)
     assert done.returncode == 0, done.stderr
     told = done.stdout
     assert told.count("refused:") == 4
@@ -104,19 +100,15 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
 
 def test_a_run_goes_on_only_if_its_laws_are_trusted(received: Path) -> None:
     for line in ("sweep mine --resume --out sweep", "run mine --resume --out halted"):
-        command = [sys.executable, "-m", "presswear", *line.split()]
-        refused = subprocess.run(
-            command, cwd=received, capture_output=True, text=True, check=False
-        )
+        command = ["-m", "presswear", *line.split()]
+        refused = python(*command, cwd=received)
         assert refused.returncode == 2
         assert len(refused.stderr.splitlines()) == 1
         assert "B.normal_law = user law soft" in refused.stderr
         assert "--trust" in refused.stderr
         assert not (received / "executed").exists()
     try:
-        subprocess.run(
-            [*command, "--trust"], cwd=received, check=True, capture_output=True
-        )
+        python(*command, "--trust", cwd=received, check=True)
         assert (received / "executed").exists()
     finally:
         (received / "executed").unlink(missing_ok=True)

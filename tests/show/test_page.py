@@ -1,7 +1,6 @@
 """Rows, tables and pages."""
 
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from python_process import python
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
@@ -189,8 +189,7 @@ except pw.RunFailed as error:
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_memory_that_runs_out_while_drawing_is_one_line(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    command = [sys.executable, "-c", MEMORY, f"{folder}"]
-    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    ran = python("-c", MEMORY, folder, check=True)
     assert ran.stdout == (
         "memory ran out while the report was drawn; the result is kept, and presswear "
         f"report {folder} draws it\n"

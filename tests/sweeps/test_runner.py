@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from python_process import python
 
 import presswear as pw
 from presswear.sweeps import runner
@@ -203,10 +204,7 @@ print(again.table.errors)
 
 def test_functions_of_a_notebook_are_responses(tmp_path: Path) -> None:
     """They run in the parent, because workers cannot import the main module of a notebook."""
-    command = [sys.executable, "-c", NOTEBOOK, f"{tmp_path}"]
-    program = subprocess.run(
-        command, capture_output=True, text=True, timeout=600, check=False
-    )
+    program = python("-c", NOTEBOOK, tmp_path, timeout=600)
     assert program.returncode == 0, program.stderr
     assert program.stdout.count("KeyError: 'no such number'") == 2
     assert not list((tmp_path / "good" / "runs").iterdir())  # keep = responses

@@ -1,10 +1,7 @@
 """Compiled kernels: signals, lazy compilation, errors in kernels, counts of compilations."""
 
 import gc
-import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +9,7 @@ import numpy as np
 import pytest
 from numba.core import event
 from numpy.typing import NDArray
+from python_process import python
 
 from presswear.tools.arrays import Array
 from presswear.tools.compile import (
@@ -131,8 +129,7 @@ with stoppable():
 
 
 def test_interrupt_in_a_kernel_that_calls_a_lazy_one_is_no_crash() -> None:
-    command = [sys.executable, "-c", INTERRUPTED]
-    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    ended = python("-c", INTERRUPTED)
     assert (ended.returncode, ended.stdout) == (0, "1.5 True\n"), ended.stderr
 
 
@@ -172,9 +169,7 @@ def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path: Path) -> No
     """Of all its callers; the program goes on."""
     script = tmp_path / "wrong.py"
     script.write_text(WRONG)
-    ended = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, check=True
-    )
+    ended = python(script)
     assert ended.stdout == WRONG_PLACE.format(script) * 2
     assert ended.stderr == ""
 
@@ -243,14 +238,7 @@ def test_index_errors_in_kernels_are_found_on_request(tmp_path: Path) -> None:
     file = tmp_path / "beyond.py"
     file.write_text(BEYOND)
     for value, found in (("0", ""), ("1", BEYOND_PLACES.format(file))):
-        environment = {**os.environ, "NUMBA_BOUNDSCHECK": value}
-        ran = subprocess.run(
-            [sys.executable, file],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        ran = python(file, env={"NUMBA_BOUNDSCHECK": value}, check=True)
         assert ran.stdout == found
 
 
@@ -279,12 +267,9 @@ print(Count.compiled, sum(len(kernel.from_python.overloads) for kernel in lazy))
 def test_first_start_compiles_few_kernels_and_second_none(
     tmp_path: Path, engine: str, most: int
 ) -> None:
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    environment = {"XDG_CACHE_HOME": f"{tmp_path}"}
     for fewest, limit in ((20, most), (-1, 0)):
-        command = [sys.executable, "-c", COUNTED % engine]
-        ran = subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True
-        )
+        ran = python("-c", COUNTED % engine, env=environment, check=True)
         kernels, unused = map(int, ran.stdout.split())
         assert fewest < kernels <= limit
         assert unused == 0

@@ -4,15 +4,13 @@
 # ruff: noqa: F821
 import inspect
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from python_process import python
 
 from presswear.__main__ import main
 from presswear.campaign import runs
@@ -153,13 +151,7 @@ with short_errors:
 
 
 def test_a_mistake_in_plain_python_is_shown_with_its_line() -> None:
-    ran = subprocess.run(
-        [sys.executable, "-c", PLAIN],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    ran = python("-c", PLAIN, env={"NUMBA_DISABLE_JIT": "1"})
     place, statement, reason = ran.stderr.splitlines()[-3:]
     assert "KernelError: " in place
     assert place.endswith(": copy_to")

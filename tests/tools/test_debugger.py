@@ -1,10 +1,10 @@
 """Recipe of CONTRIBUTING.md that steps through the equations in a debugger."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+from typing import Any
+
+from python_process import python
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,15 +18,9 @@ def test_equations_of_a_four_bar_are_stepped_through(tmp_path: Path) -> None:
     (tmp_path / "step.py").write_text(script)
 
     def run_python(*arguments: str, typed: str = "") -> str:
-        return subprocess.run(
-            [sys.executable, *arguments],
-            input=typed,
-            cwd=tmp_path,
-            env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{ROOT}"},
-            check=not typed,
-            capture_output=True,
-            text=True,
-        ).stdout
+        variables = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{ROOT}"}
+        options: dict[str, Any] = {"input": typed, "cwd": tmp_path, "check": not typed}
+        return python(*arguments, env=variables, **options).stdout
 
     run_python("-m", "presswear", "new", "four-bar")
     equations = run_python("-m", "presswear", "show", "four-bar.toml", "--equations")

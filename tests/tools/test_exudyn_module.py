@@ -1,12 +1,10 @@
 """Choice of the module of Exudyn; both modules give the same motion."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from python_process import python
 
 RUN = """
 import json, sys
@@ -25,14 +23,7 @@ print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, ends]))
 
 def run_with(module: str) -> tuple[bool, list[list[float]]]:
     """Return whether the fast module is used, and positions and contacts of both engines."""
-    environment = {**os.environ, "EXUDYN_MODULE": module}
-    text = subprocess.run(
-        [sys.executable, "-c", RUN],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    text = python("-c", RUN, env={"EXUDYN_MODULE": module}, check=True).stdout
     is_fast, ends = json.loads(text)  # Exudyn prints nothing
     return is_fast, ends
 

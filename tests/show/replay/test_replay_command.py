@@ -1,18 +1,19 @@
 """``presswear replay``: stills, films, windows, and live runs."""
 
-import os
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import lines
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
+from python_process import python
 
 import presswear as pw
 
@@ -104,11 +105,8 @@ def test_bad_input_is_refused_in_one_line(
 def test_without_a_display_one_line_names_alternatives(
     folder: Path, name: str, line: str
 ) -> None:
-    environment = {**os.environ, "DISPLAY": name}
-    command = [*REPLAY[:3], *line.split()]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, timeout=60, cwd=folder
-    )
+    options: dict[str, Any] = {"env": {"DISPLAY": name}, "timeout": 60, "cwd": folder}
+    done = python("-m", "presswear", *line.split(), **options)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert all(word in done.stderr for word in ("no window can", "--movie", "--still"))
 
