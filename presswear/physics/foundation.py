@@ -49,7 +49,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, vectorised
 
 LANES = 4  # cells that are summed together; a rest would be summed one by one
-LEAST_CELLS = 16  # on each side of the last place that are searched for an overlap
+LEAST_CELLS = 8  # on each side of the last place that are searched for an overlap
 
 
 def foundation_stiffness(stiffness: float, clearance: float) -> float:
