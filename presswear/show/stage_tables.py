@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from presswear.linkage.surface import SIDES, Surface
 from presswear.physics import statics
 from presswear.recording.statistics import Estimate
 from presswear.results.bottom_dead_centre import rise
+from presswear.results.drive_duty import DriveDuty
 from presswear.results.drives import drives_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
@@ -28,6 +30,9 @@ from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 
 _TILTS = ("touch", "fracture", "bottom", "greatest")  # fields of a tilt of a slide
+_ROUND_OFF = (
+    1e-9  # of the rms of a drive, or of the energy supplied, below which a mean is 0
+)
 
 
 def stage_tables(result: Result) -> dict[str, Table | None]:
@@ -207,10 +212,25 @@ def drive_table(result: Result) -> Table | None:
     rigid = {RUBBING: rubbing_drives(scene), IDEAL: ideal_drives(scene)}
     for name, duties in rigid.items():
         if duties:
+            supplied = sum(drive.supplied for drive in duties.values())
             work = sum(drive.work for drive in duties.values())
-            energy = {"drive_work_per_cycle": work}
-            records.append({"name": name, "duty": duties, "energy": energy})
+            energy = {"drive_work_per_cycle": _without_round_off(work, supplied)}
+            duty = {body: _with_clear_means(drive) for body, drive in duties.items()}
+            records.append({"name": name, "duty": duty, "energy": energy})
     return result_table("drives", result, records)
+
+
+def _with_clear_means(drive: DriveDuty) -> DriveDuty:
+    """Return a duty of rigid joints whose means are 0 where they are round-off."""
+    torque, power = (
+        duty._replace(mean=_without_round_off(duty.mean, duty.rms))
+        for duty in (drive.torque, drive.power)
+    )
+    return replace(drive, torque=torque, power=power)
+
+
+def _without_round_off(value: float, scale: float) -> float:
+    return 0.0 if abs(value) < _ROUND_OFF * scale else value
 
 
 def growth_table(result: Result) -> Table | None:

@@ -20,6 +20,7 @@ from rich.progress import Progress as ProgressBar
 
 from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run_observer
+from presswear.cli import several_runs as several_runs_module
 from presswear.cli.run_observer import RunObserver, step_text
 from presswear.cli.several_runs import several_runs
 from presswear.cli.terminal import (
@@ -178,6 +179,19 @@ def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> N
         show("plain", 1.0, "completed")
     assert "finished plain: completed" in (text := console.export_text())
     assert "improve: 1 of 2 finished " in text.splitlines()[-1]
+
+
+def test_several_runs_print_a_line_a_minute_without_a_terminal(
+    tmp_path: Path, clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(several_runs_module, "clock", clock)
+    console = console_of(80, clock, is_terminal=False)
+    with several_runs(console, "lives", tmp_path, 2) as (show, _):
+        for share in (0.1, 0.2, 0.3, 0.4):
+            show("plain", share, "cycle 3 of 5")
+            clock.now += 40.0
+    lines = [line for line in console.export_text().splitlines() if line]
+    assert lines == ["lives: 0 of 2 finished, 15 % 7.55 minutes left"]
 
 
 def test_steps_are_described() -> None:

@@ -15,6 +15,7 @@ from presswear.show.drive_numbers import IDEAL, RUBBING
 from presswear.show.key_number import measured
 from presswear.show.key_numbers import key_numbers
 from presswear.show.page import FirstScreen, KeyNumber, render_page
+from presswear.show.stage_tables import drive_table
 from presswear.show.warnings import warnings
 from presswear.tools.numbers import quantity_text
 
@@ -93,6 +94,16 @@ def test_round_off_is_no_mean_power() -> None:
     numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
     meaning = numbers["Peak drive power"].meaning
     assert "at crank; mean 0 W. Computed with rigid joints without friction;" in meaning
+
+
+def test_round_off_is_no_work_in_the_table_of_the_drives() -> None:
+    scene = pw.changed(replace(made.BOTH, drive_torque="on"), {"friction": 0.0})
+    assert abs(sum(duty.work for duty in ideal_drives(scene).values())) > 0.0
+    table = drive_table(made_up(scene, 2))
+    assert table is not None
+    rows = {row[0]: row[-1] for _, lines in table.groups for row in lines}
+    (work,) = [cell for head, cell in rows.items() if head.startswith("net work")]
+    assert work == "0"
 
 
 @pytest.mark.parametrize("torques", ["on", "off"])

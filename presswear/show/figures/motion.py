@@ -385,4 +385,11 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         style.label_values(axes, label, unit)
         axes.set_title(drive)
     window.label(panels, zones)
-    return style.finished("drives", sheet, _pens(shown), window=window)
+    return style.finished(
+        "drives",
+        sheet,
+        _pens(shown),
+        window=window,
+        cranks=len(drives) - len(linear),
+        cylinders=len(linear),
+    )
