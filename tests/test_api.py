@@ -10,14 +10,14 @@ from presswear.physics.curve_following import motion_of
 FOUR_BAR = pw.FourBar()
 
 
-def test_a_linkage_without_clearance_follows_its_ideal_motion() -> None:
+def test_a_linkage_without_clearance_follows_its_ideal_motion():
     run = pw.simulate(FOUR_BAR.linkage(), duration="0.2 s")
     assert (run.status, run.time) == ("completed", 0.2)
     ideal = motion_of(FOUR_BAR).at(np.array([0.2])).position[0]
     assert_allclose(run.end.position, ideal, atol=1e-7)
 
 
-def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
+def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle():
     linkage = pw.scenes.slider_crank().linkage()
     whole = pw.simulate(linkage)
     assert whole.time == linkage.period
@@ -28,7 +28,7 @@ def test_a_run_begins_in_the_ideal_motion_and_lasts_a_cycle() -> None:
     assert_array_equal(again.end.position, whole.end.position)
 
 
-def test_a_long_run_has_the_steps_of_its_cycles() -> None:
+def test_a_long_run_has_the_steps_of_its_cycles():
     linkage = FOUR_BAR.linkage()
     run = pw.simulate(linkage, duration=5.0 * linkage.period)
     time = run.recorder.series("time")
@@ -37,7 +37,7 @@ def test_a_long_run_has_the_steps_of_its_cycles() -> None:
     assert_allclose(run.end.position, ideal, atol=1e-6)
 
 
-def test_a_linkage_without_drives_needs_a_duration_and_no_cycle() -> None:
+def test_a_linkage_without_drives_needs_a_duration_and_no_cycle():
     bar = pw.assemble([pw.Bar("bar", length="0.5 m", mass="1 kg")])
     start = pw.engines.Start(np.zeros(3), np.zeros(3))
     fallen = pw.simulate(bar, start, duration="0.5 s").end.position
@@ -47,7 +47,7 @@ def test_a_linkage_without_drives_needs_a_duration_and_no_cycle() -> None:
         pw.simulate(bar, start)
 
 
-def test_engines_agree() -> None:
+def test_engines_agree():
     linkage = pw.scenes.slider_crank().linkage()
     tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
     own = pw.simulate(linkage, duration=1e-3, engine=pw.engines.InHouse())
@@ -67,6 +67,6 @@ def test_engines_agree() -> None:
         ({"begin": 0.0}, "unknown argument of simulate 'begin'"),
     ],
 )
-def test_bad_input_is_refused(options: dict[str, object], message: str) -> None:
+def test_bad_input_is_refused(options, message):
     with pytest.raises(pw.InputError, match=message):
-        pw.simulate(FOUR_BAR.linkage(), **options)  # type: ignore[arg-type]
+        pw.simulate(FOUR_BAR.linkage(), **options)

@@ -39,7 +39,7 @@ NAMES = {"own", "told", "tell", "asked", "found", "known", "given", "other", "be
 NAMES |= {"taken", "kept", "gone", "apart", "borne", "felt", "bed", "look"}
 
 
-def test_rooms_import_only_rooms_below_them() -> None:
+def test_rooms_import_only_rooms_below_them():
     """Floors are those of the table in CONTRIBUTING.md."""
     floors: dict[str, int] = {}
     for line in (ROOT / "CONTRIBUTING.md").read_text().splitlines():
@@ -60,7 +60,7 @@ def test_rooms_import_only_rooms_below_them() -> None:
             assert is_below or (room, name) in UPWARD, f"{file}: {name}"
 
 
-def test_imports_by_name_are_listed() -> None:
+def test_imports_by_name_are_listed():
     calls: dict[str, list[str]] = {}
     package = ROOT / "presswear"
     for file in package.rglob("*.py"):
@@ -77,7 +77,7 @@ def test_imports_by_name_are_listed() -> None:
 @pytest.mark.parametrize(
     "room", sorted(path.name for path in (ROOT / "presswear").iterdir())
 )
-def test_names_and_docstrings_are_plain(room: str) -> None:
+def test_names_and_docstrings_are_plain(room):
     path = ROOT / "presswear" / room
     wrong = []
     for file in [path] if path.is_file() else path.rglob("*.py"):
@@ -96,7 +96,7 @@ def test_names_and_docstrings_are_plain(room: str) -> None:
     assert not wrong
 
 
-def test_kernels_make_no_array_and_raise_no_error() -> None:
+def test_kernels_make_no_array_and_raise_no_error():
     makers = {"zeros", "empty", "full", "ones", "array", "arange", "copy"}
     kernels = 0
     wrong = []
@@ -119,7 +119,7 @@ def test_kernels_make_no_array_and_raise_no_error() -> None:
     assert not wrong
 
 
-def test_no_public_name_is_a_module_of_its_package() -> None:
+def test_no_public_name_is_a_module_of_its_package():
     """After an import of the module, a function of the same name would be the module."""
     for stub in (ROOT / "presswear").rglob("__init__.pyi"):
         imports = re.findall(

@@ -17,7 +17,7 @@ QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
 
 
 @pytest.mark.parametrize("package", [pw, pw.engines, pw.linkage, pw.results])
-def test_every_public_name_exists(package: ModuleType) -> None:
+def test_every_public_name_exists(package: ModuleType):
     assert len(dir(package)) >= 6
     for name in dir(package):
         assert getattr(package, name) is not None
@@ -26,7 +26,7 @@ def test_every_public_name_exists(package: ModuleType) -> None:
         _ = getattr(package, "Sceen")  # noqa: B009 (type checkers refuse the attribute)
 
 
-def test_a_name_of_a_part_is_found_there() -> None:
+def test_a_name_of_a_part_is_found_there():
     """Five parts have names that a user may look for at the root."""
     for name, place in {"InHouse": "engines", "deflection": "statics"}.items():
         message = f"it is presswear.{place}.{name}$"
@@ -34,7 +34,7 @@ def test_a_name_of_a_part_is_found_there() -> None:
             getattr(pw, name)
 
 
-def test_one_version_in_package_citation_and_changelog() -> None:
+def test_one_version_in_package_citation_and_changelog():
     root = Path(__file__).parents[1]
     version = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
     assert version == pw.__version__
@@ -45,7 +45,7 @@ def test_one_version_in_package_citation_and_changelog() -> None:
 @pytest.mark.parametrize(
     "program", ["import presswear", "main(['list'])", "main(['run', 'no'])"]
 )
-def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program: str) -> None:
+def test_a_program_without_a_run_loads_neither_numba_nor_exudyn(program):
     code = (
         f"import sys; from presswear.__main__ import main; {program}; "
         "sys.exit(bool({'numba', 'exudyn', 'scipy', 'matplotlib', 'msgspec'} & set(sys.modules)))"
@@ -61,7 +61,7 @@ class Stops(pw.engines.Observer):
 
 
 @pytest.mark.parametrize("replicates", [1, 2])
-def test_a_tracker_can_end_a_run(replicates: int) -> None:
+def test_a_tracker_can_end_a_run(replicates):
     scene = pw.scenes.wear_times(
         wear_updates=0, cycles=9, replicates=replicates, **QUICK
     )
@@ -73,8 +73,8 @@ def test_a_tracker_can_end_a_run(replicates: int) -> None:
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     scene = pw.scenes.wear_times(wear_updates=1, cycles=2, **QUICK)
 
     class Breaks(pw.engines.Observer):
@@ -103,7 +103,7 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(
         )
 
 
-def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
+def test_a_run_that_failed_raises_with_its_finding(tmp_path):
     scene = pw.scenes.wear_times(wear_updates=0, cycles=1)
     paper = pw.engines.InHouse(integrator="rk4-paper")
     with pytest.raises(pw.RunFailed, match="no longer finite") as failed:
@@ -132,15 +132,13 @@ def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
         ("Guide", "c_f", "; known are"),
     ],
 )
-def test_a_wrong_argument_is_answered_with_the_right_one(
-    name: str, argument: str, answer: str
-) -> None:
+def test_a_wrong_argument_is_answered_with_the_right_one(name, argument, answer):
     message = re.escape(f"unknown argument of {name} '{argument}'{answer}")
     with pytest.raises(pw.InputError, match=message):
         PUBLIC[name](**{argument: 1})
 
 
-def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
+def test_a_linkage_that_cannot_move_is_refused_before_the_run():
     slider = pw.assemble(
         bodies=[
             pw.Bar("crank", "50 mm", 1.0),
@@ -165,7 +163,7 @@ def test_a_linkage_that_cannot_move_is_refused_before_the_run() -> None:
     assert refused.value.__cause__ is None
 
 
-def test_settings_of_an_engine_are_checked_like_any_other() -> None:
+def test_settings_of_an_engine_are_checked_like_any_other():
     with pytest.raises(
         pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"
     ):
@@ -174,7 +172,7 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         )
 
 
-def test_what_does_not_exist_is_answered_with_what_exists() -> None:
+def test_what_does_not_exist_is_answered_with_what_exists():
     with pytest.raises(
         AttributeError, match=r"unknown scene 'wear_time'; did you mean wear_times\?"
     ):

@@ -17,11 +17,11 @@ SLOW = ("compare", "one_joint", "wear_times")
     "name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
 )
 def test_a_script_runs(
-    name: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    name,
+    tmp_path,
+    monkeypatch,
+    capsys,
+):
     monkeypatch.chdir(tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("error", ResourceWarning)
@@ -31,7 +31,7 @@ def test_a_script_runs(
     assert "failed" not in output
 
 
-def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) -> None:
+def test_servos_stand_beside_plain_blanking(capsys):
     runpy.run_path(str(SCENARIOS / "servo.py"))["main"](cycles=1, replicates=1)
     output = capsys.readouterr().out
     assert output.count("ideal: stroke") == 4
@@ -39,8 +39,8 @@ def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_bottom_dead_centre_at_two_speeds_and_with_work(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    capsys,
+):
     """The last row is the scene itself, and the last column the change since the first row."""
     main = runpy.run_path(str(SCENARIOS / "bottom.py"))["main"]
     main("press-blanking", cycles=3, replicates=2)
@@ -68,9 +68,7 @@ def _with_half_width(text: str) -> list[float]:
 
 
 @pytest.mark.slow
-def test_second_wear_by_assumption(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_second_wear_by_assumption(tmp_path, capsys):
     """All assumptions are scenes; one of each kind is run."""
     quick = {
         "engine": "dae",

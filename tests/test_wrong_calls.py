@@ -5,7 +5,6 @@ import inspect
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -130,9 +129,7 @@ def calls_of(name: str) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_wrong_argument_is_named(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_argument_is_named(name, tmp_path, monkeypatch):
     """A call is right, or raises InputError; never the error of something inside."""
     monkeypatch.chdir(tmp_path)
     for arguments in calls_of(name):
@@ -144,7 +141,7 @@ def test_a_wrong_argument_is_named(
 
 
 @pytest.mark.parametrize("name", sorted({*NAMES} - {*MADE_BY_PROGRAM, *RUNS}))
-def test_no_argument_is_taken_as_it_comes(name: str) -> None:
+def test_no_argument_is_taken_as_it_comes(name):
     """Nothing public has a parameter for an object of any kind."""
     parameters = inspect.signature(PUBLIC[name]).parameters.values()
     named = [one for one in parameters if one.kind != one.VAR_POSITIONAL]
@@ -175,7 +172,7 @@ RIGHT_OF: dict[Any, Any] = {
 
 @pytest.mark.parametrize("name", STATISTICS)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_statistics_name_a_wrong_argument(name: str) -> None:
+def test_statistics_name_a_wrong_argument(name):
     function = getattr(pw.statistics, name)
     kinds = get_type_hints(function)
     kinds.pop("return")
@@ -188,7 +185,7 @@ def test_statistics_name_a_wrong_argument(name: str) -> None:
             function(**{**right, key: object()})
 
 
-def test_statistics_take_lists_of_numbers() -> None:
+def test_statistics_take_lists_of_numbers():
     samples = [1.0, 2.0, 4.0, 3.0]
     half = pw.statistics.half_width(samples)  # type: ignore[arg-type]
     assert half == pw.statistics.half_width(np.array(samples))
@@ -220,14 +217,12 @@ def test_statistics_take_lists_of_numbers() -> None:
         ),
     ],
 )
-def test_a_wrong_value_is_named(
-    name: str, arguments: dict[str, Any], message: str
-) -> None:
+def test_a_wrong_value_is_named(name, arguments, message):
     with pytest.raises(pw.InputError, match=message):
         PUBLIC[name](**arguments)
 
 
-def test_an_unknown_friction_law_is_named() -> None:
+def test_an_unknown_friction_law_is_named():
     linkage = pw.Scene().linkage()
     law = pw.linkage.FrictionLaw(0.1, name="rampp")
     joints = tuple(replace(one, friction=law) for one in linkage.clearances)
@@ -247,7 +242,7 @@ def test_an_unknown_friction_law_is_named() -> None:
         ({"scene": {}}, "scene = {}: a Scene is expected"),
     ],
 )
-def test_run_names_the_wrong_argument(arguments: dict[str, Any], message: str) -> None:
+def test_run_names_the_wrong_argument(arguments, message):
     with pytest.raises(pw.InputError, match=message):
         pw.run(**{"scene": pw.scenes.ideal(), **arguments})
 
@@ -255,7 +250,7 @@ def test_run_names_the_wrong_argument(arguments: dict[str, Any], message: str) -
 @pytest.mark.parametrize(
     "name", ["vary", "responses", "ranges", "on", "shard", "limits", "jobs"]
 )
-def test_sweep_names_the_wrong_argument(name: str, tmp_path: Path) -> None:
+def test_sweep_names_the_wrong_argument(name, tmp_path):
     for value in (1.5, object(), int, -1):
         arguments: dict[str, Any] = {
             "vary": {"speed": "1:2:2 rad/s"},
@@ -266,7 +261,7 @@ def test_sweep_names_the_wrong_argument(name: str, tmp_path: Path) -> None:
             pw.sweep(pw.scenes.ideal(), **arguments)
 
 
-def test_a_reading_is_taken_with_units_and_refused_by_name() -> None:
+def test_a_reading_is_taken_with_units_and_refused_by_name():
     reading = pw.results.Reading("B", "1e6", "depth", "12 um", "2 um")  # type: ignore[arg-type]
     assert (reading.strokes, reading.error) == (1e6, 2e-6)
     assert reading.value == pytest.approx(12e-6, rel=1e-15)
@@ -274,19 +269,19 @@ def test_a_reading_is_taken_with_units_and_refused_by_name() -> None:
         pw.results.Reading("B", -1.0, "depth", 1e-5)
 
 
-def test_the_settings_of_a_function_of_a_scene_are_a_mapping() -> None:
+def test_the_settings_of_a_function_of_a_scene_are_a_mapping():
     peak = pw.function_of(pw.Scene(), "A.force_max")
     with pytest.raises(pw.InputError, match="parameters = None: a mapping is expected"):
         peak(None)  # type: ignore[arg-type]
 
 
-def test_surfaces_of_a_linkage_are_pairs_of_surfaces() -> None:
+def test_surfaces_of_a_linkage_are_pairs_of_surfaces():
     for worn in (3, {"A": 3}, {"A": (None, None)}):
         with pytest.raises(pw.InputError, match=r"worn = .*a mapping is expected"):
             pw.Scene().linkage(worn)  # type: ignore[arg-type]
 
 
-def test_a_number_of_5000_digits_is_refused(tmp_path: Path) -> None:
+def test_a_number_of_5000_digits_is_refused(tmp_path):
     file = tmp_path / "a.toml"
     file.write_text(f'[mechanism]\nkind = "press"\nspeed = {"1" * 5000}\n')
     with pytest.raises(pw.InputError, match=r"a\.toml.*4300"):

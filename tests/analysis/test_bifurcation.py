@@ -1,7 +1,5 @@
 """Bifurcation diagrams: parameters, continuation, resuming, periods."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -20,7 +18,7 @@ SCENE = pw.scenes.slider_crank()
 CYCLES = bifurcation.Cycles(12, 6, 0)
 
 
-def test_parameter_is_read_with_its_unit() -> None:
+def test_parameter_is_read_with_its_unit():
     clearance = bifurcation.Parameter.parse("clearance=0.01:0.05:5 mm", SCENE)
     assert_allclose(clearance.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
     speed = bifurcation.Parameter.parse("speed=2pi:12pi:3 rad/s", SCENE)
@@ -44,12 +42,12 @@ def test_parameter_is_read_with_its_unit() -> None:
         ("engine=dae,exudyn", "not a count or a choice"),
     ],
 )
-def test_bad_parameters_are_refused(text: str, message: str) -> None:
+def test_bad_parameters_are_refused(text, message):
     with pytest.raises(pw.InputError, match=message):
         bifurcation.Parameter.parse(text, SCENE)
 
 
-def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
+def test_pins_keep_their_positions_relative_to_the_clearance():
     previous = SCENE.linkage()
     scene = pw.scenes.slider_crank(clearance="0.4 mm", speed="500 rad/s")
     run = bifurcation.ENGINE.simulate(
@@ -74,7 +72,7 @@ def test_pins_keep_their_positions_relative_to_the_clearance() -> None:
     assert_allclose(start.velocity, scaled, rtol=0.0, atol=0.3)
 
 
-def test_a_stopped_branch_is_resumed(tmp_path: Path) -> None:
+def test_a_stopped_branch_is_resumed(tmp_path):
     parameter = bifurcation.Parameter.parse("clearance=0.01:0.05:4 mm", SCENE)
     for values, name in (
         (parameter.values, "whole"),
@@ -92,7 +90,7 @@ def test_a_stopped_branch_is_resumed(tmp_path: Path) -> None:
     assert parts.value.tolist() == list(parameter.values)
 
 
-def test_periods_of_two_clearances(tmp_path: Path) -> None:
+def test_periods_of_two_clearances(tmp_path):
     """At 10 um the motion has the period of the crank; at 0.3 mm none within 60 cycles."""
     parameter = bifurcation.Parameter.parse("clearance=0.01:0.3:2 mm", SCENE)
     diagram = bifurcation.compute(
@@ -114,9 +112,7 @@ def test_periods_of_two_clearances(tmp_path: Path) -> None:
         bifurcation.compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
 
 
-def test_a_failed_run_leaves_a_gap(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_failed_run_leaves_a_gap(monkeypatch, tmp_path):
     """With far too large steps all numbers are NaN, and the next value starts anew."""
     monkeypatch.setattr(
         bifurcation, "ENGINE", pw.engines.InHouse("rk4", equal_step=1e-2)
@@ -136,7 +132,7 @@ def test_a_failed_run_leaves_a_gap(
     assert "1 runs failed" in diagram.summary()[0]
 
 
-def test_a_slide_keeps_its_place_and_tilt_relative_to_the_clearance() -> None:
+def test_a_slide_keeps_its_place_and_tilt_relative_to_the_clearance():
     """Two opposite corners that press on their walls open; the rod hangs from the slide."""
     scenes = [pw.scenes.press_off_centre(clearance=f"{c} mm") for c in (0.05, 0.1)]
     narrow, wide = (scene.linkage() for scene in scenes)

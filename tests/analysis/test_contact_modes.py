@@ -33,7 +33,7 @@ def made(slow: float = 0.5) -> Timeline:
     return timeline((0.0, 8.0), CONTACTS, CLOSING, (TIME, SLIDING), slow)
 
 
-def test_modes_follow_each_other() -> None:
+def test_modes_follow_each_other():
     """The long contact sticks while it slides at less than 0.5 m/s, from 3.5 to 4.5 s."""
     line = made()
     edges = [0.0, 1.0, 1.01, 2.0, 2.01, 3.0, 3.5, 4.5, 5.0, 6.0, 6.01, 7.0, 7.01, 8.0]
@@ -43,7 +43,7 @@ def test_modes_follow_each_other() -> None:
     assert line.mode.tolist() == [*hits, *hits, FREE, *rest, *hits, *hits, FREE]
 
 
-def test_shares_transitions_and_visits() -> None:
+def test_shares_transitions_and_visits():
     line = made()
     shares = line.shares
     counts = line.transitions
@@ -60,7 +60,7 @@ def test_shares_transitions_and_visits() -> None:
     assert_allclose(line.visits("free flight"), [0.99, 0.99, 1.0, 0.99], rtol=1e-9)
 
 
-def test_parts_of_the_cycle() -> None:
+def test_parts_of_the_cycle():
     """The first of four bins of a cycle of 4 s holds 0 to 1 s and 4 to 5 s."""
     parts = made().over_phase(4.0, 4)
     assert_allclose(parts.sum(axis=0), 1.0, rtol=1e-12)
@@ -70,7 +70,7 @@ def test_parts_of_the_cycle() -> None:
     assert parts[IMPACT, 1] == pytest.approx(0.005, rel=1e-9)
 
 
-def test_a_hertzian_impact_lasts_longer_when_it_is_slower() -> None:
+def test_a_hertzian_impact_lasts_longer_when_it_is_slower():
     """Durations go with the closing speed to the power of -1/5: all of them are impacts."""
     closing = np.geomspace(1e-3, 1.0, 50)
     duration = 1e-4 * closing**-0.2
@@ -79,14 +79,14 @@ def test_a_hertzian_impact_lasts_longer_when_it_is_slower() -> None:
     assert impact_limits(np.zeros(0), np.zeros(0)).size == 0
 
 
-def test_contacts_ring_at_one_over_twice_an_impact() -> None:
+def test_contacts_ring_at_one_over_twice_an_impact():
     """Sustained contacts are left out."""
     duration = np.array([1e-4, 1e-4, 1e-4, 2e-2, 1e-4])
     assert resonance_frequency(duration, np.ones(5)) == pytest.approx(5000.0, rel=1e-12)
     assert resonance_frequency(np.zeros(0), np.zeros(0)) is None
 
 
-def test_contacts_beyond_the_span_are_cut() -> None:
+def test_contacts_beyond_the_span_are_cut():
     line = timeline((1.005, 4.0), CONTACTS, CLOSING, (TIME, SLIDING), 0.0)
     assert line.edges[0] == 1.005
     assert line.edges[-1] == 4.0
@@ -96,7 +96,7 @@ def test_contacts_beyond_the_span_are_cut() -> None:
     ]
 
 
-def test_two_joints_together() -> None:
+def test_two_joints_together():
     first = Timeline(np.array([0.0, 1.0, 3.0]), np.array([0, 1]), ("open", "closed"))
     second = Timeline(np.array([0.0, 2.0, 3.0]), np.array([1, 0]), ("open", "closed"))
     both = combine([first, second])
@@ -115,7 +115,7 @@ def result() -> Result:
     return pw.run(scene, engine="dae", jobs=1)
 
 
-def test_shares_are_those_of_the_penetration(result: Result) -> None:
+def test_shares_are_those_of_the_penetration(result: Result):
     """Time with penetration above 0, by the rows, is the time that is no free flight."""
     scene = result.scene
     stage = result.stages[0]
@@ -131,7 +131,7 @@ def test_shares_are_those_of_the_penetration(result: Result) -> None:
     assert resonance(stage, "B") == pytest.approx(0.5 / np.median(visits), rel=0.5)
 
 
-def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None:
+def test_sections_that_were_kept_are_those_of_the_series(result: Result):
     """At the ends of the cycles, to the straight lines between rows."""
     scene = result.scene
     stage = result.stages[0]
@@ -145,7 +145,7 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
     assert period_of(scene, stage).period is None
 
 
-def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> None:
+def test_sections_at_touchdown_are_those_of_the_penetration(result: Result):
     """Where it rises through 0, and as fast as the pin then moves away from the centre."""
     scene = result.scene
     stage = result.stages[0]

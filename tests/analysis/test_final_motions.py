@@ -2,7 +2,6 @@
 
 import csv
 import math
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -67,14 +66,14 @@ def escapes(starts: int, cycles: int, seed: int) -> tuple[list[int], list[int]]:
     return settled, [cycles for motion in motions if motion is None]
 
 
-def test_half_life_of_a_map_with_a_hole() -> None:
+def test_half_life_of_a_map_with_a_hole():
     truth = math.log(2.0) / math.log(SLOPE / 2.0)
     many = half_life(*escapes(4000, 120, 1))
     assert many is not None
     assert many.mean == pytest.approx(truth, rel=0.05)
 
 
-def test_limit_of_the_half_life_is_exceeded_in_95_of_100_cases() -> None:
+def test_limit_of_the_half_life_is_exceeded_in_95_of_100_cases():
     """The rate is such that no run settles with a probability of 5 %."""
     rate = math.log(2.0) / least_half_life([], [50, 102])
     assert math.exp(
@@ -86,7 +85,7 @@ def test_limit_of_the_half_life_is_exceeded_in_95_of_100_cases() -> None:
     assert half_life([1, 2, 12], [32]) == half_life([12], [32])
 
 
-def test_shares_have_exact_intervals() -> None:
+def test_shares_have_exact_intervals():
     """Clopper and Pearson: closed forms at the ends, and the coverage of one share."""
     assert proportion(0, 24).high == pytest.approx(1.0 - 0.025 ** (1.0 / 24.0))
     assert proportion(24, 24).low == pytest.approx(0.025 ** (1.0 / 24.0))
@@ -108,7 +107,7 @@ def rows_of(settled: list[int], place: list[float]) -> Runs:
     return rows.view(np.recarray)
 
 
-def test_shares_of_known_basins() -> None:
+def test_shares_of_known_basins():
     """Starts below 0.3 rest at 0, those above at 1; two are irregular and one failed."""
     start = (np.arange(40) + 0.5) / 40.0
     settled = [5] * 40 + [IRREGULAR] * 2 + [FAILED]
@@ -129,7 +128,7 @@ def test_shares_of_known_basins() -> None:
     assert_allclose(share[cycles >= 5.0], 2 / 42)
 
 
-def test_starts_fill_the_phase_space_of_the_clearance() -> None:
+def test_starts_fill_the_phase_space_of_the_clearance():
     linkage = SCENE.linkage()
     ideal = start_of(SCENE)
     starts = spread_starts(SCENE, 256)
@@ -178,7 +177,7 @@ def pin_velocity(start: Start) -> Array:
     )
 
 
-def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
+def test_a_kick_changes_the_velocity_of_the_pin_alone():
     linkage = SCENE.linkage()
     start = spread_starts(SCENE, 1).start(0, SCENE.linkage(), start_of(SCENE))
     change = np.array([[0.03, -0.02]])
@@ -194,7 +193,7 @@ def test_a_kick_changes_the_velocity_of_the_pin_alone() -> None:
 
 
 @pytest.mark.parametrize("threshold", [0.013, 2.0, 1e-9])
-def test_least_speed_of_a_threshold(threshold: float) -> None:
+def test_least_speed_of_a_threshold(threshold):
     """The sixth of eight directions is the most sensitive one, by a tenth."""
     returns, rattles, case = least_speed(
         lambda k, v: v > threshold * (1.1 - 0.1 * (k == 5)), 8, 1.0
@@ -211,9 +210,7 @@ def test_least_speed_of_a_threshold(threshold: float) -> None:
     assert rattles / returns == pytest.approx(2.0**0.125)
 
 
-def test_a_slider_crank_comes_to_rest(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_slider_crank_comes_to_rest(tmp_path, monkeypatch):
     """An independent simulator has 293 to 303 N, and rattles after 0.036, not after 0.006 m/s."""
     monkeypatch.setattr(kicks, "STATES", 1)
     monkeypatch.setattr(settle, "STATES", 1)
@@ -244,7 +241,7 @@ def test_a_slider_crank_comes_to_rest(
         settle.compute(SCENE, Watch(4, 61), tmp_path, start_of, jobs=1)
 
 
-def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
+def test_an_interrupted_computation_is_resumed(tmp_path):
     scene = pw.scenes.slider_crank()
     watch = Watch(3, 14)
     whole = settle.compute(scene, watch, tmp_path / "whole", start_of, jobs=1)
@@ -268,19 +265,19 @@ def test_an_interrupted_computation_is_resumed(tmp_path: Path) -> None:
     )
 
 
-def test_failed_kicks_count_as_rattle(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_kicks_count_as_rattle(monkeypatch):
     failed = SimpleNamespace(simulate=lambda *case: SimpleNamespace(status="failed"))
     monkeypatch.setattr(kicks, "ENGINE", failed)
     assert leaves(SCENE.linkage(), start_of(SCENE), np.zeros((1, 3)))
 
 
 @pytest.mark.parametrize(("starts", "cycles"), [(0, 300), (4, 11)])
-def test_senseless_numbers_are_refused(starts: int, cycles: int) -> None:
+def test_senseless_numbers_are_refused(starts, cycles):
     with pytest.raises(pw.InputError, match="must be at least"):
         Watch(starts, cycles)
 
 
-def test_scenes_without_final_motions_are_refused(tmp_path: Path) -> None:
+def test_scenes_without_final_motions_are_refused(tmp_path):
     with pytest.raises(pw.InputError, match="no motion is free"):
         settle.compute(pw.scenes.ideal(), Watch(), tmp_path / "a", start_of)
     rising = pw.Scene(SliderCrank(run_up=3))
@@ -292,7 +289,7 @@ def test_scenes_without_final_motions_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_half_life_of_the_slider_crank(tmp_path: Path) -> None:
+def test_half_life_of_the_slider_crank(tmp_path):
     """A run of 400 starts over 2,000 cycles has a half-life of 34 (31 to 38) cycles."""
     result = settle.compute(SCENE, Watch(64, 300), tmp_path, start_of)
     (settled,) = result.values

@@ -49,7 +49,7 @@ def assert_close(exponent: Estimate, expected: float) -> None:
     assert abs(exponent.mean - expected) <= exponent.half_width
 
 
-def test_maps_of_the_literature() -> None:
+def test_maps_of_the_literature():
     """Henon 0.41922 (Sprott, Chaos and Time-Series Analysis, 2003), logistic map ln 2."""
 
     def henon(x: Array) -> Array:
@@ -68,7 +68,7 @@ def test_maps_of_the_literature() -> None:
         assert is_chaotic(exponent)
 
 
-def test_bad_input_is_refused() -> None:
+def test_bad_input_is_refused():
     with pytest.raises(
         pw.InputError, match="interval 0: the distance of the pair is 0"
     ):
@@ -166,7 +166,7 @@ class Oscillator:
 
 
 @pytest.mark.parametrize("frequency", [2.6, 2.65])
-def test_periodic_oscillator_with_a_wall(frequency: float) -> None:
+def test_periodic_oscillator_with_a_wall(frequency):
     """The larger multiplier of the orbit, of a complex pair or real, gives the exponent."""
     oscillator = Oscillator(frequency)
     multipliers = np.linalg.eigvals(oscillator.periodic()[2])
@@ -177,7 +177,7 @@ def test_periodic_oscillator_with_a_wall(frequency: float) -> None:
     assert_close(exponent_from_growth(growth, interval), expected)
 
 
-def test_pairs_grow_as_the_tangent_flow() -> None:
+def test_pairs_grow_as_the_tangent_flow():
     """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
     oscillator = Oscillator(2.8)
     count = 1500
@@ -208,7 +208,7 @@ def scene_exponent(scene: Scene, cycles: int) -> Estimate:
     )
 
 
-def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
+def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state():
     """The load vanishes once the slider has passed the end of its table."""
     end = float(START.position[3 * LINKAGE.index("slider")])
     table = [(end - 0.02, 400.0), (end - 0.001, 400.0), (end, 0.0)]
@@ -224,7 +224,7 @@ def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
         np.testing.assert_array_equal(again, first[0])
 
 
-def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
+def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero():
     """The force keeps the closing speed at touchdown, so that its difference never decays.
 
     Two runs without rescaling keep their distance as well.
@@ -247,7 +247,7 @@ def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
     assert abs(rate - exponent.mean) < 1.0
 
 
-def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
+def test_bristles_and_closing_speed_are_part_of_the_state():
     scene = changed(SUSTAINED, {"friction": "0.1", "friction_law": "lugre"})
     flow = Flow(scene.linkage(), start_of(scene), CYCLE, 20)
     state, context = flow.state()
@@ -269,8 +269,8 @@ def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
 
 
 def test_exponent_does_not_depend_on_distance_or_interval(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     reference = scene_exponent(SCENE, 40)
     assert is_chaotic(reference)
     for name, value in (("DISTANCE", 1e-4), ("INTERVALS", 10)):

@@ -13,7 +13,7 @@ RANDOM = np.random.default_rng(1)
 TIME = np.sort(np.append([0.0, 40 * PERIOD], RANDOM.uniform(0.0, 40 * PERIOD, 200_000)))
 
 
-def test_amplitudes_of_harmonics() -> None:
+def test_amplitudes_of_harmonics():
     """Means over the interval take the part sinc of each, here below 1 %."""
     turn = 2.0 * np.pi * TIME / PERIOD
     values = 5.0 + 3.0 * np.sin(turn) + 0.2 * np.cos(7.0 * turn)
@@ -25,7 +25,7 @@ def test_amplitudes_of_harmonics() -> None:
     assert spectrum.order[np.argmax(spectrum.density)] == pytest.approx(1.0, rel=1e-12)
 
 
-def test_power_is_the_variance() -> None:
+def test_power_is_the_variance():
     """White noise over 0 .. f has the density variance / f, and harmonics no greater part."""
     time = np.linspace(0.0, 1000 * PERIOD, 400_001)
     values = RANDOM.normal(0.0, 2.0, time.size)
@@ -36,7 +36,7 @@ def test_power_is_the_variance() -> None:
     assert spectrum.harmonic_share == pytest.approx(3.0 / 16.0, abs=0.02)
 
 
-def test_means_keep_an_impulse() -> None:
+def test_means_keep_an_impulse():
     """A triangle of 2 us and 1000 N, on a grid of 1 ms."""
     time = np.array([0.0, 4.999e-3, 5e-3 + 1e-6, 5e-3 + 3e-6, 5e-3 + 5e-6, 0.02])
     force = np.array([0.0, 0.0, 0.0, 1000.0, 0.0, 0.0])
@@ -47,7 +47,7 @@ def test_means_keep_an_impulse() -> None:
 
 
 @pytest.mark.parametrize("highest", [50.0, 50.25])
-def test_density_is_that_of_scipy(highest: float) -> None:
+def test_density_is_that_of_scipy(highest):
     """Segments of an even and of an odd number of means."""
     values = 5.0 + RANDOM.normal(0.0, 2.0, TIME.size)
     spectrum = power_spectrum(TIME, values, PERIOD, highest / PERIOD, cycles=5)
@@ -60,12 +60,12 @@ def test_density_is_that_of_scipy(highest: float) -> None:
     np.testing.assert_allclose(spectrum.density, density, rtol=1e-9)
 
 
-def test_less_than_a_cycle_is_refused() -> None:
+def test_less_than_a_cycle_is_refused():
     with pytest.raises(pw.InputError, match="at least one recorded cycle"):
         power_spectrum(TIME[:100], TIME[:100], PERIOD, 1000.0)
 
 
-def test_the_logistic_map_repeats_itself_after_four_and_never() -> None:
+def test_the_logistic_map_repeats_itself_after_four_and_never():
     def orbit(r: float) -> Periodicity:
         x = 0.3
         rows = []
@@ -82,7 +82,7 @@ def test_the_logistic_map_repeats_itself_after_four_and_never() -> None:
     assert orbit(4.0).error > 1e-6
 
 
-def test_a_period_is_seen_twice_and_each_number_has_its_scale() -> None:
+def test_a_period_is_seen_twice_and_each_number_has_its_scale():
     """Seven states of period four have been seen once only."""
     states = np.tile(np.arange(4.0), 2)[:, None]
     assert periodicity(states[:7], np.ones(1)).period is None

@@ -50,7 +50,7 @@ def engine() -> Run:
     )
 
 
-def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run) -> None:
+def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run):
     for k in range(2):
         columns = {"force_max": PEAK, "load_distance": DISTANCE, "contacts": CONTACTS}
         for name, column in columns.items():
@@ -60,14 +60,14 @@ def test_the_accounts_of_joints_are_equal(loop: Outcome, engine: Run) -> None:
             )
 
 
-def test_the_wear_maps_are_equal(loop: Outcome, engine: Run) -> None:
+def test_the_wear_maps_are_equal(loop: Outcome, engine: Run):
     (maps,) = engine.recorder.maps.sampled.reshape(-1, *loop.maps.shape)
     assert_allclose(loop.maps.sum(axis=2), maps.sum(axis=2), rtol=ERROR)
     # Steps of another length divide the wear between two bins at other places.
     assert_allclose(loop.maps, maps, rtol=0.0, atol=3e-4 * maps.max())
 
 
-def test_the_balance_of_energy_closes(loop: Outcome, engine: Run) -> None:
+def test_the_balance_of_energy_closes(loop: Outcome, engine: Run):
     exchanged = loop.states[0, EXCHANGE]
     numbers = engine.diagnostics
     assert abs(loop.residual) < 1e-9 * exchanged
@@ -80,7 +80,7 @@ def test_the_balance_of_energy_closes(loop: Outcome, engine: Run) -> None:
     )
 
 
-def test_the_drives_are_equal(loop: Outcome, engine: Run) -> None:
+def test_the_drives_are_equal(loop: Outcome, engine: Run):
     drives = engine.recorder.cycles[0, -2 * DRIVE_CYCLE_COUNT :].reshape(2, -1)
     for k, row in enumerate(drives):
         ours = loop.states[0, DRIVES + 4 * k : DRIVES + 4 * k + 4]
@@ -88,7 +88,7 @@ def test_the_drives_are_equal(loop: Outcome, engine: Run) -> None:
         assert_allclose(ours[[0, 1, 3]], expected, rtol=ERROR)
 
 
-def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run) -> None:
+def test_film_and_series_hold_the_motion(loop: Outcome, engine: Run):
     frames, rows = (int(count) for count in loop.accounts.counts[:2])
     film = loop.accounts.film[:frames]
     recorder = engine.recorder

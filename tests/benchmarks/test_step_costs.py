@@ -4,7 +4,7 @@ import pytest
 from step_costs import LOOP, step_costs
 
 
-def test_steps_of_dae_are_timed_beside_those_of_the_loop() -> None:
+def test_steps_of_dae_are_timed_beside_those_of_the_loop():
     loop, radial, foundation, worn = step_costs(repeats=1, cycles=1)
     assert loop["method"] == LOOP
     assert loop["relative"] == loop["relative_trial"] == 1.0

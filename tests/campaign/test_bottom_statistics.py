@@ -39,7 +39,7 @@ def strokes_of(scene: Scene, seed: int, off: float = 0.0, scatter: float = 4e-5)
     )
 
 
-def test_statistics_of_known_strokes() -> None:
+def test_statistics_of_known_strokes():
     scene = wear_times()
     runs = [strokes_of(scene, seed) for seed in range(4)]
     statistics = bottom_statistics(scene, runs)
@@ -64,7 +64,7 @@ def test_statistics_of_known_strokes() -> None:
     assert statistics.delay_standard_deviation.mean == pytest.approx(1e-3, rel=0.4)
 
 
-def test_independent_replicates_widen_the_mean_and_not_the_scatter() -> None:
+def test_independent_replicates_widen_the_mean_and_not_the_scatter():
     """Differences between machines do not change the repeatability of each of them."""
     scene = wear_times()
     alone = [strokes_of(scene, seed, 3e-4 * seed) for seed in range(4)]
@@ -79,7 +79,7 @@ def test_independent_replicates_widen_the_mean_and_not_the_scatter() -> None:
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
-def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
+def test_ideal_press_is_accurate_and_repeats_itself(geometry):
     """The first bottom of the swapped one lies before the start: one cycle has no stroke."""
     scene = replace(
         ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4
@@ -96,7 +96,7 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     assert (alone.statistics.bdc is None) == (geometry == "swapped")
 
 
-def test_rise_and_errors_of_a_worn_stage() -> None:
+def test_rise_and_errors_of_a_worn_stage():
     scene = clearance_c(cycles=4, wear_updates=1, replicates=2, engine="dae")
     unworn, worn = run(scene, jobs=1).stages
     errors = [stage.bdc.error for stage in (worn, unworn)]
@@ -109,7 +109,7 @@ def test_rise_and_errors_of_a_worn_stage() -> None:
     assert samples.mean() == pytest.approx(errors[1].mean, rel=1e-9)
 
 
-def test_output_at_rest_has_no_bottom() -> None:
+def test_output_at_rest_has_no_bottom():
     linkage = assemble(
         bodies=[Bar("bar", length=0.2, mass=1.0)],
         joints=[Pin("O", (0.0, 0.0), "bar.centre")],
@@ -125,7 +125,7 @@ def test_output_at_rest_has_no_bottom() -> None:
 
 @pytest.mark.parametrize("part", [0.04, 1.0 / 9.0])
 @pytest.mark.parametrize("cycles", [1, 4])
-def test_dwell_at_the_bottom_has_no_delay(part: float, cycles: int) -> None:
+def test_dwell_at_the_bottom_has_no_delay(part, cycles):
     """The ideal slider rests there for that part of a cycle: no instant of it is the bottom."""
     press = Press(servo=Dwell(part=part))
     scene = replace(ideal(), mechanism=press, engine="dae", cycles=cycles)
@@ -138,7 +138,7 @@ def test_dwell_at_the_bottom_has_no_delay(part: float, cycles: int) -> None:
     assert plain.ideal_dwell < 0.002 * press.period
 
 
-def test_wide_scatter_at_the_bottom_leaves_the_delay() -> None:
+def test_wide_scatter_at_the_bottom_leaves_the_delay():
     statistics = bottom_statistics(
         wear_times(), [strokes_of(wear_times(), 1, scatter=4e-4)]
     )
@@ -174,7 +174,7 @@ def knuckle_press() -> Scene:
     return Scene(linkage, joints="E", wear_updates=0, cycles=5, engine="dae")
 
 
-def test_stroke_with_two_equal_bottoms_has_no_delay() -> None:
+def test_stroke_with_two_equal_bottoms_has_no_delay():
     scene = knuckle_press()
     bottom = bottom_of(scene.ideal)
     degrees = 360.0 / scene.mechanism.period
@@ -191,7 +191,7 @@ def test_stroke_with_two_equal_bottoms_has_no_delay() -> None:
     assert bdc.delay is bdc.delay_angle is bdc.delay_standard_deviation is None
 
 
-def test_bottoms_that_are_told_apart_leave_the_delay() -> None:
+def test_bottoms_that_are_told_apart_leave_the_delay():
     bottom = bottom_of(knuckle_press().ideal)
     assert bottom is not None
     (first, height), (second, _) = bottom.minima
@@ -206,7 +206,7 @@ def test_bottoms_that_are_told_apart_leave_the_delay() -> None:
     assert equal_bottoms(apart, near_second, 1e-6) == (first, second)
 
 
-def test_two_equal_bottoms_are_named_in_the_report() -> None:
+def test_two_equal_bottoms_are_named_in_the_report():
     scene = knuckle_press()
     result = run(scene)
     assert result.stages[0].bdc.delay is None
@@ -219,8 +219,8 @@ def test_two_equal_bottoms_are_named_in_the_report() -> None:
 
 @pytest.mark.slow
 def test_a_stiff_joint_becomes_ideal_in_every_figure(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    capsys,
+):
     """Places with order 1; forces and torques with about 1/2, the half power of a gap that opens.
 
     Where a joint's force passes zero at an even rate a pin crosses its clearance c in a

@@ -18,7 +18,7 @@ def _recorder(time: Any, penetration: Any) -> Any:
     return SimpleNamespace(series=lambda name, joint=None: series[name])
 
 
-def test_noise_of_the_mean_surface_is_that_between_the_replicates() -> None:
+def test_noise_of_the_mean_surface_is_that_between_the_replicates():
     """Bearing and pin with noise of 2 and 1 nm on a groove: sqrt(5 / 4) nm for four replicates."""
     bins = 3000
     groove = 1e-5 * (1.0 + np.cos(np.linspace(0.0, 2.0 * math.pi, bins)))
@@ -27,7 +27,7 @@ def test_noise_of_the_mean_surface_is_that_between_the_replicates() -> None:
     assert noise_of(depth) == pytest.approx(1e-9 * math.sqrt(5.0 / 4.0), rel=0.03)
 
 
-def test_median_penetration_is_weighted_by_time() -> None:
+def test_median_penetration_is_weighted_by_time():
     """Many rows of a short impact do not count more than few rows of a long rest."""
     time = np.concatenate([np.linspace(0.0, 0.01, 101), [0.5, 0.9, 1.0]])
     penetration = np.concatenate([np.full(101, 9e-6), [1e-6, 2e-6, -1e-6]])
@@ -35,7 +35,7 @@ def test_median_penetration_is_weighted_by_time() -> None:
     assert median_penetration([_recorder(time, np.full(104, -1e-6))], 0) is None
 
 
-def test_only_a_jump_of_several_replicates_has_bumps() -> None:
+def test_only_a_jump_of_several_replicates_has_bumps():
     """Surfaces that each replicate wore in steps differ as well, and are smooth."""
     depth = 1e-9 * np.random.default_rng(1).standard_normal((8, 1, 2, 90))
     linkage = SimpleNamespace(clearances=[SimpleNamespace(bins=90)])
@@ -59,7 +59,7 @@ def test_only_a_jump_of_several_replicates_has_bumps() -> None:
     assert not Bumps(1e-9, 2e-9).are_high
 
 
-def test_high_bumps_have_no_interval_of_contacts() -> None:
+def test_high_bumps_have_no_interval_of_contacts():
     """A map of 12 cycles times 20 million, on surfaces that hardly overlap."""
     short: Any = {
         "cycles": 5,

@@ -34,7 +34,7 @@ def campaign(
     return scene, pw.run(scene), pw.run(scene, path)
 
 
-def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
+def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign):
     scene, result, _ = campaign
     first, second = result.stages
     assert first.cycles_per_update == scene.cycles_per_update
@@ -47,7 +47,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign) -> None:
     assert not first.joints["A"].depth("bearing").any()
 
 
-def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
+def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign):
     _, memory, disk = campaign
     assert (memory.scene, memory.status, memory.message) == (
         disk.scene,
@@ -82,7 +82,7 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign) -> None:
         cast(Any, disk.stages)["x"]
 
 
-def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign) -> None:
+def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign):
     for stage in campaign[2].stages:
         assert np.all(np.diff(stage.time) > 0.0)
         assert stage.displacement[0] == 0.0
@@ -94,7 +94,7 @@ def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign) 
         assert 0.9 * peak < joint.force[:, 0].max() <= peak
 
 
-def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign) -> None:
+def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign):
     """On worn surfaces a pin may graze a bump: with other round-off one of some hundred did."""
     document = json.loads((Path(f"{campaign[2].path}") / "result.json").read_text())
     exudyn = f"{exudyn_module().config.Version()}, {requested_module()}"
@@ -139,7 +139,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     return folder, reported
 
 
-def test_every_scene_has_its_result(ran: Ran) -> None:
+def test_every_scene_has_its_result(ran: Ran):
     folder, reported = ran
     results = {name: pw.load(folder / name) for name in scenes()}
     assert [result.status for result in results.values()] == [
@@ -156,7 +156,7 @@ def test_every_scene_has_its_result(ran: Ran) -> None:
         assert last == [f"{result.status}: {result.message}".removesuffix(": ")]
 
 
-def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -> None:
+def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path):
     before = (ran[0] / "one" / "result.json").stat().st_mtime_ns
     results = pw.run_scenes(scenes(), ran[0], jobs=1)
     assert list(results) == list(scenes())
@@ -176,15 +176,13 @@ def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path: Path) -
         ({"../one": pw.scenes.wear_times()}, {}, "cannot name the folder of a scene"),
     ],
 )
-def test_impossible_scenes_are_refused(
-    named: Any, arguments: Any, message: str, ran: Ran
-) -> None:
+def test_impossible_scenes_are_refused(named, arguments, message, ran: Ran):
     with pytest.raises(pw.InputError, match=message):
         pw.run_scenes(named, ran[0], **arguments)
 
 
 @pytest.mark.slow
-def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast() -> None:
+def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast():
     """Eight campaigns of three cycles after the start-up against 1,600 cycles."""
     settings: dict[str, Any] = {"engine": "dae", "purpose": "wear", "seed": 100}
     long = pw.scenes.wear_times(wear_updates=0, cycles=202, replicates=8, **settings)

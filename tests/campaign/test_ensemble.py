@@ -41,7 +41,7 @@ def two() -> tuple[StageResult, Ensemble]:
 
 def test_replicates_start_close_together_and_diverge(
     two: tuple[StageResult, Ensemble],
-) -> None:
+):
     linkage = QUICK.linkage()
     replicates = [
         start_of(changed(QUICK, {"seed": seed}), k) for seed in "012" for k in range(4)
@@ -65,7 +65,7 @@ def test_replicates_start_close_together_and_diverge(
     assert np.abs(one - other)[3:].max() > 1e-3 * one.max() > 0.0
 
 
-def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> None:
+def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]):
     recorders = two[1].recorders
     peaks = [own.each_cycle("force_max", 0)[STARTUP_CYCLES:] for own in recorders]
     force = two[0].statistics.joints["A"]
@@ -89,7 +89,7 @@ def test_statistics_are_of_all_replicates(two: tuple[StageResult, Ensemble]) -> 
     assert depth.low < depth.mean < depth.high
 
 
-def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
+def test_replicates_that_differ_are_the_samples_of_their_wear():
     """The volume is the load distance times a constant, and so is its interval."""
     settings = {"conventions": "refined", "clearance": 40e-6, "wear_updates": 0}
     stage = run_stage(slider_crank(**settings, engine="dae", replicates=2, cycles=12))[
@@ -108,7 +108,7 @@ def test_replicates_that_differ_are_the_samples_of_their_wear() -> None:
     assert volume.half_width == pytest.approx(part * volume.mean, rel=1e-3)
 
 
-def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
+def test_few_raw_maps_have_students_interval_at_the_deepest_place():
     """A bootstrap of four maps held in 45 of 60 campaigns with the paper's conventions."""
     (joint, *_) = QUICK.linkage().clearances
     random = np.random.default_rng(3)
@@ -127,8 +127,8 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place() -> None:
 
 
 def test_stage_ends_when_all_replicates_together_know_the_maps(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     monkeypatch.setattr(ensemble_module, "WATCHED_CYCLES", 1)
     scene = replace(QUICK, replicates=3, cycles=None, tolerance=0.12)
     ensemble = run_stage(scene)[1]
@@ -145,7 +145,7 @@ def test_stage_ends_when_all_replicates_together_know_the_maps(
     assert ensemble.status == "completed"
 
 
-def test_a_stage_watches_whether_the_motion_settles() -> None:
+def test_a_stage_watches_whether_the_motion_settles():
     """The maps are known after 9 cycles, but the motion of a press is to be seen for 50."""
     scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
     known = run_stage(scene)[1]
@@ -155,8 +155,8 @@ def test_a_stage_watches_whether_the_motion_settles() -> None:
 
 
 def test_a_costly_motion_is_watched_for_as_long_as_the_time_allows(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     scene = replace(QUICK, replicates=2, cycles=None, tolerance=1.0)
     steps = (
         run_stage(replace(scene, cycles=12))[1].recorders[0].each_cycle("steps").mean()
@@ -175,7 +175,7 @@ def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
     return deviation(scene, ensemble.recorders[0])
 
 
-def test_late_slider_lags_by_its_delay() -> None:
+def test_late_slider_lags_by_its_delay():
     late = 1e-4
     found = delayed(QUICK, late)
     assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)
@@ -199,9 +199,7 @@ def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_pieces_with_equal_steps_are_equal(
-    monkeypatch: pytest.MonkeyPatch, engine: str
-) -> None:
+def test_pieces_with_equal_steps_are_equal(monkeypatch, engine):
     """Bit for bit, because each starts in a state of the run itself."""
     monkeypatch.setattr(replicates, "REFINEMENT", 1.0)
     scene = tolerance_scene(engine, 1e-5)
@@ -211,7 +209,7 @@ def test_pieces_with_equal_steps_are_equal(
     }
 
 
-def test_step_error_falls_with_the_tolerance() -> None:
+def test_step_error_falls_with_the_tolerance():
     # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
         median(
@@ -223,14 +221,14 @@ def test_step_error_falls_with_the_tolerance() -> None:
     assert coarse > 10.0 * fine > 0.0
 
 
-def test_fixed_steps_and_closed_joints_have_no_step_error() -> None:
+def test_fixed_steps_and_closed_joints_have_no_step_error():
     scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
     assert step_errors(scene) == {}
     scene = replace(wear_times(), joints="none", wear_updates=0)
     assert step_errors(scene) == {}
 
 
-def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
+def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error():
     many, few = (
         run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles))
         .stages[0]
@@ -241,7 +239,7 @@ def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error() -> None:
     assert few.load_distance_step_error is None
 
 
-def test_states_of_a_run_do_not_wait_for_garbage_collection() -> None:
+def test_states_of_a_run_do_not_wait_for_garbage_collection():
     """Otherwise each row of a sweep would add its states to the memory of a worker."""
 
     def count() -> int:

@@ -65,7 +65,7 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
 
 
 @pytest.mark.slow
-def test_life_of_surfaces_that_run_in_again(campaign: Campaign) -> None:
+def test_life_of_surfaces_that_run_in_again(campaign: Campaign):
     """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
     whole = float(RUNS_IN.archard_depth(np.array(0.3e-3)) / (RATE * SHAPE[0].max()))
     life = Life(until="A.depth > 0.3 mm", replaced=f"A@{0.5 * whole!r}")
@@ -77,7 +77,7 @@ def test_life_of_surfaces_that_run_in_again(campaign: Campaign) -> None:
 
 def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
     campaign: Campaign,
-) -> None:
+):
     """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
     progress = campaign(LIFE, FakeEngine(exponential)).progress
     watched = [each.whole for each in progress if "does the motion settle" in each.word]
@@ -85,9 +85,7 @@ def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
     assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
 
 
-def test_a_finished_refinement_gives_a_preliminary_life(
-    use: Use, tmp_path: Path
-) -> None:
+def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     """It is stored with its state, and reported, while the next refinement runs."""
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 2, 0.1)
@@ -112,7 +110,7 @@ def test_a_finished_refinement_gives_a_preliminary_life(
     assert first == life.refinements[0]
 
 
-def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
+def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path):
     """Refinements that meet it already give the life at once; a tighter one is refused."""
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 3, 2e-3)
@@ -128,9 +126,7 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path: Path) -> None:
     assert 2e-3 < (result.life.error or 0.0) < 0.3
 
 
-def test_a_looser_tolerance_completes_a_life_that_was_not_known(
-    use: Use, tmp_path: Path
-) -> None:
+def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_path):
     path = tmp_path / "life"
     assert LIFE.life is not None
     scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
@@ -158,7 +154,7 @@ def answers(
     assert not left
 
 
-def test_a_long_life_is_announced_and_confirmed(answers: str, tmp_path: Path) -> None:
+def test_a_long_life_is_announced_and_confirmed(answers, tmp_path):
     console = Console(file=StringIO(), force_terminal=True, width=200)
     bar = progress_bar(console)
     scene = replace(LIFE, tolerance=0.1)
@@ -175,9 +171,7 @@ def test_a_long_life_is_announced_and_confirmed(answers: str, tmp_path: Path) ->
     assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
 
 
-def test_compared_lives_are_announced_and_confirmed_once(
-    answers: str, tmp_path: Path
-) -> None:
+def test_compared_lives_are_announced_and_confirmed_once(answers, tmp_path):
     console = Console(file=StringIO(), force_terminal=True, width=200)
     scene = replace(LIFE, tolerance=0.1)
     announce = announcing(progress_bar(console), 2.0, False)
@@ -215,7 +209,7 @@ def quick(until: str = "A.depth > 0.3 mm", **settings: Any) -> Scene:
     )
 
 
-def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
+def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
     """dh/dN = a + b h: up to half of the limit at the rate a, then at the rate a + b h."""
     use(FakeEngine(exponential))
     path = tmp_path / "life"
@@ -248,13 +242,13 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path: Path) -> None:
         life_table(result)
 
 
-def test_a_quick_life_runs_two_short_stages(use: Use) -> None:
+def test_a_quick_life_runs_two_short_stages(use: Use):
     use(FakeEngine(exponential))
     result = runs.run(quick(replicates=3), jobs=1)
     assert [stage.statistics.cycles for stage in result.stages] == [30, 30]
 
 
-def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
+def test_an_interrupted_quick_life_resumes(use: Use, tmp_path):
     class StopsInTheSecondStage(Observer):
         def on_progress(self, progress: Progress) -> None:
             if progress.stage == 1:
@@ -289,8 +283,6 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_quick_life_of_other_limits_is_refused(
-    until: str, settings: dict[str, Any], message: str
-) -> None:
+def test_a_quick_life_of_other_limits_is_refused(until, settings, message):
     with pytest.raises(InputError, match=message):
         quick(until, **settings)

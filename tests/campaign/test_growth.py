@@ -44,9 +44,7 @@ from presswear.tools.arrays import Array
 
 
 @pytest.mark.parametrize("cycles", [1, 2, 7])
-def test_constant_rate_is_exact_in_any_number_of_steps(
-    campaign: Campaign, cycles: int
-) -> None:
+def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycles):
     seen = campaign(SCENE, FakeEngine(constant), cycles=cycles)
     assert seen.status == "completed"
     for stage in seen.stages[:2]:
@@ -67,7 +65,7 @@ def test_constant_rate_is_exact_in_any_number_of_steps(
 
 def test_factor_of_a_wear_step_is_the_number_of_strokes_that_a_cycle_wears(
     campaign: Campaign,
-) -> None:
+):
     """The deepest place grows by the factor times the depth that a cycle wears."""
     for step in campaign(SCENE, FakeEngine(constant)).stages[0].wear_steps:
         assert (step.cycles, step.factor) == (2, REPRESENTED / CYCLES)
@@ -79,7 +77,7 @@ def test_factor_of_a_wear_step_is_the_number_of_strokes_that_a_cycle_wears(
         assert worn == pytest.approx(steps[-1].max_depth["A"]["bearing"], rel=1e-12)
 
 
-def test_refinements_and_stages_start_differently(campaign: Campaign) -> None:
+def test_refinements_and_stages_start_differently(campaign: Campaign):
     """Replicates of different refinements are independent; stages start alike."""
     starts: list[bytes] = []
 
@@ -95,7 +93,7 @@ def test_refinements_and_stages_start_differently(campaign: Campaign) -> None:
     assert worn == stage
 
 
-def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> None:
+def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign):
     """A rate that grows with depth; explicit Euler steps in represented cycles."""
     exact = RATE * REPRESENTED * (math.e - 1.0)
     errors = []
@@ -113,7 +111,7 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign) -> N
     assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
 
-def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> None:
+def test_refinements_continue_until_the_wear_is_known(campaign: Campaign):
     settings = {"cycles": None, "wear_updates": 1, "tolerance": 0.04}
     seen = campaign(SCENE, FakeEngine(exponential), **settings)
     # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles;
@@ -133,7 +131,7 @@ def test_refinements_continue_until_the_wear_is_known(campaign: Campaign) -> Non
 
 def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(
     campaign: Campaign,
-) -> None:
+):
     """dh/dN = (a - h) / N with noise of the size of the wear itself."""
     generator = np.random.default_rng(1)
     depth = RATE * REPRESENTED
@@ -165,7 +163,7 @@ def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(
 
 def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
     campaign: Campaign,
-) -> None:
+):
     """Replicates that are smoothed alike do not show it. Variances of Gaussians add up."""
     generator = np.random.default_rng(4)
     size = 4.0
@@ -187,7 +185,7 @@ def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
     assert lost == pytest.approx(1.0 - twice / once, rel=0.01)
 
 
-def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> None:
+def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign):
     """The numbers are of the mean map, the interval of replicates that share no surface."""
     seen: dict[int, Array] = {}
 
@@ -222,7 +220,7 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign) -> N
     assert force.high == pytest.approx(350.0 * math.exp(half / 350.0))
 
 
-def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
+def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign):
     engine = FakeEngine(uneven)
     seen = campaign(JUMPS, engine, cycles=7, replicates=1)
     assert engine.runs == 3
@@ -242,7 +240,7 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign) -> None:
 
 def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(
     campaign: Campaign,
-) -> None:
+):
     """Stage 0, two refinements, stage 1, then the second refinement after it."""
     seen = campaign(SCENE, FakeEngine(constant, fails=12))
     assert seen.status == "failed"
@@ -256,7 +254,7 @@ def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(
     assert steps == [(0, 6, "completed"), (1, 3, "completed")]
 
 
-def test_failed_set_does_not_mix_with_the_other(campaign: Campaign) -> None:
+def test_failed_set_does_not_mix_with_the_other(campaign: Campaign):
     """Runs 4, 5 and 6 together, 7 and 8 alone, each with a force of a hundred times its number."""
     seen = campaign(JUMPS, FakeEngine(constant, fails=8), wear_updates=1, replicates=3)
     assert seen.status == "failed"
@@ -275,9 +273,7 @@ def test_failed_set_does_not_mix_with_the_other(campaign: Campaign) -> None:
         (JUMPS, 1e3, "after stage 0"),
     ],
 )
-def test_surface_worn_through_is_named(
-    campaign: Campaign, scene: Scene, factor: float, where: str
-) -> None:
+def test_surface_worn_through_is_named(campaign: Campaign, scene: Scene, factor, where):
     """The first one before any wear is computed, and each with a number of cycles that works."""
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=factor * REPRESENTED)
     assert seen.status == "failed"
@@ -293,7 +289,7 @@ def test_surface_worn_through_is_named(
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])
 def test_an_update_wears_a_tenth_of_the_clearance_by_default(
     campaign: Campaign, scene: Scene
-) -> None:
+):
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=None)
     assert {stage.cycles_per_update for stage in seen.stages} == {2.0 * REPRESENTED}
     depth = [stage.joints["A"].depth("bearing").max() for stage in seen.stages]
@@ -301,9 +297,7 @@ def test_an_update_wears_a_tenth_of_the_clearance_by_default(
 
 
 @pytest.mark.parametrize("cycles", [CYCLES, None])
-def test_progress_never_falls_and_names_the_refinement(
-    campaign: Campaign, cycles: int | None
-) -> None:
+def test_progress_never_falls_and_names_the_refinement(campaign: Campaign, cycles):
     progress = campaign(SCENE, FakeEngine(exponential), cycles=cycles).progress
     for index in range(3):
         parts = [each.part for each in progress if each.stage == index]
@@ -319,7 +313,7 @@ def test_progress_never_falls_and_names_the_refinement(
 
 def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
     campaign: Campaign,
-) -> None:
+):
     """Replicates that differ take all cycles that are allowed."""
     settings = {
         "cycles": None,
@@ -335,9 +329,7 @@ def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
 
 
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])
-def test_surfaces_run_in_alike_in_any_number_of_steps(
-    campaign: Campaign, scene: Scene
-) -> None:
+def test_surfaces_run_in_alike_in_any_number_of_steps(campaign: Campaign, scene: Scene):
     for cycles in (1, 7):
         seen = campaign(changed(scene, RUN_IN), FakeEngine(constant), cycles=cycles)
         archard = REPRESENTED * constant(0, np.zeros(0))

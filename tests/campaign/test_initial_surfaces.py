@@ -1,9 +1,7 @@
 """Campaigns that start on worn surfaces."""
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,7 +30,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> pw.Result:
     return pw.run(scene, tmp_path_factory.mktemp("first") / "out")
 
 
-def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
+def test_scene_continues_another_bit_for_bit(first: pw.Result):
     """A stage is the same if its surfaces come from a wear update or from the scene."""
     worn = first.stages[1]
     scene = pw.scenes.wear_times(
@@ -46,7 +44,7 @@ def test_scene_continues_another_bit_for_bit(first: pw.Result) -> None:
         assert again.arrays[name].tobytes() == array.tobytes(), name
 
 
-def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
+def test_wear_adds_to_the_initial_surfaces(first: pw.Result):
     initial = first.stages[1].surfaces
     result = pw.run(
         pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK)
@@ -59,7 +57,7 @@ def test_wear_adds_to_the_initial_surfaces(first: pw.Result) -> None:
         assert start.wear(side).max() > 0.0
 
 
-def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result) -> None:
+def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result):
     deep = {"A": (np.full(360, 0.79e-3), None)}
     scene = pw.scenes.wear_times(surfaces=deep, cycles=1, wear_updates=1, **QUICK)
     with pytest.raises(
@@ -68,7 +66,7 @@ def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result) -> N
         pw.run(replace(scene, cycles_per_update=1e9))
 
 
-def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path: Path) -> None:
+def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path):
     surfaces = {"C": (None, np.full(60, 2e-6))}
     scene = pw.scenes.wear_times(
         surfaces=surfaces, cycles=1, wear_updates=0, wear_coefficient="0/Pa", **QUICK
@@ -83,9 +81,7 @@ def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("contact", "frame"), [("radial", "fixed"), ("foundation", "body")]
 )
-def test_energy_made_by_contacts_adds_up(
-    first: pw.Result, contact: str, frame: str
-) -> None:
+def test_energy_made_by_contacts_adds_up(first: pw.Result, contact, frame):
     surfaces = first.stages[1].surfaces
     settings = {**QUICK, "replicates": 2, "contact": contact, "map_frame": frame}
     scene = pw.scenes.wear_times(
@@ -103,9 +99,7 @@ def test_energy_made_by_contacts_adds_up(
     assert mean.samples == 4
 
 
-def test_scene_is_stored(
-    first: pw.Result, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_scene_is_stored(first: pw.Result, tmp_path, command):
     """Started from the command line, then run again from the stored scene."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
     options = [
@@ -125,7 +119,7 @@ def test_scene_is_stored(
     assert refused == f"presswear: {source}: there is no such folder\n"
 
 
-def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result) -> None:
+def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result):
     by_stage, last = (
         pw.results.read_surfaces(f"{first.path}{stage}") for stage in (":1", "")
     )

@@ -47,7 +47,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
     return path, pw.run(scene_of(), path, jobs=1).life
 
 
-def test_scenes_without_a_life_are_refused() -> None:
+def test_scenes_without_a_life_are_refused():
     with pytest.raises(
         pw.InputError, match=r"^replicates = 1 does not fit \[life\]: use 2 to 100"
     ):
@@ -70,7 +70,7 @@ def test_scenes_without_a_life_are_refused() -> None:
         life_of_scene(scene_of(until="wear_volume > 1 m^3"))
 
 
-def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -> None:
+def test_equal_replicates_leave_the_error_of_the_step(whole):
     life = whole[1]
     assert life.ended == "limit"
     assert life.sampling < 0.01 * life.step
@@ -81,7 +81,7 @@ def test_equal_replicates_leave_the_error_of_the_step(whole: tuple[Path, Any]) -
     assert at == pytest.approx(0.02 * GAP, rel=1e-9, abs=0.0)
 
 
-def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
+def test_wear_steps_of_a_life_are_its_blocks(whole):
     """Each of their cycles stands for as many strokes as their factor, in both replicates."""
     steps = pw.load(whole[0]).stages[0].wear_steps
     first = FIRST_WEAR / COEFFICIENT
@@ -92,14 +92,12 @@ def test_wear_steps_of_a_life_are_its_blocks(whole: tuple[Path, Any]) -> None:
     )
 
 
-def test_no_number_depends_on_the_processes(
-    whole: tuple[Path, Any], tmp_path: Path
-) -> None:
+def test_no_number_depends_on_the_processes(whole, tmp_path):
     pw.run(pw.load(whole[0]).scene, tmp_path / "two", jobs=2)
     assert folder_differences(whole[0], tmp_path / "two") == []
 
 
-def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refinements_start_differently(monkeypatch):
     """Replicates of refinements and of stages are independent, if no two of them start alike."""
     call = replicates.WorkUnit.__call__
     advance = WearHistories.advance
@@ -124,7 +122,7 @@ def test_refinements_start_differently(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(set.union(*numbers.values(), {0, 1})) == 2 * (len(numbers) + 1)
 
 
-def test_the_life_by_the_last_rate_is_a_straight_line() -> None:
+def test_the_life_by_the_last_rate_is_a_straight_line():
     """Depths of 1 and 3 um after 100,000 and 200,000 strokes."""
     scene = scene_of()
     levels = [{"A.depth": np.full(8, depth)} for depth in (1e-6, 3e-6)]
@@ -142,7 +140,7 @@ def test_the_life_by_the_last_rate_is_a_straight_line() -> None:
     assert life_by_rate(scene, problem(DEPTH), still) is None
 
 
-def test_a_life_is_known_roughly_before_its_first_refinement_ends() -> None:
+def test_a_life_is_known_roughly_before_its_first_refinement_ends():
     seen = Seen()
     pw.run(scene_of(), observers=[seen], jobs=1)
     early = [life for life in seen.lives if "by the wear rate" in life.message]
@@ -151,9 +149,7 @@ def test_a_life_is_known_roughly_before_its_first_refinement_ends() -> None:
 
 
 @pytest.mark.parametrize(("number", "reports"), [(1, 3), (2, 30)])
-def test_interrupted_life_resumes_bit_for_bit(
-    number: int, reports: int, whole: tuple[Path, Any], tmp_path: Path
-) -> None:
+def test_interrupted_life_resumes_bit_for_bit(number, reports, whole, tmp_path):
     scene = pw.load(whole[0]).scene
     path = tmp_path / "stopped"
     with pytest.raises(KeyboardInterrupt):
@@ -163,8 +159,8 @@ def test_interrupted_life_resumes_bit_for_bit(
 
 
 def test_life_is_inversely_proportional_to_the_wear_coefficient(
-    whole: tuple[Path, Any],
-) -> None:
+    whole,
+):
     """A motion without chaos wears the same surfaces one after another."""
     tenfold = {"B.wear_coefficient": f"{10.0 * COEFFICIENT!r}/Pa"}
     life = life_of_scene(changed(pw.load(whole[0]).scene, tenfold))
@@ -184,7 +180,7 @@ def test_life_is_inversely_proportional_to_the_wear_coefficient(
     assert left.remaining.low < expected < left.remaining.high
 
 
-def test_first_block_is_that_of_the_pressures_of_the_scene() -> None:
+def test_first_block_is_that_of_the_pressures_of_the_scene():
     """The strokes of steel at K_d, 1 kPa, would wear off ten times the limit at once."""
     law = {"pressure_exponent": 3.0, "pressure_reference": "1 kPa"}
     lives = [
@@ -197,9 +193,7 @@ def test_first_block_is_that_of_the_pressures_of_the_scene() -> None:
     assert ratio == pytest.approx(100.0, rel=1e-6)
 
 
-def test_readings_of_a_stored_life(
-    whole: tuple[Path, Any], tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_readings_of_a_stored_life(whole, tmp_path, command):
     """Nothing is run, and a later report has the lines that are printed."""
     folder = tmp_path / "life"
     file = tmp_path / "readings.csv"
@@ -224,7 +218,7 @@ def test_readings_of_a_stored_life(
 @pytest.mark.parametrize(
     ("key", "word"), [("replaced", "replaced"), ("rotated", "rotated by half a turn")]
 )
-def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -> None:
+def test_maintenance_adds_a_life(key, word, whole):
     """It alone wears, and on one side: new or rotated, the loaded side has lost nothing."""
     at = 0.6 * whole[1].strokes
     settings: dict[str, Any] = {key: f"B@{at!r}"}
@@ -238,7 +232,7 @@ def test_maintenance_adds_a_life(key: str, word: str, whole: tuple[Path, Any]) -
     assert depth[k + 1] == (0.0 if key == "replaced" else depth[k])
 
 
-def test_a_replaced_bushing_runs_in_again_under_a_power_of_the_pressure() -> None:
+def test_a_replaced_bushing_runs_in_again_under_a_power_of_the_pressure():
     """Only the bushing wears, so that the course after the service is that when new."""
     law = {"running_in": 20.0, "running_in_depth": "4 um"}
     law |= {"pressure_exponent": 0.7, "pressure_reference": "1 MPa"}
@@ -257,8 +251,8 @@ def test_a_replaced_bushing_runs_in_again_under_a_power_of_the_pressure() -> Non
 
 
 def test_limit_that_is_not_exceeded_ends_with_the_strokes(
-    whole: tuple[Path, Any],
-) -> None:
+    whole,
+):
     at_most = 0.5 * whole[1].strokes
     life = life_of_scene(scene_of(at_most=at_most))
     assert (life.ended, life.first) == ("at_most", None)
@@ -266,7 +260,7 @@ def test_limit_that_is_not_exceeded_ends_with_the_strokes(
     assert life.limits[0].last < 0.02 * GAP
 
 
-def test_life_ends_with_the_cycle_that_wears_through_the_clearance() -> None:
+def test_life_ends_with_the_cycle_that_wears_through_the_clearance():
     """Strokes are counted up to that cycle, within a block: Archard's rate stays."""
     surfaces = {"B": (np.full(120, 0.973 * GAP), None)}
     scene = scene_of(until="wear_volume > 1 m^3")
@@ -296,7 +290,7 @@ def fails_at(depth: float) -> Callable[..., Finding | None]:
     return examine
 
 
-def test_failed_run_ends_a_life(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_run_ends_a_life(monkeypatch):
     monkeypatch.setattr(driver, "examine", fails_at(0.01 * GAP))
     life = life_of_scene(scene_of())
     assert life.ended == "worn"

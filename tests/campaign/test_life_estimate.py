@@ -34,7 +34,7 @@ from presswear.scene.options import Limit, Service
 from presswear.scene.settings import changed
 
 
-def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
+def test_the_step_after_a_service_is_that_of_the_new_bushing():
     """Blocks before the service neither change its length nor its correction."""
     levels = {"A.depth": np.full(8, 1e-6)}
     rows = (2.0, 2, 1e-12), (1e5, 8, 5e-12), (2e5, 8, 2e-12)
@@ -48,7 +48,7 @@ def test_the_step_after_a_service_is_that_of_the_new_bushing() -> None:
 
 
 @pytest.mark.parametrize("before", [4, 6])
-def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> None:
+def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before):
     """Of a rate that rises linearly with the strokes, the sum of a block lacks a known part."""
     rate = 1e-12
     slope = 3e-18
@@ -72,7 +72,7 @@ def test_correction_of_a_block_is_that_of_the_trapezoidal_rule(before: int) -> N
     )
 
 
-def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
+def test_samples_are_those_of_the_surfaces_before_each_cycle():
     """A quantity that is proportional to the depth is fitted exactly at the ends of blocks."""
     wear = 1e-11
     stood_for = 1e4
@@ -97,7 +97,7 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle() -> None:
     [(DEPTH, 0.5, 50), (DEPTH, 1.5, 50), (DRIFT, 0.5, 20), (DEPTH, 1e-9, 20)],
     ids=["depth", "wild", "drift", "exact"],
 )
-def test_intervals_cover_the_life(limit: Limit, noise: float, lives: int) -> None:
+def test_intervals_cover_the_life(limit: Limit, noise, lives):
     """At least nine of ten intervals hold the exact life."""
     covered = 0
     errors = []
@@ -113,7 +113,7 @@ def test_intervals_cover_the_life(limit: Limit, noise: float, lives: int) -> Non
     assert np.median(errors) < 0.1
 
 
-def test_a_life_is_the_mean_of_its_refinements() -> None:
+def test_a_life_is_the_mean_of_its_refinements():
     """Weights are the cycles; independent errors add as squares, with Welch's freedom."""
     life, refinements = life_of(problem(DEPTH), KnownWear(3, noise=1.5, fresh=0.0))
     ends = [each.crossing([DEPTH]) for each in refinements]
@@ -129,7 +129,7 @@ def test_a_life_is_the_mean_of_its_refinements() -> None:
     assert life.sampling < halves[-1]
 
 
-def test_step_error_converges_without_noise() -> None:
+def test_step_error_converges_without_noise():
     wear = KnownWear(1, noise=1e-9, fresh=30.0)
     errors = []
     for tolerance in (0.1, 0.003):
@@ -139,7 +139,7 @@ def test_step_error_converges_without_noise() -> None:
     assert errors[0] > 3.0 * errors[1] > 0.0
 
 
-def test_first_of_several_limits_ends_the_life() -> None:
+def test_first_of_several_limits_ends_the_life():
     later = DEPTH
     sooner = Limit("bdc_drift", "", 1e-5)
     wear = KnownWear(2, noise=0.1, scatter=1e-7)
@@ -149,7 +149,7 @@ def test_first_of_several_limits_ends_the_life() -> None:
     assert each == [math.inf, life.strokes]
 
 
-def test_mean_is_not_biased_by_the_choice_of_steps() -> None:
+def test_mean_is_not_biased_by_the_choice_of_steps():
     """By its own wear a cycle that wears little would stand for more strokes."""
     wear = KnownWear(3, noise=2.0, fresh=0.0)
     life, _ = life_of(problem(DEPTH, tolerance=0.05, max_cycles=200_000), wear)
@@ -158,7 +158,7 @@ def test_mean_is_not_biased_by_the_choice_of_steps() -> None:
     )
 
 
-def test_limit_exceeded_when_new_is_refused() -> None:
+def test_limit_exceeded_when_new_is_refused():
     with pytest.raises(
         pw.InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"
     ):
@@ -168,7 +168,7 @@ def test_limit_exceeded_when_new_is_refused() -> None:
     assert math.isfinite(life_of(problem(drift), KnownWear(4, scatter=1e-6))[0].strokes)
 
 
-def test_cycles_are_limited() -> None:
+def test_cycles_are_limited():
     limited = problem(DEPTH, tolerance=0.001, max_cycles=1000)
     life, refinements = life_of(limited, KnownWear(8, noise=3.0))
     assert max(each.cycles for each in refinements) <= 2 * limited.max_cycles
@@ -198,7 +198,7 @@ def estimates(limit: Limit, seed: int) -> list[float]:
 
 
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
-def test_cycles_left_are_estimated(limit: Limit) -> None:
+def test_cycles_left_are_estimated(limit: Limit):
     """Most estimates are right within a factor of 1.5."""
     ratios = [ratio for seed in range(4) for ratio in estimates(limit, seed)]
     assert np.mean([1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]) > 0.5
@@ -219,14 +219,14 @@ def announced(seed: int, noise: float) -> float:
     return left / (whole - cycles)
 
 
-def test_half_of_all_lives_take_longer_than_announced() -> None:
+def test_half_of_all_lives_take_longer_than_announced():
     """Chance decides about the number of refinements: lives alike differ by a factor of four."""
     ratios = [announced(seed, noise) for seed in range(8) for noise in (0.5, 1.0)]
     assert 0.7 < np.median(ratios) < 1.6
 
 
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
-def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
+def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit):
     """A cycle of the first refinement wears half a percent of the clearance, on average."""
     fewest = fewest_cycles(problem(limit), {"A": CLEARANCE})
     expected = 8.0 + 10.0 + 40.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
@@ -238,7 +238,7 @@ def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit) -> None:
     assert fewest <= min(whole) <= 3.5 * fewest
 
 
-def test_first_limit_is_as_accurate_as_the_life() -> None:
+def test_first_limit_is_as_accurate_as_the_life():
     """The coarser refinement ended with another limit, before it came to this one."""
     settings = {
         "life": "limits",
@@ -259,7 +259,7 @@ def test_first_limit_is_as_accurate_as_the_life() -> None:
     )
 
 
-def test_interval_with_the_wear_coefficients_is_one_of_95_percent() -> None:
+def test_interval_with_the_wear_coefficients_is_one_of_95_percent():
     """A lognormal coefficient with a standard deviation of half of its mean."""
     settings = {
         "life": "limits",

@@ -1,8 +1,6 @@
 """Quantities of a service life, and limits and services as they are read."""
 # mypy: disable-error-code="union-attr,operator"
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -20,7 +18,7 @@ from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.scene.options import LIFE_QUANTITIES, NEW_OVER_CLEARANCE, Service
 
 
-def test_quantities_of_surfaces_and_strokes() -> None:
+def test_quantities_of_surfaces_and_strokes():
     scene = pw.scenes.press_blanking(conventions="refined", replicates=2)
     joints = scene.linkage().clearances
     worn = np.zeros((2, *map_shape(joints)))
@@ -63,7 +61,7 @@ def test_quantities_of_surfaces_and_strokes() -> None:
     assert {*of_guides, "total_clearance"} == {*levels, "guide.force_max"}
 
 
-def test_noise_of_the_maps_hardly_makes_the_deepest_place_deeper() -> None:
+def test_noise_of_the_maps_hardly_makes_the_deepest_place_deeper():
     """Each of eight maps has an even noise of a tenth of its depth in 120 places."""
     scene = pw.scenes.press_blanking(conventions="refined", replicates=8)
     draw = np.random.default_rng(4)
@@ -92,7 +90,7 @@ JOINTS = {"A": 1e-4, "B": 2e-4}
     st.floats(1e-9, 1e6),
     st.text(" ", max_size=3),
 )
-def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> None:
+def test_limits_are_read(name, joint, value, blank):
     unit, of_joint, *_ = LIFE_QUANTITIES[name]
     text = f"{blank}{joint + '.' if joint else ''}{name}{blank}>{blank}{value!r} {unit}{blank}"
     if joint and not of_joint:
@@ -110,7 +108,7 @@ def test_limits_are_read(name: str, joint: str, value: float, blank: str) -> Non
     ]
 
 
-def test_limits_in_the_words_of_makers() -> None:
+def test_limits_in_the_words_of_makers():
     text = "A.clearance >= 0.30 mm, diametral_clearance > 2.5 x new, B.radial_clearance > 3×new"
     limits = pw.Life(until=text).limits(JOINTS, {})
     assert [limit.key for limit in limits] == [
@@ -123,7 +121,7 @@ def test_limits_in_the_words_of_makers() -> None:
     assert values == pytest.approx([0.3e-3, 2.5 * 2e-4, 2.5 * 4e-4, 3 * 2e-4])
 
 
-def test_services_are_read_in_the_order_of_strokes() -> None:
+def test_services_are_read_in_the_order_of_strokes():
     life = pw.Life(replaced="A@2e6, B@4e6", rotated=" B@1e6")
     expected = [
         Service("B", 1e6, True),
@@ -155,7 +153,7 @@ def test_services_are_read_in_the_order_of_strokes() -> None:
         ({"replaced": "A@2e6", "at_most": 1e6}, "allowed is below at_most = 1e"),
     ],
 )
-def test_bad_lives_are_refused(settings: dict[str, Any], message: str) -> None:
+def test_bad_lives_are_refused(settings, message):
     life = pw.Life(**settings)
     with pytest.raises(pw.InputError, match=message):
         life.limits(JOINTS, {}) and life.services(tuple(JOINTS), ())

@@ -64,7 +64,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.usefixtures("each_is_checked")
 @pytest.mark.parametrize("name", sorted(SCENES))
-def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
+def test_no_number_depends_on_the_processes(name, tmp_path):
     one, two = (finished(SCENES[name], jobs, tmp_path / f"{jobs}") for jobs in (1, 2))
     assert folder_differences(one, two) == []
     stages = pw.load(one).stages
@@ -97,9 +97,7 @@ class Reversed(Workers):
 
 
 @pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])
-def test_failed_run_is_the_last(
-    workers: Workers, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failed_run_is_the_last(workers: Workers, monkeypatch):
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 
@@ -136,7 +134,7 @@ def kill_worker(pool: Workers) -> None:
     pool._workers[0].process.kill()
 
 
-def test_run_of_a_killed_worker_resumes(whole: Path, tmp_path: Path) -> None:
+def test_run_of_a_killed_worker_resumes(whole, tmp_path):
     path = tmp_path / "killed"
     with workers_of(EIGHT, 2, interval=0.0) as workers:
         assert isinstance(workers, Workers)
@@ -147,7 +145,7 @@ def test_run_of_a_killed_worker_resumes(whole: Path, tmp_path: Path) -> None:
     assert folder_differences(whole, path) == []
 
 
-def test_interrupted_processes_resume_in_one(whole: Path, tmp_path: Path) -> None:
+def test_interrupted_processes_resume_in_one(whole, tmp_path):
     """No cycle is lost that any of the three processes had finished."""
     path = tmp_path / "stopped"
     with (
@@ -176,9 +174,7 @@ class Stored(pw.engines.Observer):
 
 
 @pytest.mark.parametrize(("interval", "is_each_due"), [(0.0, True), (1e6, False)])
-def test_checkpoint_is_written_when_due(
-    interval: float, is_each_due: bool, tmp_path: Path
-) -> None:
+def test_checkpoint_is_written_when_due(interval, is_each_due, tmp_path):
     """After every cycle without an interval, and after a stage in any case."""
     observer = Stored(tmp_path / "out")
     scene = replace(STEPS, replicates=1)
@@ -189,7 +185,7 @@ def test_checkpoint_is_written_when_due(
     assert not list(observer.path.glob("checkpoint*"))
 
 
-def test_resuming_on_another_machine_is_remarked(tmp_path: Path) -> None:
+def test_resuming_on_another_machine_is_remarked(tmp_path):
     path = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt):
         run(STEPS, path, jobs=1, observers=[At(interrupt, 0.2)])
@@ -216,7 +212,7 @@ class Frames(pw.engines.Observer):
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_progress_has_frames_for_a_window(jobs: int) -> None:
+def test_progress_has_frames_for_a_window(jobs):
     observer = Frames()
     scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [observer]) as workers:

@@ -57,7 +57,7 @@ def joints(slow_crank: Scene) -> tuple[ClearanceJoint, ...]:
 
 def test_runs_of_which_some_have_settled_are_mixed(
     joints: tuple[ClearanceJoint, ...],
-) -> None:
+):
     settling = settling_of(joints, [rows_of(30, 40), rows_of(12, 58), rows_of(70, 0)])
     assert settling is not None
     assert settling.verdict == "mixed"
@@ -79,7 +79,7 @@ def test_runs_of_which_some_have_settled_are_mixed(
 
 def test_motions_of_different_forces_coexist(
     joints: tuple[ClearanceJoint, ...],
-) -> None:
+):
     settling = settling_of(
         joints, [rows_of(5, 40), rows_of(9, 40), rows_of(5, 40, 600.0)]
     )
@@ -92,7 +92,7 @@ def test_motions_of_different_forces_coexist(
 
 def test_settled_runs_have_their_samples_from_the_regular_motion(
     joints: tuple[ClearanceJoint, ...],
-) -> None:
+):
     settling = settling_of(joints, [rows_of(20, 40), rows_of(33, 40)])
     assert settling is not None
     assert settling.verdict == "settled"
@@ -103,14 +103,14 @@ def test_settled_runs_have_their_samples_from_the_regular_motion(
 
 def test_runs_that_settle_at_once_need_no_warning(
     joints: tuple[ClearanceJoint, ...],
-) -> None:
+):
     settling = settling_of(joints, [rows_of(2, 40), rows_of(3, 40)])
     assert settling is not None
     assert not needs_warning(settling)
     assert state_of(settling) == "settled, regular in 2 runs after 2 to 3 strokes"
 
 
-def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) -> None:
+def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]):
     settling = settling_of(joints, [rows_of(60, 0)] * 4)
     assert settling is not None
     assert settling.half_life is None
@@ -122,14 +122,14 @@ def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]) 
     assert state_of(settling) == "not settled, irregular in 4 runs of 60 strokes"
 
 
-def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]) -> None:
+def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]):
     settling = settling_of(joints, [rows_of(7, 0)] * 4)
     assert settling is not None
     assert settling.verdict == "unwatched"
     assert state_of(settling) == "7 strokes are too few to see whether it settles"
 
 
-def test_a_linkage_without_clearance_has_nothing_to_settle() -> None:
+def test_a_linkage_without_clearance_has_nothing_to_settle():
     result = pw.run(pw.changed(pw.scenes.ideal(), {"engine": "dae", "cycles": 3}))
     assert result.stages[0].statistics.settling is None
 
@@ -139,7 +139,7 @@ def statistics_of(scene: Scene) -> tuple[pw.Result, StageStatistics]:
     return result, result.stages[0].statistics
 
 
-def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene) -> None:
+def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene):
     """The peak of 298.9 N was found by another simulator; the first strokes have 1,900 N.
 
     With a half-life of 30 to 40 cycles, one of a thousand runs of 400 cycles is still
@@ -159,7 +159,7 @@ def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene) -> None:
     assert "same regular motion" in warnings(result)[0]
 
 
-def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene) -> None:
+def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene):
     """In 24 of some 40 cycles some of eight runs settle and others do not, for most seeds."""
     for seed in range(1, 40):
         scene = pw.changed(slow_crank, {"cycles": 24, "seed": seed, "replicates": 8})
@@ -185,7 +185,7 @@ def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene) -> None:
     )
 
 
-def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene) -> None:
+def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene):
     """Of 50 strokes; for some seeds neither of two runs settles in them."""
     life = pw.Life(until="B.depth > 5 um")
     changes: dict[str, Any] = {

@@ -13,7 +13,7 @@ from presswear.recording.statistics import after_startup, pooled
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
+def test_drive_work_less_stored_energy_is_the_loss(engine):
     """The balance of energy over a run, and over the cycles that are samples."""
     settings: dict[str, Any] = {
         "engine": engine,
@@ -44,7 +44,7 @@ def test_drive_work_less_stored_energy_is_the_loss(engine: str) -> None:
     assert 4.0 * narrow < wide
 
 
-def test_closed_time_of_a_cycle_is_that_of_its_contacts() -> None:
+def test_closed_time_of_a_cycle_is_that_of_its_contacts():
     """Contacts that lie in whole cycles, from touchdown to separation, in closed form."""
     scene = pw.Scene(
         pw.FourBar(), engine="dae", wear_updates=0, replicates=1, cycles=12

@@ -35,7 +35,7 @@ def scene_of(settings: dict[str, Any]) -> pw.Scene:
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
-def test_a_life_is_that_of_the_built_in_law(name: str) -> None:
+def test_a_life_is_that_of_the_built_in_law(name):
     law = UserFunction(name, LAWS).trusted()
     lives = []
     for settings in ({"wear_law": law}, BUILT_IN[name]):
@@ -54,7 +54,7 @@ def test_a_life_is_that_of_the_built_in_law(name: str) -> None:
         np.testing.assert_allclose(ours.curves[key], curve, rtol=1e-9, atol=1e-15)
 
 
-def test_a_quick_life_needs_a_constant_rate() -> None:
+def test_a_quick_life_needs_a_constant_rate():
     law = UserFunction("fading", LAWS).trusted()
     scene = scene_of({})
     with pytest.raises(InputError, match="wear_law = user law fading"):

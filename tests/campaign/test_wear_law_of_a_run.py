@@ -38,7 +38,7 @@ def archard_per_cycle(result: pw.Result, bins: int) -> Array:
     return np.asarray(np.trapezoid(rate[worn], time[worn], axis=0) / (CYCLES - 2))
 
 
-def test_depth_is_that_of_the_stored_series() -> None:
+def test_depth_is_that_of_the_stored_series():
     """Running-in and a power of the pressure, on the pin of the slider, within 2 %."""
     scene = pw.scenes.slider_crank(
         conventions="refined",

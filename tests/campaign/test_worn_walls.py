@@ -46,7 +46,7 @@ def result(folder: Path) -> pw.Result:
     return pw.load(folder)
 
 
-def test_walls_wear_by_the_rate_times_the_strokes(result: pw.Result) -> None:
+def test_walls_wear_by_the_rate_times_the_strokes(result: pw.Result):
     """The wear of 30,000 strokes changes the load distance of a stroke by little."""
     new, worn = result.stages
     assert not new.is_worn
@@ -62,7 +62,7 @@ def test_walls_wear_by_the_rate_times_the_strokes(result: pw.Result) -> None:
         assert each == pytest.approx(STROKES * per_stroke, rel=0.03)
 
 
-def test_the_slide_follows_the_worn_walls(result: pw.Result) -> None:
+def test_the_slide_follows_the_worn_walls(result: pw.Result):
     """At the fracture it tilts by as much more as the walls are worn there, over its length."""
     new, worn = (result.guide_tilts(k)["guide"].fracture for k in (0, 1))
     assert new is not None
@@ -84,7 +84,7 @@ def test_the_slide_follows_the_worn_walls(result: pw.Result) -> None:
     assert worn.mean - new.mean > 1e-5
 
 
-def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result) -> None:
+def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result):
     worn = result.stages[1].surfaces
     assert worn.keys() == {"guide"}
     assert {surface.depth.size for surface in worn["guide"]} == {WALL_BINS}
@@ -97,8 +97,8 @@ def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result) -> None:
 
 @pytest.mark.usefixtures("unwatched")
 def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
-    result: pw.Result, tmp_path: Path
-) -> None:
+    result: pw.Result, tmp_path
+):
     """Two limits in one life; at 6 um the rate is within a few parts in a hundred."""
     (guide,) = result.scene.loose_guides
     assert guide.length is not None
@@ -141,7 +141,7 @@ def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
 
 
 @pytest.mark.usefixtures("unwatched")
-def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> None:
+def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path):
     """The life is the strokes up to the replacement, and those of a life without it."""
     life = pw.Life(until="guide.depth > 6 um", replaced="guide@2e4")
     settings = {"wear_updates": 1, "tolerance": 0.2, "cycles": 3, "replicates": 2}
@@ -166,7 +166,7 @@ def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("place", [0, 300, 599])
-def test_a_tilt_between_worn_walls_has_a_closed_form(place: int) -> None:
+def test_a_tilt_between_worn_walls_has_a_closed_form(place):
     """The front of the slide lies at a trench of one wall, its back at one of the second."""
     (guide,) = pw.scenes.press_off_centre().loose_guides
     # 400 bins of the wall are as long as the slide.
@@ -194,17 +194,15 @@ TILT = "250.023 um/m"
         ("guide.depth > 0.6 mm", "allowed is below 0.5 mm, with wear of 10 clearances"),
     ],
 )
-def test_a_limit_that_does_not_fit_is_refused_in_one_line(
-    until: str, message: str
-) -> None:
+def test_a_limit_that_does_not_fit_is_refused_in_one_line(until, message):
     life = pw.Life(until=until)
     with pytest.raises(pw.InputError, match=re.escape(message)):
         pw.scenes.press_off_centre(wear_updates=1, life=life)
 
 
 def test_a_quick_life_of_walls_is_the_limits_over_two_wear_rates(
-    result: pw.Result, tmp_path: Path
-) -> None:
+    result: pw.Result, tmp_path
+):
     """Half of the first limit wears off at the rate when new, the rest at the second rate."""
     (guide,) = result.scene.loose_guides
     assert guide.length is not None
@@ -244,7 +242,7 @@ def test_a_quick_life_of_walls_is_the_limits_over_two_wear_rates(
     assert lost_volume == pytest.approx(5e-9, rel=1e-12)
 
 
-def test_limits_of_guides_and_pins_are_named() -> None:
+def test_limits_of_guides_and_pins_are_named():
     def limits(until: str) -> list[tuple[str, float]]:
         life = pw.Life(until=until).limits({"A": 1e-4}, {"guide": 2e-4})
         return [(limit.key, limit.value) for limit in life]
@@ -261,9 +259,7 @@ def test_limits_of_guides_and_pins_are_named() -> None:
 
 
 @pytest.mark.parametrize(("word", "reports"), [("cycle", 4), ("steps", 5)])
-def test_an_interrupted_run_resumes_bit_for_bit(
-    word: str, reports: int, folder: Path, tmp_path: Path
-) -> None:
+def test_an_interrupted_run_resumes_bit_for_bit(word, reports, folder, tmp_path):
     path = tmp_path / "stopped"
     with pytest.raises(KeyboardInterrupt):
         pw.run(scene_of(), path, observers=[Stops(word, reports)], jobs=1)

@@ -1,7 +1,6 @@
 """Command lines that are refused in one line, with exit code 2."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -92,9 +91,7 @@ completion bsh: unknown shell 'bsh'; did you mean bash?
 
 
 @pytest.mark.parametrize("case", BAD_INPUT.strip().splitlines())
-def test_bad_input_is_one_line_and_exit_code_2(
-    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_bad_input_is_one_line_and_exit_code_2(case, tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     line, _, words = case.partition(": ")
     message = command(line.replace("\\n", "\n"), 2)

@@ -28,7 +28,7 @@ from presswear.show import report
 Command = Callable[..., str]
 
 
-def test_a_folder_of_several_runs_names_them(tmp_path: Path, command: Command) -> None:
+def test_a_folder_of_several_runs_names_them(tmp_path, command):
     for key in ("a", "b", "c", "runs/d"):
         (tmp_path / key).mkdir(parents=True)
         (tmp_path / key / "result.json").touch()
@@ -37,12 +37,12 @@ def test_a_folder_of_several_runs_names_them(tmp_path: Path, command: Command) -
     assert f"name one that it holds: {named}\n" in message
 
 
-def test_list_names_scenes(command: Command) -> None:
+def test_list_names_scenes(command):
     lines = command("list").splitlines()
     assert [line.split()[0] for line in lines] == list(pw.scenes.SCENES)
 
 
-def test_run_ideal_and_report(tmp_path: Path, command: Command) -> None:
+def test_run_ideal_and_report(tmp_path, command):
     folder = tmp_path / "ideal"
     page = folder / "report.html"
     command(f"run ideal --cycles 1 --out {folder} --no-report")
@@ -54,9 +54,7 @@ def test_run_ideal_and_report(tmp_path: Path, command: Command) -> None:
 
 
 @pytest.mark.parametrize("is_verbose", [True, False])
-def test_verbose_logs_the_stages(
-    is_verbose: bool, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_verbose_logs_the_stages(is_verbose, capsys):
     with logging_to_stderr(is_verbose):
         runs.run(replace(pw.scenes.ideal(), cycles=1, engine="dae"))
     lines = capsys.readouterr().err.splitlines()
@@ -74,7 +72,7 @@ def test_verbose_logs_the_stages(
         assert ("verbose" in arguments) == (words != "list ideal")
 
 
-def test_all_settings_are_listed_in_groups(command: Command) -> None:
+def test_all_settings_are_listed_in_groups(command):
     groups: dict[str, list[str]] = {}
     for line in command("list press-blanking --all").splitlines():
         if line.endswith(":"):
@@ -91,9 +89,7 @@ def test_all_settings_are_listed_in_groups(command: Command) -> None:
 
 
 @pytest.mark.parametrize("name", ["", *COMMANDS])
-def test_every_help_has_an_example(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_help_has_an_example(name, capsys):
     with pytest.raises(SystemExit) as ended:
         main([*name.split(), "--help"])
     assert ended.value.code == 0
@@ -117,7 +113,7 @@ sys.exit(main(["list"]))
 
 
 @pytest.mark.parametrize("module", ["numpy", "rich", "presswear.tools.errors"])
-def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
+def test_interrupt_of_the_first_imports_is_no_traceback(module):
     ended = python("-c", INTERRUPTED % module)
     assert (ended.returncode, ended.stdout, ended.stderr) == (
         130,
@@ -134,9 +130,7 @@ def test_interrupt_of_the_first_imports_is_no_traceback(module: str) -> None:
         RuntimeError("can't start new thread"),
     ],
 )
-def test_memory_that_runs_out_is_one_line(
-    error: Exception, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_memory_that_runs_out_is_one_line(error, monkeypatch, command):
     def listed(arguments: object, console: object) -> int:
         raise error
 
@@ -144,9 +138,7 @@ def test_memory_that_runs_out_is_one_line(
     assert command("list", 1) == "presswear: memory ran out\n"
 
 
-def test_interrupt_that_became_error(
-    monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_interrupt_that_became_error(monkeypatch, command):
     def listed(arguments: object, console: object) -> int:
         try:
             signal.raise_signal(signal.SIGTERM)
@@ -163,12 +155,12 @@ def test_interrupt_that_became_error(
 
 @pytest.mark.parametrize(("kind", "key"), [("press", "length_2"), ("points", "cycle")])
 def test_a_new_file_is_listed_drawn_and_run(
-    kind: str,
-    key: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    command: Command,
-) -> None:
+    kind,
+    key,
+    tmp_path,
+    monkeypatch,
+    command,
+):
     monkeypatch.chdir(tmp_path)
     assert f"wrote {kind}.toml" in command(f"new {kind}")
     command(f"new {kind} mine.toml")
@@ -190,8 +182,8 @@ def test_a_new_file_is_listed_drawn_and_run(
 
 
 def test_a_run_is_resumed_without_the_files_that_it_started_with(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+    tmp_path, monkeypatch, command
+):
     """Its folder holds the mechanism and the text of the law, which --trust executes."""
     monkeypatch.chdir(tmp_path)
     law = "def soft(penetration):\n    return 1e7 * penetration\n"
@@ -226,9 +218,7 @@ def test_a_run_is_resumed_without_the_files_that_it_started_with(
     assert "mine.toml: there is no such file" in command(f"{line} --cycles 3", 2)
 
 
-def test_a_new_run_names_the_unfinished_one_before_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_a_new_run_names_the_unfinished_one_before_it(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     line = "run ideal --engine dae --cycles 1 --no-report"
     with ResultFolder(Path("results/ideal"), pw.scenes.ideal()) as folder:
@@ -241,7 +231,7 @@ def test_a_new_run_names_the_unfinished_one_before_it(
 
 @pytest.mark.parametrize("line", ["list ideal", "--help", "--version"])
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
-def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) -> None:
+def test_a_full_standard_output_is_named_in_one_line(line, tmp_path):
     for unbuffered in ("", "1") if line == "list ideal" else ("",):
         environment = {"PYTHONUNBUFFERED": unbuffered}
         with Path("/dev/full").open("w") as full:
@@ -254,7 +244,7 @@ def test_a_full_standard_output_is_named_in_one_line(line: str, tmp_path: Path) 
         assert done.stderr == output
 
 
-def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
+def test_a_terminal_without_a_character_shows_an_escape(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(
         example_file("four-bar").replace("My four-bar", "Ø 30 µm ±"), encoding="utf-8"
@@ -270,7 +260,7 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
     assert r"joints = '\xb5'" in done.stderr
 
 
-def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> None:
+def test_lives_are_compared_and_resumed(tmp_path, command):
     file = tmp_path / "four-bar.toml"
     out = tmp_path / "lives"
     command(f"new four-bar {file}")
@@ -295,7 +285,7 @@ def test_lives_are_compared_and_resumed(tmp_path: Path, command: Command) -> Non
     assert all(line in again for line in lines)
 
 
-def test_a_quick_life_has_two_rates(tmp_path: Path, command: Command) -> None:
+def test_a_quick_life_has_two_rates(tmp_path, command):
     command(f"new four-bar {tmp_path / 'four-bar.toml'}")
     line = f"life {tmp_path / 'four-bar.toml'} --quick --cycles 3 --jobs 1 --until B.depth>8um"
     output = command(f"{line} --set replicates=2 --no-report --out {tmp_path / 'life'}")
@@ -306,7 +296,7 @@ def test_a_quick_life_has_two_rates(tmp_path: Path, command: Command) -> None:
     assert stored["message"].startswith("no error of steps")
 
 
-def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -> None:
+def test_dynamics_of_a_result_and_of_a_scene(tmp_path, command):
     pw.run(pw.scenes.slider_crank(cycles=4), tmp_path / "run", engine="dae", jobs=1)
     output = command(f"dynamics {tmp_path / 'run'}")
     for word in (
@@ -325,9 +315,7 @@ def test_dynamics_of_a_result_and_of_a_scene(tmp_path: Path, command: Command) -
     assert (tmp_path / "d" / "diagram.png").stat().st_size > 10_000
 
 
-def test_final_motions_of_a_scene_over_a_parameter(
-    tmp_path: Path, command: Command
-) -> None:
+def test_final_motions_of_a_scene_over_a_parameter(tmp_path, command):
     line = f"dynamics settle slider-crank --starts 2 --cycles 20 --jobs 1 --out {tmp_path / 's'}"
     output = command(f"{line} --over 'speed=100:200:2 rad/s'")
     for speed in (100, 200):
@@ -359,9 +347,7 @@ echo "${COMPREPLY[@]}"
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is missing")
-def test_completion_of_commands_options_and_names(
-    tmp_path: Path, command: Command
-) -> None:
+def test_completion_of_commands_options_and_names(tmp_path, command):
     assert command("completion zsh").startswith("#compdef presswear\n")
     (tmp_path / "script.sh").write_text(command("completion bash"))
     (tmp_path / "first").mkdir()
@@ -381,7 +367,7 @@ def test_completion_of_commands_options_and_names(
         assert not output.stderr
 
 
-def test_files_of_the_user_are_no_modules(tmp_path: Path) -> None:
+def test_files_of_the_user_are_no_modules(tmp_path):
     """Numba imports ``coverage`` where it finds it."""
     (tmp_path / "coverage").mkdir()
     (tmp_path / "statistics.py").write_text("raise SystemExit")

@@ -78,7 +78,7 @@ def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
 
 
 @pytest.mark.parametrize("width", [48, 120])
-def test_bar_and_remaining_time_fit_at_any_width(width: int, clock: Clock) -> None:
+def test_bar_and_remaining_time_fit_at_any_width(width, clock: Clock):
     bar = progress_bar(console_of(width, clock))
     long = "applying the seventh wear in 200 steps, cycle 151 of 163"
     tasks = [bar.add_task(words, total=1.0) for words in (long, long.upper(), "short")]
@@ -118,7 +118,7 @@ def in_terminal(words: list[str], folder: Path) -> str:
     return output.decode()
 
 
-def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock) -> None:
+def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock):
     stage = 20
     update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None, 2)
     assert update is not None
@@ -142,8 +142,8 @@ def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock) -> None:
 
 
 def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
     (tmp_path / "four-bar.toml").write_text(example_file("four-bar"))
     line = "life four-bar.toml --cycles 1 --until B.depth>4um --tolerance 1 --no-report"
@@ -155,7 +155,7 @@ def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
     assert shares == sorted(shares)
 
 
-def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) -> None:
+def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import presswear as pw\nfrom presswear.cli import run_observer\n"
@@ -168,7 +168,7 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path: Path) 
     assert (done.stdout, done.stderr) == ("end\n", "")
 
 
-def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> None:
+def test_several_runs_are_counted_in_one_line(tmp_path, clock: Clock):
     console = console_of(80, clock)
     with several_runs(console, "improve", tmp_path, 2) as (show, _):
         show(
@@ -182,8 +182,8 @@ def test_several_runs_are_counted_in_one_line(tmp_path: Path, clock: Clock) -> N
 
 
 def test_several_runs_print_a_line_a_minute_without_a_terminal(
-    tmp_path: Path, clock: Clock, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, clock: Clock, monkeypatch
+):
     monkeypatch.setattr(several_runs_module, "clock", clock)
     console = console_of(80, clock, is_terminal=False)
     with several_runs(console, "lives", tmp_path, 2) as (show, _):
@@ -194,7 +194,7 @@ def test_several_runs_print_a_line_a_minute_without_a_terminal(
     assert lines == ["lives: 0 of 2 finished, 15 % 7.55 minutes left"]
 
 
-def test_steps_are_described() -> None:
+def test_steps_are_described():
     words = "cycle 3 of 5"
     assert step_text(SCENE, 0, "") == "no wear"
     assert step_text(SCENE, 0, words) == f"no wear: {words}"
@@ -207,7 +207,7 @@ def test_steps_are_described() -> None:
     )
 
 
-def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
+def test_compile_time_is_shown_and_not_counted(clock: Clock):
     stage = stage_of(StageStatistics(cycles=1), 2.0, 30.0)
     console = console_of(120, clock)
     bar = progress_bar(console)
@@ -231,7 +231,7 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock) -> None:
     assert "15.00 s per simulated second" in console.export_text()
 
 
-def test_a_stage_says_whether_its_motion_has_settled(clock: Clock) -> None:
+def test_a_stage_says_whether_its_motion_has_settled(clock: Clock):
     """An interval of an irregular motion never stands alone, and neither does a stage in Python."""
     console = console_of(120, clock)
     settling = Settling(watched=22, starts=(None,) * 4, motions=())
@@ -242,7 +242,7 @@ def test_a_stage_says_whether_its_motion_has_settled(clock: Clock) -> None:
     assert line in f"{stage}"
 
 
-def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> None:
+def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock):
     console = console_of(80, clock, is_terminal=False)
     observer = RunObserver(progress_bar(console), SCENE)
     for k in range(1, 13):
@@ -256,7 +256,7 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock) -> 
     ]
 
 
-def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> None:
+def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock):
     """The quarter from the first report took 20 s; by the estimate a half is left."""
     bar = progress_bar(console_of(80, clock))
     observer = RunObserver(bar, SCENE)
@@ -267,7 +267,7 @@ def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock) -> N
     assert lines_of(bar, 80, clock)[0].endswith("90% 40 s left")
 
 
-def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
+def test_lines_of_a_stage_are_few_and_whole(clock: Clock):
     """Of many joints the three with the largest values, a line each, and what the bins change."""
     joints = {}
     some = Estimate(1.0)
@@ -288,7 +288,7 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock) -> None:
     assert lines[3].strip() == "(bins of 1°; twice as many bins halve it)"
 
 
-def test_long_lines_are_wrapped_between_words(clock: Clock) -> None:
+def test_long_lines_are_wrapped_between_words(clock: Clock):
     console = console_of(40, clock)
     words = "a path/of/some-hyphenated/length " * 4
     print_lines(console, words)
@@ -296,8 +296,8 @@ def test_long_lines_are_wrapped_between_words(clock: Clock) -> None:
 
 
 def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """Exudyn, and numba while it compiles, may drop KeyboardInterrupt."""
     with named_progress(Console(quiet=True), "benchmark") as report:
         report("first", 0.1)
@@ -306,7 +306,7 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
             report("second", 0.2)
 
 
-def test_control_characters_are_escaped(clock: Clock) -> None:
+def test_control_characters_are_escaped(clock: Clock):
     console = console_of(80, clock)
     print_lines(console, "a\x1b[2Jb")
     print_table(console, ["name"], [["c\x1b[2Jd"]])
@@ -315,7 +315,7 @@ def test_control_characters_are_escaped(clock: Clock) -> None:
     assert r"c\x1b[2Jd" in text
 
 
-def test_names_are_no_markup(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_names_are_no_markup(clock: Clock, monkeypatch):
     result: Any = Namespace(stages=["first"])
     monkeypatch.setattr("presswear.results.result.load", lambda _path: result)
     monkeypatch.setattr(

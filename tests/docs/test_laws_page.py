@@ -24,21 +24,21 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-def test_laws_are_found() -> None:
+def test_laws_are_found():
     assert {KINDS.get(first, "wear_law") for _, first in LAWS} == {
         *("normal_law", "friction_law", "wear_law")
     }
 
 
 @pytest.mark.parametrize(("name", "first"), LAWS)
-def test_a_law_of_the_page_is_sound(name: str, first: str, file: Path) -> None:
+def test_a_law_of_the_page_is_sound(name, first, file):
     key = KINDS.get(first, "wear_law")
     settings = {"contact": "radial"} if key == "normal_law" else {}
     base = pw.scenes.slider_crank(friction=0.1)
     changed(base, {**settings, key: f"{file}:{name}"}).check_user_laws()
 
 
-def test_a_wear_law_of_the_page_wears(file: Path) -> None:
+def test_a_wear_law_of_the_page_wears(file):
     """New surfaces wear 30 times as fast, and those of a later update less."""
     settings = {"cycles": 4, "replicates": 1, "wear_updates": 1, "engine": "dae"}
     settings |= {"cycles_per_update": 1e3, "wear_maps": "raw"}

@@ -47,7 +47,7 @@ REFUSED = "clearence"  # a tutorial shows this mistake
 COMMAND_LINES = [(page, line) for page in PAGES for line in lines_of(page.read_text())]
 
 
-def test_commands_are_found() -> None:
+def test_commands_are_found():
     assert len({page for page, _ in COMMAND_LINES}) >= 10
     called = {line.split()[0] for _, line in COMMAND_LINES}
     assert {"run", "list", "life", "replay", "crosscheck", "export"} <= called
@@ -60,9 +60,7 @@ def test_commands_are_found() -> None:
         for page, line in COMMAND_LINES
     ],
 )
-def test_command_line_is_valid(
-    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_line_is_valid(line, tmp_path, monkeypatch):
     (tmp_path / "laws.py").write_text(TABLES["laws.py"])
     monkeypatch.chdir(tmp_path)
     words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
@@ -79,7 +77,7 @@ def test_command_line_is_valid(
         changed(pw.scenes.SCENES[scene].make(), parse_settings(settings))
 
 
-def test_nothing_is_installed_by_the_name_of_the_package() -> None:
+def test_nothing_is_installed_by_the_name_of_the_package():
     """It is not on PyPI; an extra is installed from the folder of the sources."""
     for file in [*PAGES, *(ROOT / "presswear").rglob("*.py")]:
         if file.name != "CHANGELOG.md":
@@ -88,7 +86,7 @@ def test_nothing_is_installed_by_the_name_of_the_package() -> None:
             ), file
 
 
-def test_scripts_for_slurm_pass_the_cores_on() -> None:
+def test_scripts_for_slurm_pass_the_cores_on():
     """``srun`` has not inherited ``--cpus-per-task`` since Slurm 22.05."""
     lines = [
         line
@@ -99,19 +97,19 @@ def test_scripts_for_slurm_pass_the_cores_on() -> None:
     assert all("--cpus-per-task=$SLURM_CPUS_PER_TASK" in line for line in lines)
 
 
-def test_commands_in_prose_exist() -> None:
+def test_commands_in_prose_exist():
     for page in PAGES:
         for name in re.findall(r"`presswear ([a-z]+)", page.read_text()):
             assert name in {*COMMANDS, "help"}, f"{page.name}: presswear {name}"
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_all_commands_of_a_tutorial_are_in_cells(page: Path) -> None:
+def test_all_commands_of_a_tutorial_are_in_cells(page):
     text = page.read_text()
     assert list(lines_of(text)) == lines_in_cells(text)
 
 
-def test_the_build_runs_all_other_commands() -> None:
+def test_the_build_runs_all_other_commands():
     ran = {line for lines in all_lines().values() for line in lines}
     ran |= {line for page in PAGES for line in lines_in_cells(page.read_text())}
     assert {line for _, line in COMMAND_LINES} <= ran
@@ -119,9 +117,7 @@ def test_the_build_runs_all_other_commands() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_names_imported_by_a_page_exist(
-    page: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_names_imported_by_a_page_exist(page, monkeypatch):
     for folder in (ROOT / "tests", ROOT / "tests" / "literature"):
         monkeypatch.syspath_prepend(folder)
     for cell in re.findall(
@@ -135,7 +131,7 @@ def test_names_imported_by_a_page_exist(
                 )
 
 
-def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
+def test_failing_command_is_reported_and_long_command_is_stopped():
     with starting_processes():  # a server that starts here blocks signals
         ensure_running()
     (message,) = failures({"page": ["list", "list wear-tims"]}, longest=60.0)
@@ -144,7 +140,7 @@ def test_failing_command_is_reported_and_long_command_is_stopped() -> None:
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_tutorial_links_to_its_notebook(page: Path) -> None:
+def test_tutorial_links_to_its_notebook(page):
     """Jupytext needs the display name of the kernel."""
     text = page.read_text()
     links = re.findall(r"\{nb-download\}`[^<]+<(\w+)\.ipynb>`", text)
@@ -153,7 +149,7 @@ def test_tutorial_links_to_its_notebook(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES_WITH_CODE, ids=lambda page: page.stem)
-def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
+def test_stored_outputs_are_those_of_the_code_of_a_page(page):
     cells = re.findall(
         r"(?s)```\{code-cell\} ipython3\n(?::tags:.*?\n)?(.*?)```", page.read_text()
     )
@@ -167,7 +163,7 @@ def test_stored_outputs_are_those_of_the_code_of_a_page(page: Path) -> None:
     assert any(cell["outputs"] for cell in stored)
 
 
-def test_the_report_of_the_study_is_on_the_site() -> None:
+def test_the_report_of_the_study_is_on_the_site():
     """It is that of this version; ``python docs/_tools/findings.py`` stores it."""
     report = DOCS / "_outputs" / "paper-report.html"
     assert f'"_outputs/{report.name}"' in (DOCS / "conf.py").read_text()
@@ -191,7 +187,7 @@ def is_module(path: Path) -> bool:
 
 
 @pytest.mark.parametrize("page", THEORY, ids=lambda page: page.stem)
-def test_functions_named_in_the_theory_exist(page: Path) -> None:
+def test_functions_named_in_the_theory_exist(page):
     for name in functions_named(page):
         if name.endswith(".md"):
             continue
@@ -205,14 +201,14 @@ def test_functions_named_in_the_theory_exist(page: Path) -> None:
             owner = getattr(owner, part)
 
 
-def test_theory_names_functions_of_every_room() -> None:
+def test_theory_names_functions_of_every_room():
     named = {
         name.partition(".")[0] for page in THEORY for name in functions_named(page)
     }
     assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
 
 
-def test_sources_with_a_year_are_in_the_references() -> None:
+def test_sources_with_a_year_are_in_the_references():
     def plain(text: str) -> str:
         return unicodedata.normalize("NFD", text).encode("ascii", "ignore").decode()
 
@@ -243,7 +239,7 @@ def numbers_explained() -> str:
     return "\n".join(re.findall(r"(?m)^\| ([^|]+) \|", table))
 
 
-def test_key_numbers_of_a_report_have_a_formula() -> None:
+def test_key_numbers_of_a_report_have_a_formula():
     life = LifeResult("at_most", "", 1e6, None, None, 0.0, (), (), ())
     settings = {
         "conventions": "refined",
@@ -262,7 +258,7 @@ def test_key_numbers_of_a_report_have_a_formula() -> None:
     assert [name for name in names if name not in numbers_explained()] == []
 
 
-def test_rows_of_a_report_have_a_formula() -> None:
+def test_rows_of_a_report_have_a_formula():
     """Names that a template fills in are left out; ``how-to/results.md`` has those of means."""
     file = ROOT / "presswear" / "show" / "templates" / "tables.toml"
     text = re.sub(r"(?s)\{%.*?%\}", "", file.read_text())
@@ -284,19 +280,19 @@ def test_rows_of_a_report_have_a_formula() -> None:
     assert [part for part in sorted(known) if part not in numbers_explained()] == []
 
 
-def test_help_of_a_bearing_states_units_ranges_and_defaults() -> None:
+def test_help_of_a_bearing_states_units_ranges_and_defaults():
     text = inspect.getdoc(pw.Bearing) or ""
     names = re.findall(r"(?m)^(\w+) : .*, default ", text)
     assert names == [item.name for item in fields(pw.Bearing)]
     assert "clearance : 0 to 1 m, default 0.0003\n    radial clearance" in text
 
 
-def test_reference_lists_all_public_names() -> None:
+def test_reference_lists_all_public_names():
     listed = re.findall(r"(?m)^   ([\w.]+)$", (DOCS / "api.md").read_text())
     assert sorted(listed) == sorted(NAMES)
 
 
-def test_public_names_in_texts_exist() -> None:
+def test_public_names_in_texts_exist():
     """Of pages, scenarios, and docstrings, messages and templates of the program."""
     made_up = missing_names("pw.Sceen(), pw.run(), pw.linkage.Body.")
     assert made_up == ["Sceen", "linkage.Body"]
@@ -308,7 +304,7 @@ def test_public_names_in_texts_exist() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_links_lead_to_existing_files(page: Path) -> None:
+def test_links_lead_to_existing_files(page):
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
         drawn = "_drawn" in target  # by the build, from docs/_tools/draw.py
         assert drawn or "://" in target or (page.parent / target).exists(), target
@@ -327,7 +323,7 @@ def texts(tree: ast.AST) -> Iterator[str]:
             yield node.value
 
 
-def test_files_named_for_contributors_exist() -> None:
+def test_files_named_for_contributors_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text()
     names = set(re.findall(r"`([\w/.-]+\.(?:py|pyi|toml|md|html|json))`", text))
     written_by_readers = {"physics/interactions/NAME.py", "step.py"}
@@ -344,7 +340,7 @@ def test_files_named_for_contributors_exist() -> None:
     assert missing == set()
 
 
-def test_messages_on_the_page_are_in_the_package() -> None:
+def test_messages_on_the_page_are_in_the_package():
     page = (DOCS / "how-to" / "messages.md").read_text()
     messages = re.findall(r"(?m)^\| `([^`]+)` \|", page)
     assert len(messages) >= 20
@@ -360,7 +356,7 @@ OF_OTHERS = {"J_angle", "stretch", "pin_stretch"}
 OF_OTHERS |= {"clock", "nominal_rate", "drive_angle", "drive_speed"}
 
 
-def test_arrays_on_the_page_are_those_of_a_stage() -> None:
+def test_arrays_on_the_page_are_those_of_a_stage():
     changes = {"drive_torque": "on", "sections": 2, "engine": "dae", "wear_updates": 0}
     stage = pw.run(pw.scenes.clearance_c(cycles=3, replicates=2, **changes)).stages[0]
     page = (DOCS / "how-to" / "results.md").read_text()
@@ -379,16 +375,14 @@ def test_arrays_on_the_page_are_those_of_a_stage() -> None:
     assert listed == set(stage.arrays)
 
 
-def test_numbers_of_each_cycle_on_the_page_are_those_that_are_declared() -> None:
+def test_numbers_of_each_cycle_on_the_page_are_those_that_are_declared():
     """``python docs/_tools/columns.py`` writes them."""
     page = PAGE.read_text()
     assert filled(page) == page
     assert page.count("| each drive |") == len(DRIVE_CYCLE)
 
 
-def test_examples_of_the_reference_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_examples_of_the_reference_run(tmp_path, monkeypatch):
     """Every public name is in an example."""
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"(?s)```python\n(.*?)```", (DOCS / "api.md").read_text())
@@ -406,7 +400,7 @@ def estimates(text: str) -> dict[str, list[float]]:
     return {label: [float(x) for x in numbers] for label, *numbers in rows}
 
 
-def test_table_in_the_readme_is_that_of_a_run() -> None:
+def test_table_in_the_readme_is_that_of_a_run():
     """Intervals of twice the width overlap; chance separates them once in 100,000 runs."""
     (text,) = re.findall(
         r"(?s)<!-- result -->(.*?)<!-- end -->", (ROOT / "README.md").read_text()
@@ -423,7 +417,7 @@ def test_table_in_the_readme_is_that_of_a_run() -> None:
         )
 
 
-def test_tables_of_speed_are_those_of_the_stored_measurements() -> None:
+def test_tables_of_speed_are_those_of_the_stored_measurements():
     """``python docs/_tools/speed.py fill`` writes them."""
     pages = [page.read_text() for page in speed.PAGES]
     assert [speed.filled(page) for page in pages] == pages
@@ -431,9 +425,7 @@ def test_tables_of_speed_are_those_of_the_stored_measurements() -> None:
     assert sorted(marks) == sorted(speed.TABLES)
 
 
-def test_mechanism_in_the_readme_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_mechanism_in_the_readme_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (code,) = re.findall(
         r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+",
@@ -444,12 +436,12 @@ def test_mechanism_in_the_readme_runs(
     assert pw.load("results/four-bar").stages[1].joints["B"].statistics.contacts > 0
 
 
-def test_names_of_the_figures_are_listed() -> None:
+def test_names_of_the_figures_are_listed():
     for text in ((DOCS / "how-to" / "results.md").read_text(), pw.Result.plot.__doc__):
         assert set(figures.NAMES) <= set(re.findall(r"\w+", text or ""))
 
 
-def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient() -> None:
+def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient():
     """The second interval follows from the first one and the scatter."""
     text = (ROOT / "README.md").read_text().replace("\n", " ")
     found = re.search(

@@ -15,7 +15,7 @@ from signatures import signature_of
 NO_APP: Any = None
 
 
-def test_signatures_have_types_and_defaults_without_modules() -> None:
+def test_signatures_have_types_and_defaults_without_modules():
     parameters, result = signature_of(NO_APP, "function", "", pw.run) or ("", "")
     assert parameters.startswith("(scene: Scene, folder: str | Path | None = None, ")
     assert result == "Result"
@@ -27,7 +27,7 @@ def test_signatures_have_types_and_defaults_without_modules() -> None:
     assert result == ""
 
 
-def test_every_public_class_and_function_has_a_signature() -> None:
+def test_every_public_class_and_function_has_a_signature():
     for name, one in PUBLIC.items():
         if callable(one):
             what = "class" if isinstance(one, type) else "function"

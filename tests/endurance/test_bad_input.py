@@ -49,17 +49,17 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_bad_input_is_refused_in_one_line(here: Path) -> None:
+def test_bad_input_is_refused_in_one_line(here):
     refuse(Trial(), here, 500, seed=1, in_processes=2)
 
 
 @pytest.mark.endurance
-def test_much_bad_input(trial: Trial, here: Path, is_quick: bool) -> None:
+def test_much_bad_input(trial: Trial, here, is_quick):
     count, in_processes = (300, 5) if is_quick else (5000, 24)
     refuse(trial, here, count, SEED, in_processes)
 
 
-def test_lines_can_be_drawn_for_every_unit_of_a_setting() -> None:
+def test_lines_can_be_drawn_for_every_unit_of_a_setting():
     for scene in (wear_times(), slider_crank()):
         units = {setting.meaning.unit for setting in settings_of(scene)}
         assert units <= set(NOT_UNITS_OF)

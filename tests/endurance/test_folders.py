@@ -44,9 +44,7 @@ def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
 
 
 @pytest.mark.endurance
-def test_disk_full(
-    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
-) -> None:
+def test_disk_full(trial: subject.Trial, alone: Runs, tmp_path, is_quick):
     whole = alone(subject.TREE).folder
     for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
         with small_disk(tmp_path / size, size) as disk:
@@ -68,7 +66,7 @@ def test_disk_full(
 
 
 @pytest.mark.endurance
-def test_read_only_folder(trial: subject.Trial, tmp_path: Path) -> None:
+def test_read_only_folder(trial: subject.Trial, tmp_path):
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
     if os.access(closed, os.W_OK):  # as root
@@ -82,9 +80,7 @@ def test_read_only_folder(trial: subject.Trial, tmp_path: Path) -> None:
 
 
 @pytest.mark.endurance
-def test_folder_deleted_while_running(
-    trial: subject.Trial, tmp_path: Path, is_quick: bool
-) -> None:
+def test_folder_deleted_while_running(trial: subject.Trial, tmp_path, is_quick):
     wait = Random(subject.SEED)
     for k in range(1 if is_quick else 5):
         out = tmp_path / f"out-{k}"
@@ -101,8 +97,8 @@ def test_folder_deleted_while_running(
 
 @pytest.mark.endurance
 def test_two_runs_into_one_folder(
-    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
-) -> None:
+    trial: subject.Trial, alone: Runs, tmp_path, is_quick
+):
     out = tmp_path / "out"
     first = subject.TREE.start(out)
     subject.wait_for(lambda: subject.is_at_work(first, out))
@@ -125,9 +121,7 @@ def missed(check: Callable[[Path], object], file: Path) -> str:
 
 
 @pytest.mark.endurance
-def test_damaged_files(
-    trial: subject.Trial, alone: Runs, tmp_path: Path, is_quick: bool
-) -> None:
+def test_damaged_files(trial: subject.Trial, alone: Runs, tmp_path, is_quick):
     """Every file of data is cut off, changed in a bit, and removed."""
     whole = tmp_path / "whole"
     stopped = tmp_path / "stopped"

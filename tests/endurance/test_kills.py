@@ -96,17 +96,17 @@ def kill(
 )
 def test_stops_at_random_moments(
     number: signal.Signals,
-    count: int,
-    few: int,
+    count,
+    few,
     trial: Trial,
     alone: Runs,
-    tmp_path: Path,
-    is_quick: bool,
-) -> None:
+    tmp_path,
+    is_quick,
+):
     kill(trial, number, few if is_quick else count, alone, tmp_path)
 
 
-def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:
+def test_a_run_stopped_by_a_signal_goes_on(tmp_path):
     """SIGTERM as soon as something is kept: one line, 143, and the command that it names."""
     out = tmp_path / "out"
     process = IN_HOUSE.start(out)

@@ -44,9 +44,7 @@ def size_of(engine: str, cycles: int, out: Path) -> tuple[float, float]:
     sys.platform != "linux", reason="peak memory is read from Linux's /proc"
 )
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_ten_times_the_cycles(
-    engine: str, trial: Trial, tmp_path: Path, is_quick: bool
-) -> None:
+def test_ten_times_the_cycles(engine, trial: Trial, tmp_path, is_quick):
     cycles = 60 if is_quick else 200
     # The compiler takes more memory than a run: kernels are stored before.
     size_of(engine, 1, tmp_path / "compiled")

@@ -58,10 +58,10 @@ def run_scenes(trial: Trial, count: int, seed: int) -> None:
     trial.check()
 
 
-def test_random_scenes_run_in_both_engines() -> None:
+def test_random_scenes_run_in_both_engines():
     run_scenes(Trial(), 1, seed=6)
 
 
 @pytest.mark.endurance
-def test_many_random_scenes(trial: Trial, is_quick: bool) -> None:
+def test_many_random_scenes(trial: Trial, is_quick):
     run_scenes(trial, 5 if is_quick else 300, SEED)

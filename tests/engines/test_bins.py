@@ -47,7 +47,7 @@ def run_press(engine: Engine, bins: dict[str, int], is_worn: bool) -> Run:
 
 
 @each_engine
-def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine) -> None:
+def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine):
     """On round surfaces the motion does not depend on the bins."""
 
     def run_round(bins_of_a: int, bins_of_c: int) -> tuple[bytes, NDArray[np.float64]]:
@@ -72,9 +72,7 @@ def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine) -> None:
 
 @each_engine
 @pytest.mark.parametrize("joint", ["A", "C"])
-def test_motion_on_worn_surfaces_converges_with_the_bins(
-    engine: Engine, joint: str
-) -> None:
+def test_motion_on_worn_surfaces_converges_with_the_bins(engine: Engine, joint):
     """A joint has 16 or 64 bins in place of 256."""
 
     def end_position(count: int) -> NDArray[np.float64]:

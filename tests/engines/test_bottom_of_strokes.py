@@ -22,7 +22,7 @@ def bottoms(scene: Scene, engine: Engine, cycles: int) -> Array:
     return np.column_stack([height, run.recorder.each_cycle("bottom_time")])
 
 
-def test_engines_agree_on_the_bottom_of_the_first_stroke() -> None:
+def test_engines_agree_on_the_bottom_of_the_first_stroke():
     """In the second stroke, after some twenty impacts, their motions differ."""
     scene = wear_times()
     in_house = bottoms(scene, InHouse(integration_tolerance=1e-12), 1)
@@ -38,7 +38,7 @@ def test_engines_agree_on_the_bottom_of_the_first_stroke() -> None:
     assert np.all(below < 2e-3)
 
 
-def test_the_bottom_of_each_stroke_is_that_of_its_series() -> None:
+def test_the_bottom_of_each_stroke_is_that_of_its_series():
     """The fourth stroke ends higher than the third, and none is as low as both clearances."""
     scene = wear_times()
     period = scene.mechanism.period

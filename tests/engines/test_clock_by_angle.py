@@ -73,7 +73,7 @@ def run_of(
 @pytest.mark.parametrize(
     ("engine", "within"), ENGINES, ids=lambda value: str(value)[:30]
 )
-def test_cycles_end_at_whole_turns(engine: Engine, within: float) -> None:
+def test_cycles_end_at_whole_turns(engine: Engine, within):
     """A rotor that starts at a tenth of its speed: its first turns take longer."""
     first = 0.1 * SPEED
     run = run_of(engine, 3, first, sections=SECTIONS)
@@ -96,7 +96,7 @@ def test_cycles_end_at_whole_turns(engine: Engine, within: float) -> None:
 @pytest.mark.parametrize(
     ("engine", "within"), ENGINES, ids=lambda value: str(value)[:30]
 )
-def test_speed_of_the_leader_and_nominal_time(engine: Engine, within: float) -> None:
+def test_speed_of_the_leader_and_nominal_time(engine: Engine, within):
     first = 0.1 * SPEED
     recorder = run_of(engine, 3, first).recorder
     ends = np.array([instant(2.0 * math.pi * k, first) for k in range(4)])
@@ -115,7 +115,7 @@ def test_speed_of_the_leader_and_nominal_time(engine: Engine, within: float) -> 
     assert recorder.nominal_rates == pytest.approx(rates, abs=tolerance)
 
 
-def test_a_run_by_the_clock_ends_at_its_time() -> None:
+def test_a_run_by_the_clock_ends_at_its_time():
     first = 0.1 * SPEED
     run = run_of(IN_HOUSE, 2, first, by_clock=True)
     assert run.time == 2.0
@@ -124,7 +124,7 @@ def test_a_run_by_the_clock_ends_at_its_time() -> None:
 
 
 @each_kind
-def test_a_stalled_motor_ends_the_run(engine: Engine) -> None:
+def test_a_stalled_motor_ends_the_run(engine: Engine):
     """The torque of a brake is that at a slip s: w = w_0 (1 - s + s exp(-t / T)).
 
     A motor is stalled at 5 % of its speed without load.
@@ -144,7 +144,7 @@ def test_a_stalled_motor_ends_the_run(engine: Engine) -> None:
 
 
 @each_kind
-def test_a_motor_that_turns_backwards_at_the_start_ends_the_run(engine: Engine) -> None:
+def test_a_motor_that_turns_backwards_at_the_start_ends_the_run(engine: Engine):
     """From rest under a brake of twice the torque of standstill."""
     run = run_of(engine, 2, 0.0, rotor(brake=2.0 * INERTIA * SPEED / TIME))
     assert run.status == "failed"
@@ -154,7 +154,7 @@ def test_a_motor_that_turns_backwards_at_the_start_ends_the_run(engine: Engine) 
 
 
 @each_kind
-def test_a_motor_that_does_not_start_ends_the_run(engine: Engine) -> None:
+def test_a_motor_that_does_not_start_ends_the_run(engine: Engine):
     """A hanging crank swings about the angle at which its weight holds the motor."""
     radius = 0.1
     mass = 50.0
@@ -175,7 +175,7 @@ def test_a_motor_that_does_not_start_ends_the_run(engine: Engine) -> None:
     assert run.end.position[2] == pytest.approx(rest, abs=0.03)
 
 
-def test_deviation_of_the_period_is_inverse_to_the_inertia_of_a_flywheel() -> None:
+def test_deviation_of_the_period_is_inverse_to_the_inertia_of_a_flywheel():
     """A crank with an unbalanced mass starts at its top.
 
     After a start at the side, the deviation of first order would cancel over a turn.

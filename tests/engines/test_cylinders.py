@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,7 +79,7 @@ def _power(linkage: Linkage, motion: Motion) -> Array:
 
 
 @pytest.mark.parametrize("is_reversed", [False, True])
-def test_boom_turns_by_the_law_of_cosines(is_reversed: bool) -> None:
+def test_boom_turns_by_the_law_of_cosines(is_reversed):
     motion, _ = _motion_of(boom(is_reversed=is_reversed))
     levels = motion.position, motion.velocity, motion.acceleration
     for level, expected in zip(levels, _law_of_cosines(motion.time), strict=True):
@@ -89,9 +88,7 @@ def test_boom_turns_by_the_law_of_cosines(is_reversed: bool) -> None:
 
 @pytest.mark.parametrize("is_reversed", [False, True])
 @pytest.mark.parametrize("make", [boom, boom_press])
-def test_force_has_the_power_of_the_motion(
-    make: Callable[..., Linkage], is_reversed: bool
-) -> None:
+def test_force_has_the_power_of_the_motion(make: Callable[..., Linkage], is_reversed):
     """Force times speed of the piston is the power that the motion and the weights need."""
     linkage = make(is_reversed=is_reversed)
     motion, force = _motion_of(linkage)
@@ -101,7 +98,7 @@ def test_force_has_the_power_of_the_motion(
     assert_allclose(force[:, 0] * speed, power, atol=allowed)
 
 
-def test_force_of_a_light_cylinder() -> None:
+def test_force_of_a_light_cylinder():
     """By virtual work the force is (I_O phi'' + m g x_C) phi' / L'.
 
     The law of cosines gives phi' / L' = L / (r d sin phi).
@@ -122,7 +119,7 @@ def test_force_of_a_light_cylinder() -> None:
     assert_allclose(force[:, 0], expected, atol=1e-5)
 
 
-def test_forces_of_a_table() -> None:
+def test_forces_of_a_table():
     """The force of a drive accelerates the saddle, 40 kg, or the table on it, 25 kg.
 
     Each of them moves relative to its support by the harmonics of ``slotted.table``.
@@ -150,12 +147,12 @@ def test_forces_of_a_table() -> None:
 
 @pytest.mark.parametrize("is_reversed", [False, True])
 @pytest.mark.parametrize("joints", ["A, P", "B", "C", "none"])
-def test_engines_agree_and_keep_the_energy(joints: str, is_reversed: bool) -> None:
+def test_engines_agree_and_keep_the_energy(joints, is_reversed):
     """Joints with clearance free the cylinder, the link, or no body."""
     _compare_engines(_scene(boom_press(is_reversed), joints=joints))
 
 
-def test_engines_agree_on_a_table() -> None:
+def test_engines_agree_on_a_table():
     """A guide on a guide, without a closed loop, moves the pin of a driven arm."""
     _compare_engines(_scene(table(), joints="E"))
 
@@ -184,7 +181,7 @@ def _compare_engines(scene: Scene) -> None:
     assert work == pytest.approx(expected, abs=1e-4 * exchange)
 
 
-def test_a_sleeve_driven_along_a_rod_is_prescribed() -> None:
+def test_a_sleeve_driven_along_a_rod_is_prescribed():
     """The rod carries no guide, but its motion and the drive give that of the sleeve."""
     linkage = slider_crank_with_sleeve()
     assert prescribed_of(linkage) == {body.name for body in linkage.bodies}
@@ -197,7 +194,7 @@ def test_a_sleeve_driven_along_a_rod_is_prescribed() -> None:
     _compare_engines(_scene(linkage, joints="E"))
 
 
-def test_cylinder_at_rest_is_a_strut() -> None:
+def test_cylinder_at_rest_is_a_strut():
     """A driven crank then turns the linkage; the strut keeps its length without work."""
     linkage = boom()
     strut = LinearDrive("piston", along="bore", position=0.15)
@@ -215,7 +212,7 @@ def test_cylinder_at_rest_is_a_strut() -> None:
         linkage.changed(bodies=[barrel, replace(piston, inertia=0.0), *others])
 
 
-def test_results_have_distance_and_force_of_the_cylinder(tmp_path: Path) -> None:
+def test_results_have_distance_and_force_of_the_cylinder(tmp_path):
     scene = _scene(boom_press(is_reversed=True), joints="B", cycles=2, replicates=1)
     scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
     result = pw.run(scene, tmp_path / "result")
@@ -230,12 +227,12 @@ def test_results_have_distance_and_force_of_the_cylinder(tmp_path: Path) -> None
     assert "Peak drive force" in result.report().read_text(encoding="utf-8")
 
 
-def test_a_linear_drive_is_stored_and_read_back() -> None:
+def test_a_linear_drive_is_stored_and_read_back():
     linkage = boom_press()
     assert linkage_from(linkage.as_plain(), "mechanism") == linkage
 
 
-def test_cylinder_out_of_reach_is_refused_with_its_place() -> None:
+def test_cylinder_out_of_reach_is_refused_with_its_place():
     linkage = boom()
     (drive,) = linkage.drives
     longer = linkage.changed(drives=[replace(drive, harmonics=[(0.0, 0.6)])])

@@ -31,7 +31,7 @@ PRESS = wear_times()
 
 
 @pytest.mark.parametrize("joints", ["none", "A", "C", "AC"])
-def test_multipliers_solve_equation_18(joints: str) -> None:
+def test_multipliers_solve_equation_18(joints):
     """The elimination against the dense saddle-point system."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
@@ -61,8 +61,8 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
 
 @pytest.mark.parametrize("joints", ["none", "A", "AC"])
 def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
-    joints: str,
-) -> None:
+    joints,
+):
     """In all levels; the change is of forces that do no work on what is free."""
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
@@ -91,7 +91,7 @@ def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(
     )
 
 
-def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
+def test_states_converge_with_the_tolerance_in_both_coordinates():
     """After ten touches, at t = 0.05 s: 5e-9 m or rad at the default tolerance."""
 
     def end(coordinates: str, tolerance: float) -> Array:
@@ -108,7 +108,7 @@ def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
         assert fine < 0.1 * coarse
 
 
-def test_equal_steps_in_a_contact_are_counted_once() -> None:
+def test_equal_steps_in_a_contact_are_counted_once():
     step = 2e-6
     records = run_scene(
         wear_times(), InHouse("rk4", equal_step=step), 0.04
@@ -119,7 +119,7 @@ def test_equal_steps_in_a_contact_are_counted_once() -> None:
     assert_allclose(contacts["steps"], duration / step, atol=1.0)
 
 
-def test_projection_holds_the_constraints_without_baumgarte() -> None:
+def test_projection_holds_the_constraints_without_baumgarte():
     scene = ideal()
     errors = []
     for projection in ("on", "off"):
@@ -134,7 +134,7 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
 
 
 @pytest.mark.slow
-def test_no_drift_over_200_cycles() -> None:
+def test_no_drift_over_200_cycles():
     scene = ideal()
     run = InHouse().simulate(
         scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 200)
@@ -144,7 +144,7 @@ def test_no_drift_over_200_cycles() -> None:
     assert np.abs(run.end.position - exact).max() < 1e-9
 
 
-def test_a_start_that_violates_a_joint_is_refused_by_name() -> None:
+def test_a_start_that_violates_a_joint_is_refused_by_name():
     scene = ideal()
     start = start_of(scene)
     moved = start.position.copy()
@@ -159,7 +159,7 @@ def test_a_start_that_violates_a_joint_is_refused_by_name() -> None:
         )
 
 
-def test_a_singular_position_is_refused_by_name() -> None:
+def test_a_singular_position_is_refused_by_name():
     """Two rods stretched out between two fixed points hold each other twice along the line."""
     linkage = assemble(
         (Body("left", 1.0, 0.01), Body("right", 1.0, 0.01)),
@@ -177,7 +177,7 @@ def test_a_singular_position_is_refused_by_name() -> None:
         InHouse().simulate(linkage, start, Plan(0.1, 1))
 
 
-def test_touches_on_steep_walls_are_located_inside_their_steps() -> None:
+def test_touches_on_steep_walls_are_located_inside_their_steps():
     """Newton's method alone strays from a notch's wall to steps that nothing has checked."""
     depth = np.where(np.arange(360) % 30 == 0, 1e-4, 0.0)
     surfaces = (Surface(depth), Surface())
@@ -200,7 +200,7 @@ def rough(depth: float, at: float, generator: np.random.Generator) -> Surface:
     return Surface(bell * (1.0 + 0.2 * generator.standard_normal(360)))
 
 
-def test_events_of_two_joints_in_one_step_are_taken_in_their_order() -> None:
+def test_events_of_two_joints_in_one_step_are_taken_in_their_order():
     """A coarse step in which a pin at A parts before the event at C that is located first.
 
     Taken in the wrong order, the parting is behind the state and never found again.
@@ -221,9 +221,7 @@ def test_events_of_two_joints_in_one_step_are_taken_in_their_order() -> None:
 @pytest.mark.parametrize(
     ("integrator", "ends_there"), [("dop853", True), ("dopri5", False)]
 )
-def test_steps_of_order_8_end_at_friction_corners(
-    integrator: Integrator, ends_there: bool
-) -> None:
+def test_steps_of_order_8_end_at_friction_corners(integrator: Integrator, ends_there):
     """Nearly all other steps past one are sent back by their error, but not all."""
     scene = speed_high()
     engine = InHouse(integrator, 1e-10, free_step=6e-5)
@@ -248,7 +246,7 @@ def test_steps_of_order_8_end_at_friction_corners(
     )
 
 
-def test_a_parting_as_slow_as_round_off_is_located() -> None:
+def test_a_parting_as_slow_as_round_off_is_located():
     """The start of a run whose pin at C left at 4 um/s, where Newton's method does not settle."""
     scene = replace(PRESS, conventions=CONVENTIONS["refined"])
     start = disturbed(
@@ -260,7 +258,7 @@ def test_a_parting_as_slow_as_round_off_is_located() -> None:
     assert run.status == "completed", run.message
 
 
-def test_a_resumed_run_searches_where_the_last_step_was_deepest() -> None:
+def test_a_resumed_run_searches_where_the_last_step_was_deepest():
     """Sums over the cells begin there, so that another place changes their last digits."""
     scene = wear_times()
     linkage = scene.linkage()

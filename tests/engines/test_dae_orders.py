@@ -49,7 +49,7 @@ def oscillator_error(accuracy: Engine, duration: float = DURATION) -> tuple[floa
     return math.hypot(x, v), steps
 
 
-def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
+def test_dop853_is_of_eighth_order_and_follows_its_tolerance():
     """The error goes with the tolerance, and with the eighth power of the mean step."""
     tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
     found = [
@@ -61,7 +61,7 @@ def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
     assert 7.3 < order_of([DURATION / steps for _, steps in found], errors) < 8.7
 
 
-def test_coefficients_are_those_of_scipy() -> None:
+def test_coefficients_are_those_of_scipy():
     """To the last bit."""
     five = (DOPRI5.a[:, :5], *DOPRI5[1:4])
     eight = (*DOP853[:5],)

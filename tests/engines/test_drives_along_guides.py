@@ -2,8 +2,6 @@
 
 import math
 from functools import partial
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -44,7 +42,7 @@ def lift(direction: float) -> Linkage:
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.5 * math.pi, 2.5])
-def test_force_on_a_slide(direction: float) -> None:
+def test_force_on_a_slide(direction):
     """s = s_0 + b sin w t; the force is m (g sin(direction) - w^2 b sin w t)."""
     linkage = lift(direction)
     ideal = ideal_motion(linkage, linkage.period)
@@ -59,7 +57,7 @@ def test_force_on_a_slide(direction: float) -> None:
     assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
 
 
-def test_force_has_the_power_of_the_motion() -> None:
+def test_force_has_the_power_of_the_motion():
     """Force times speed is the rate of the kinetic energy, less the power of the weights."""
     linkage = cylinder()
     ideal = ideal_motion(linkage, linkage.period)
@@ -82,7 +80,7 @@ def test_force_has_the_power_of_the_motion() -> None:
 
 
 @pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
-def test_engines_agree_and_keep_the_energy(joints: str) -> None:
+def test_engines_agree_and_keep_the_energy(joints):
     """The piston alone is prescribed, or with its loop, or all bodies are."""
     scene = _scene(cylinder(), joints=joints)
     ours, reference, joined = (
@@ -108,7 +106,7 @@ def test_engines_agree_and_keep_the_energy(joints: str) -> None:
     assert joined.diagnostics[work] == expected
 
 
-def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
+def test_results_have_the_units_of_a_force(tmp_path):
     scene = _scene(cylinder(), joints="C", cycles=2, replicates=1)
     scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
     result = pw.run(scene, tmp_path / "result")
@@ -128,7 +126,7 @@ def test_results_have_the_units_of_a_force(tmp_path: Path) -> None:
     assert "Peak drive torque" not in report
 
 
-def test_it_is_stored_and_read_back() -> None:
+def test_it_is_stored_and_read_back():
     linkage = cylinder()
     plain = linkage.as_plain()
     assert plain["drives"][0]["along"] == "bore"
@@ -153,9 +151,7 @@ def test_it_is_stored_and_read_back() -> None:
         ),
     ],
 )
-def test_wrong_drives_are_refused_by_name(
-    changes: dict[str, Any], message: str
-) -> None:
+def test_wrong_drives_are_refused_by_name(changes, message):
     linkage = cylinder()
     (drive,) = linkage.drives
     values = {name: getattr(drive, name) for name in ("body", "along", "position")}
@@ -164,7 +160,7 @@ def test_wrong_drives_are_refused_by_name(
         linkage.changed(drives=[LinearDrive(**values)])
 
 
-def test_guide_with_clearance_is_refused() -> None:
+def test_guide_with_clearance_is_refused():
     ways = Guide("ways", "slide", length=0.3, width=0.2)
     held = LinearDrive("slide", along="ways", frequency=6.0, harmonics=[(0.0, 0.1)])
     linkage = assemble([Body("slide", 3.0)], [ways], [held])
@@ -172,7 +168,7 @@ def test_guide_with_clearance_is_refused() -> None:
         Scene(linkage, joints="ways", bearings=BEARING)
 
 
-def test_cycle_includes_a_drive_along_a_guide() -> None:
+def test_cycle_includes_a_drive_along_a_guide():
     linkage = cylinder()
     bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
     joints = [*linkage.joints, pw.Pin("F", (2.0, 0.0), "fan")]

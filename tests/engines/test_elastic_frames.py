@@ -55,7 +55,7 @@ def residual(run: Run) -> float:
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
-def test_a_block_rings_along_its_guide(engine: Engine) -> None:
+def test_a_block_rings_along_its_guide(engine: Engine):
     along = np.array([math.cos(0.6), math.sin(0.6), 0.0])
     duration = 0.05
     start = Start(np.array([0.3, 0.2, 0.0]) + 1e-3 * along, np.zeros(3))
@@ -68,7 +68,7 @@ def test_a_block_rings_along_its_guide(engine: Engine) -> None:
     assert residual(run) < max(error, 1e-8) * 0.5 * STIFFNESS * 1e-6
 
 
-def test_fracture_on_an_elastic_frame() -> None:
+def test_fracture_on_an_elastic_frame():
     """Reference values of a frame of 50 GN/m; the fracture ends 1.55 mm deep."""
     after = blanked(FINE, press(50e9), 0.44).end.position[1]
     assert after == pytest.approx(-3.003100266e-7, rel=1e-8)
@@ -78,7 +78,7 @@ def test_fracture_on_an_elastic_frame() -> None:
 
 
 @pytest.mark.slow
-def test_fracture_on_an_elastic_frame_in_bodies_and_joints() -> None:
+def test_fracture_on_an_elastic_frame_in_bodies_and_joints():
     run = blanked(ExudynJoints(), press(50e9), 0.435472999210)
     late = (run.end.position[10] - (-0.64 + 5e-3 - 1.55e-3)) / run.end.velocity[10]
     assert abs(late) < 1e-8
@@ -87,7 +87,7 @@ def test_fracture_on_an_elastic_frame_in_bodies_and_joints() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("steps", "error"), [(1_000_000, 2e-4), (5_000_000, 1e-5)])
-def test_a_frame_rings_after_fracture_in_fine_steps(steps: int, error: float) -> None:
+def test_a_frame_rings_after_fracture_in_fine_steps(steps, error):
     """Bodies and joints from before the touch; the frame is at 0.44 s where it should be.
 
     The default steps, a hundredth of a period, leave 5e-3: second order in the step.
@@ -104,7 +104,7 @@ def test_a_frame_rings_after_fracture_in_fine_steps(steps: int, error: float) ->
     assert run.end.position[1] == pytest.approx(-3.003100266e-7, rel=error)
 
 
-def test_a_frame_of_112_hz_in_bodies_and_joints() -> None:
+def test_a_frame_of_112_hz_in_bodies_and_joints():
     """Steps are a hundredth of the shortest period or less."""
     exact, run = (
         blanked(engine, press(0.5e9), 0.45) for engine in (FINE, ExudynJoints())
@@ -118,7 +118,7 @@ def test_a_frame_of_112_hz_in_bodies_and_joints() -> None:
     )
 
 
-def test_work_that_falls_faster_than_the_frame_is_stiff() -> None:
+def test_work_that_falls_faster_than_the_frame_is_stiff():
     """The punch snaps through 0.15 mm: 0.67 GN/m against a frame of 0.5 GN/m."""
     coarse, fine = (
         blanked(
@@ -131,7 +131,7 @@ def test_work_that_falls_faster_than_the_frame_is_stiff() -> None:
     assert residual(fine) < 1e-9
 
 
-def test_a_punch_that_turns_back_inside_the_work() -> None:
+def test_a_punch_that_turns_back_inside_the_work():
     """A frame of 0.1 GN/m lets the punch in by 1.13 mm, where the sheet breaks at 1.4 mm.
 
     The work is the area of the law up to there, less that of the elastic line back.
@@ -151,13 +151,13 @@ def test_a_punch_that_turns_back_inside_the_work() -> None:
     assert work == pytest.approx(back - area, rel=1e-9)
 
 
-def test_a_light_crown() -> None:
+def test_a_light_crown():
     """A hundredth of the mass leaves the frame nearly as it is: crank and slide swing too."""
     run = blanked(FINE, press(0.5e9, crown=6.0), 0.45)
     assert residual(run) < 1e-9
 
 
-def test_a_stiff_frame_is_rigid() -> None:
+def test_a_stiff_frame_is_rigid():
     rigid, elastic = (blanked(FINE, press(k), 0.44) for k in (None, 1e12))
     off = np.abs(elastic.end.position[3:] - rigid.end.position).max()
     assert off < 2.0 * 100e3 / 1e12
@@ -166,7 +166,7 @@ def test_a_stiff_frame_is_rigid() -> None:
     )
 
 
-def test_a_frame_stretches_by_force_over_stiffness() -> None:
+def test_a_frame_stretches_by_force_over_stiffness():
     linkage = press(0.5e9).released
     assert deflection(linkage, 100e3) == pytest.approx(2e-4, rel=1e-9)
     assert total_clearance(linkage, 100e3) == pytest.approx(4e-4, rel=1e-9)
@@ -177,7 +177,7 @@ def test_a_frame_stretches_by_force_over_stiffness() -> None:
     assert 2e9 * (2e-4 - (height + 0.64)) == pytest.approx(force, rel=1e-7)
 
 
-def test_clearance_and_a_frame_stretch_in_series() -> None:
+def test_clearance_and_a_frame_stretch_in_series():
     scene = pw.Scene(press(0.5e9), bearings={"B": pw.Bearing(1e-4, 0.04)})
     loose = total_clearance(scene.linkage(), 100e3)
     stiff = pw.Scene(press(None), bearings={"B": pw.Bearing(1e-4, 0.04)})
@@ -185,7 +185,7 @@ def test_clearance_and_a_frame_stretch_in_series() -> None:
     assert loose == pytest.approx(joint + 4e-4, rel=1e-6)
 
 
-def test_a_crank_is_driven_on_an_elastic_frame() -> None:
+def test_a_crank_is_driven_on_an_elastic_frame():
     """With clearance the linkage is an open tree with a driven link; Exudyn's has none."""
     linkage = press(0.5e9)
     bearing = pw.Bearing(1e-4, 0.04)
@@ -204,7 +204,7 @@ def test_a_crank_is_driven_on_an_elastic_frame() -> None:
         assert next(pair) == pytest.approx(next(pair), abs=1e-6)
 
 
-def test_bad_guides_are_refused() -> None:
+def test_bad_guides_are_refused():
     with pytest.raises(
         pw.InputError, match="stiffness of frame = 0 N/m: allowed is 1000"
     ):
@@ -213,7 +213,7 @@ def test_bad_guides_are_refused() -> None:
         pw.Guide("frame", "crown", stiffness=1e9, damping=2.0)
 
 
-def test_a_spring_of_a_guide_is_stored_with_the_linkage() -> None:
+def test_a_spring_of_a_guide_is_stored_with_the_linkage():
     linkage = press(0.5e9)
     assert linkage_from(linkage.as_plain(), "file") == linkage
     (guide,) = linkage.released.elastic_guides

@@ -1,7 +1,6 @@
 """Elastic pins: closed forms of a mass on one, the rigid limit, statics, bad input."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,7 +43,7 @@ def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
-def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
+def test_a_block_rings_as_a_damped_oscillator(engine: Engine):
     """Displaced to one side and turned loose without weight."""
     linkage = hung(gravity=0.0)
     duration = 0.05
@@ -60,7 +59,7 @@ def test_a_block_rings_as_a_damped_oscillator(engine: Engine) -> None:
     assert abs(float(run.diagnostics["energy_residual_J"])) < allowed * stored
 
 
-def test_the_energy_of_a_block_that_orbits_its_pin_balances() -> None:
+def test_the_energy_of_a_block_that_orbits_its_pin_balances():
     """Its stretch turns, and the damper takes less than D |e'|^2 from a body that turns, too."""
     linkage = hung(gravity=0.0)
     duration = 0.05
@@ -71,7 +70,7 @@ def test_the_energy_of_a_block_that_orbits_its_pin_balances() -> None:
     assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-9 * stored
 
 
-def test_momentum_of_two_blocks_stays() -> None:
+def test_momentum_of_two_blocks_stays():
     """Linear and angular, where neither block is held."""
     blocks = [
         pw.Body("one", 1.0, 1e-2),
@@ -96,7 +95,7 @@ def test_momentum_of_two_blocks_stays() -> None:
     np.testing.assert_allclose(momentum(run.end), momentum(start), rtol=1e-9)
 
 
-def test_a_block_hangs_lower_by_its_weight_over_the_stiffness() -> None:
+def test_a_block_hangs_lower_by_its_weight_over_the_stiffness():
     linkage = hung().changed(drives=[pw.Drive("block", 0.0)])
     drop = equilibrium(linkage.released, 0.0).position[1]
     assert drop == pytest.approx(-MASS * 9.81 / STIFFNESS, rel=1e-12)
@@ -120,7 +119,7 @@ def four_bar(stiffness: float | None) -> pw.linkage.Linkage:
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
-def test_a_stiff_pin_is_nearly_rigid(engine: Engine) -> None:
+def test_a_stiff_pin_is_nearly_rigid(engine: Engine):
     """The elastic four-bar follows the ideal one to F / k, and stretches by it."""
     linkage = four_bar(1e7)
     motion = ideal_motion(four_bar(None), linkage.period).at(np.array([0.0, 0.1]))
@@ -133,14 +132,14 @@ def test_a_stiff_pin_is_nearly_rigid(engine: Engine) -> None:
     assert 1e-8 < stretch < 2e-5
 
 
-def test_a_joint_with_stiffness_has_no_clearance() -> None:
+def test_a_joint_with_stiffness_has_no_clearance():
     with pytest.raises(pw.InputError, match="B"):
         pw.Scene(four_bar(1e7), bearings={"B": pw.Bearing(clearance=1e-4)})
     with pytest.raises(pw.InputError, match="stiffness of B = 10 N/m: allowed is 1000"):
         pw.Pin("B", (0.0, 0.0), "a.tail", 10.0)
 
 
-def test_stiffness_is_stored_with_the_linkage() -> None:
+def test_stiffness_is_stored_with_the_linkage():
     linkage = four_bar(1e7)
     assert linkage_from(linkage.as_plain(), "file") == linkage
     (pin,) = linkage.released.elastic_pins
@@ -153,7 +152,7 @@ def scene_of(**values: Any) -> pw.Scene:
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
-def test_friction_of_a_stiff_pin_is_that_of_a_rigid_joint(engine: Engine) -> None:
+def test_friction_of_a_stiff_pin_is_that_of_a_rigid_joint(engine: Engine):
     """Also in the tree, which has no force of a rigid joint."""
     rigid = run_scene(scene_of(), ENGINES[0], 0.05)
     elastic = run_scene(scene_of(stiffness=1e8, damping_ratio=1.0), engine, 0.05)
@@ -163,7 +162,7 @@ def test_friction_of_a_stiff_pin_is_that_of_a_rigid_joint(engine: Engine) -> Non
     assert residual(elastic) < (1e-4 if isinstance(engine, ExudynJoints) else 1e-8)
 
 
-def test_bearings_make_joints_elastic() -> None:
+def test_bearings_make_joints_elastic():
     scene = scene_of(stiffness="10 MN/m", damping_ratio=0.1, parallel_rods=2)
     (pin,) = scene.linkage().elastic_pins
     assert (pin.name, pin.stiffness, pin.damping_ratio) == ("B", 2e7, 0.1)
@@ -172,7 +171,7 @@ def test_bearings_make_joints_elastic() -> None:
     assert [one.name for one in scene.linkage().bushings] == ["B"]
 
 
-def test_a_stiffness_is_set_by_joint() -> None:
+def test_a_stiffness_is_set_by_joint():
     """The stiffness without a joint is the reading of K."""
     scene = pw.changed(pw.Scene(), {"E.stiffness": "3GN/m", "stiffness": "paper"})
     assert scene.clearance_joints == ("A", "C")
@@ -188,7 +187,7 @@ def test_a_stiffness_is_set_by_joint() -> None:
         pw.changed(pw.Scene(), {"damping_ratio": 0.1})
 
 
-def test_a_file_makes_a_rod_elastic(tmp_path: Path) -> None:
+def test_a_file_makes_a_rod_elastic(tmp_path):
     file = tmp_path / "press.toml"
     file.write_text(
         'mechanism = "press"\n[bearings]\njoints = "A"\n[bearings.E]\nstiffness = "3 GN/m"\n'
@@ -198,7 +197,7 @@ def test_a_file_makes_a_rod_elastic(tmp_path: Path) -> None:
     assert [pin.name for pin in scene.linkage().elastic_pins] == ["E"]
 
 
-def test_parallel_rods_are_one_with_their_widths_and_stiffness() -> None:
+def test_parallel_rods_are_one_with_their_widths_and_stiffness():
     one = pw.Bearing(contact_stiffness=4e10)
     four = pw.Bearing(contact_stiffness=1e10, parallel_rods=4)
     conventions = pw.Scene().conventions

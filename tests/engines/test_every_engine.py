@@ -23,7 +23,7 @@ EXUDYN = [
 
 
 @pytest.mark.parametrize("engine", EXUDYN, ids=lambda engine: engine.word)
-def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> None:
+def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine):
     """The in-house solver refuses such a start: its joints do not hold."""
     start = start_of(SCENE)
     fast = Start(start.position, np.where(np.arange(18) == 13, 1e200, start.velocity))
@@ -35,7 +35,7 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> No
 @pytest.mark.parametrize(
     "engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word
 )
-def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
+def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine):
     def interrupt(part: float, recorder: object) -> None:
         raise KeyboardInterrupt
 
@@ -45,7 +45,7 @@ def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_without_gravity_a_turned_slider_crank_moves_alike(engine: str) -> None:
+def test_without_gravity_a_turned_slider_crank_moves_alike(engine):
     """Up to the end of the first contact, after a fiftieth of a turn."""
     paths = []
     settings = {"gravity": 0.0, "speed": "300 rpm", "purpose": "trajectory"}
@@ -64,8 +64,8 @@ def test_without_gravity_a_turned_slider_crank_moves_alike(engine: str) -> None:
     "engine", [NUMERICS.tree, NUMERICS.dae], ids=lambda engine: engine.word
 )
 def test_contacts_get_as_many_steps_as_the_purpose_needs(
-    engine: Engine, purpose: Purpose, fewest: int
-) -> None:
+    engine: Engine, purpose: Purpose, fewest
+):
     """At a tolerance so coarse that nothing else limits the steps; damping prolongs a contact."""
     changes: Any = {engine.tolerance_name: 1e-3}
     coarse = replace(engine, **changes).resolved(purpose)
@@ -85,9 +85,7 @@ def test_contacts_get_as_many_steps_as_the_purpose_needs(
     ],
     ids=lambda value: value.word if isinstance(value, Engine) else "",
 )
-def test_ideal_press_follows_the_closed_form(
-    engine: Engine, least: int, errors: tuple[float, float, float], geometry: str
-) -> None:
+def test_ideal_press_follows_the_closed_form(engine: Engine, least, errors, geometry):
     """Position, velocity and acceleration of the slider in every row, and all bodies at the end."""
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
     period = scene.mechanism.period

@@ -50,7 +50,7 @@ def free_pair(
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_free_impact_conserves_momentum(friction: float) -> None:
+def test_free_impact_conserves_momentum(friction):
     """One eccentric impact of two spinning free bodies.
 
     Linear momentum holds to round-off.  Angular momentum does as far as the forces
@@ -79,7 +79,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     assert np.abs(run.end.velocity - exact.velocity).max() < 3e-6 * change
 
 
-def test_onset_speed_at_the_working_step_under_acceleration() -> None:
+def test_onset_speed_at_the_working_step_under_acceleration():
     """A pin on a spinning arm meets its bearing on an arc: speed and time to 1e-6."""
     arm = 0.05
     spin = 40.0
@@ -94,7 +94,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
 
-def test_impacts_at_the_pivot_of_a_driven_crank_are_resolved() -> None:
+def test_impacts_at_the_pivot_of_a_driven_crank_are_resolved():
     """A drive holds the angle of its body only: the crank gives way in its bearing."""
     run = run_scene(replace(wear_times(), joints="O2"), ExudynJoints(), 0.2)
     counters = run.recorder.records.counters[0]
@@ -103,7 +103,7 @@ def test_impacts_at_the_pivot_of_a_driven_crank_are_resolved() -> None:
     assert residual(run) < 1e-6
 
 
-def test_load_distance_is_that_of_the_inhouse_engine() -> None:
+def test_load_distance_is_that_of_the_inhouse_engine():
     """Through free impacts and sustained contact, whose steps are unequal."""
     scene = replace(wear_times(), joints="A", conventions=CONVENTIONS["refined"])
     engines = ExudynJoints(), InHouse(integration_tolerance=1e-11)
@@ -118,9 +118,7 @@ CHAIN = "crank 2, crank 7, plate 4 and rod 3"
 @pytest.mark.parametrize(
     ("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", CHAIN)]
 )
-def test_bodies_that_are_left_out_move_and_bear_the_same(
-    joints: str, omitted: str
-) -> None:
+def test_bodies_that_are_left_out_move_and_bear_the_same(joints, omitted):
     scene = replace(wear_times(), joints=joints)
     accuracy = scene.numerics.joints.for_cycle(scene.mechanism.period)
     fine = replace(

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -63,7 +62,7 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
         (FINEST, "engine = dae may help"),
     ],
 )
-def test_advice_is_a_tolerance_that_is_allowed(tolerance: float, remedy: str) -> None:
+def test_advice_is_a_tolerance_that_is_allowed(tolerance, remedy):
     scene = wear_times()
     plan = Plan(END, 1)
     linkage = scene.linkage()
@@ -75,7 +74,7 @@ def test_advice_is_a_tolerance_that_is_allowed(tolerance: float, remedy: str) ->
     assert running.remedy == remedy
 
 
-def test_errors_fall_with_the_tolerance() -> None:
+def test_errors_fall_with_the_tolerance():
     errors = []
     for tolerance in (1e-6, 1e-10):
         ours, reference = both(wear_times(), wear_times().linkage(), tolerance)
@@ -85,7 +84,7 @@ def test_errors_fall_with_the_tolerance() -> None:
 
 
 @pytest.mark.parametrize(("slip", "error"), [("sliding", 2e-6), ("angle", 1e-3)])
-def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
+def test_doses_and_peaks_agree(slip: Slip, error):
     """By angle, slip has a kink wherever the pin turns back, which costs both engines digits."""
     scene = wear_times()
     scene = replace(scene, conventions=replace(scene.conventions, slip=slip))
@@ -104,7 +103,7 @@ def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
 
 
 @pytest.mark.parametrize("conventions", sorted(CONVENTIONS))
-def test_worn_surfaces_agree(conventions: str) -> None:
+def test_worn_surfaces_agree(conventions):
     scene = replace(wear_times(), conventions=CONVENTIONS[conventions])
     angle = (np.arange(360) + 0.5) * math.radians(1.0)
     bearing = Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
@@ -120,7 +119,7 @@ def test_worn_surfaces_agree(conventions: str) -> None:
     assert ours.end.position == pytest.approx(reference.end.position, abs=1e-6)
 
 
-def test_every_touch_is_landed_on_and_resolved() -> None:
+def test_every_touch_is_landed_on_and_resolved():
     run = run_scene(wear_times(), accuracy(1e-7))
     counters = run.recorder.records.counters
     assert counters["contacts"].sum() > 15
@@ -132,8 +131,8 @@ def test_every_touch_is_landed_on_and_resolved() -> None:
 
 @pytest.mark.parametrize("opened", [(), ("N",)], ids=["branching", "loose"])
 def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(
-    opened: Any,
-) -> None:
+    opened,
+):
     """The slider's frame is turned against its guide, and a pendulum hangs from it."""
     linkage = replace(
         without(branching(), *opened),
@@ -175,15 +174,15 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(
     assert ours.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-7)
 
 
-def test_a_linkage_with_a_loop_is_refused_by_name() -> None:
+def test_a_linkage_with_a_loop_is_refused_by_name():
     scene = replace(wear_times(), joints="A")
     with pytest.raises(InputError, match=r"joint \w+ closes a loop"):
         accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
 
 
 def test_a_step_that_is_sent_back_for_ever_ends_the_run(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """Exudyn itself repeats one at the shortest step without end."""
     # Seven calls make a step: one that is sent back once counts as one sent back for
     # ever.
@@ -198,7 +197,7 @@ def test_a_step_that_is_sent_back_for_ever_ends_the_run(
     assert np.all(np.isfinite(run.end.position))
 
 
-def test_cycles_cost_no_steps_but_the_cuts_at_their_ends() -> None:
+def test_cycles_cost_no_steps_but_the_cuts_at_their_ends():
     """Each begins with the step that the one before would have taken next."""
     scene = wear_times()
     # Before the first touch: behind it round-off makes some steps more or less.

@@ -58,9 +58,7 @@ def scene_with(law: str) -> pw.Scene:
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("law", ["press", "rub", "pull", "turn"])
-def test_a_law_that_fails_ends_the_run_with_its_place(
-    law: str, engine: str, laws: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_law_that_fails_ends_the_run_with_its_place(law, engine, laws, capfd):
     linkage = scene_with(law).linkage()
     where = r'user law fails: laws\.py, line 5, look_up: "return TABLE\[2 \+ int'
     with pytest.raises(pw.InputError, match=rf"^{where}.*: tuple index out of range$"):
@@ -71,7 +69,7 @@ def test_a_law_that_fails_ends_the_run_with_its_place(
 @pytest.mark.parametrize(
     "options", [["--jobs", "2", "--set", "replicates=2"], ["--engine", "dae"]]
 )
-def test_the_command_ends_with_one_line(options: list[str], laws: Path) -> None:
+def test_the_command_ends_with_one_line(options, laws):
     """The law fails in a worker process, and with the option ``--engine`` in plain Python."""
     scene = ["four-bar.toml", "--set", "friction_law=laws.py:late", "--cycles", "1"]
     environment = dict(os.environ)

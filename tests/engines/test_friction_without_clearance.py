@@ -54,9 +54,7 @@ def run_of_bar(engine: Any, law: FrictionLaw, radius: float) -> Run:
         ),
     ],
 )
-def test_a_free_bar_slows_down_by_the_friction_of_its_pin(
-    engine: Any, error: float
-) -> None:
+def test_a_free_bar_slows_down_by_the_friction_of_its_pin(engine, error):
     """F = m a sqrt(w^4 + w'^2), so that w' = -k w^2 and w = w_0 / (1 + k w_0 t)."""
     coefficient = 0.3
     radius = 0.05
@@ -73,7 +71,7 @@ def test_a_free_bar_slows_down_by_the_friction_of_its_pin(
     assert abs(float(run.diagnostics["energy_residual_J"])) < 10.0 * error * lost
 
 
-def test_friction_beyond_the_lever_of_the_joint_force_ends_the_run() -> None:
+def test_friction_beyond_the_lever_of_the_joint_force_ends_the_run():
     """Above r mu m a = I no joint force holds the moment."""
     law = FrictionLaw(0.8)
     radius = 0.4
@@ -91,9 +89,7 @@ def test_friction_beyond_the_lever_of_the_joint_force_ends_the_run() -> None:
         (ExudynJoints(), 1e-6, 0),
     ],
 )
-def test_drives_of_a_run_give_the_ideal_torque_with_friction(
-    engine: Any, error: float, run_up: int
-) -> None:
+def test_drives_of_a_run_give_the_ideal_torque_with_friction(engine, error, run_up):
     scene = pw.Scene(pw.SliderCrank(run_up=run_up), bearings=dict.fromkeys("OAB", RUBS))
     assert scene.clearance_joints == ()
     linkage = scene.linkage()
@@ -120,7 +116,7 @@ def test_drives_of_a_run_give_the_ideal_torque_with_friction(
 )
 def test_engines_agree_with_clearance_beside_rigid_joints_that_rub(
     bearings: dict[str, pw.Bearing],
-) -> None:
+):
     """Also on the pin of a crank that would be prescribed and left out."""
     scene = pw.Scene(pw.SliderCrank(), bearings=bearings, wear_updates=0)
     end = scene.mechanism.period / 8.0
@@ -146,7 +142,7 @@ def test_engines_agree_with_clearance_beside_rigid_joints_that_rub(
     assert "friction without clearance: O" in str(exact.diagnostics["model"])
 
 
-def test_the_open_tree_refuses_rigid_joints_that_rub() -> None:
+def test_the_open_tree_refuses_rigid_joints_that_rub():
     scene = pw.Scene(pw.SliderCrank(), bearings={"O": RUBS, "B": LOOSE})
     says = "joint O rubs without clearance, and its friction needs the joint force"
     with pytest.raises(pw.InputError, match=f"exudyn-tree.*{says}.*exudyn-joints, dae"):
@@ -158,7 +154,7 @@ def test_the_open_tree_refuses_rigid_joints_that_rub() -> None:
     assert replace(scene, engine="exudyn").solver.word == "exudyn-joints"
 
 
-def test_nothing_is_added_where_no_joint_rubs() -> None:
+def test_nothing_is_added_where_no_joint_rubs():
     smooth = replace(RUBS, friction=0.0)
     for scene in (
         pw.Scene(pw.SliderCrank(), bearings={"O": smooth, "A": smooth}),

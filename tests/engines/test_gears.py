@@ -2,7 +2,6 @@
 
 import math
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,7 +58,7 @@ def uneven_acceleration(time: Any) -> Any:
     return -(NOMINAL**2) * (0.1 * cosine + 0.3 * sine)
 
 
-def test_torques_of_two_wheels() -> None:
+def test_torques_of_two_wheels():
     """The gears give I_2 n alpha, the drive (I_1 + n^2 I_2) alpha."""
     ideal = ideal_motion(UNEVEN, UNEVEN.period)
     time = np.linspace(0.0, UNEVEN.period, 37)
@@ -73,7 +72,7 @@ def test_torques_of_two_wheels() -> None:
 
 
 @pytest.mark.parametrize("engine", [InHouse(), ExudynJoints()], ids=lambda e: e.word)
-def test_a_run_has_these_torques(engine: Engine) -> None:
+def test_a_run_has_these_torques(engine: Engine):
     run = pw.simulate(UNEVEN, duration=0.1, engine=engine)
     acceleration = uneven_acceleration(run.time)
     expected = [REFLECTED * acceleration, SECOND * RATIO * acceleration]
@@ -82,7 +81,7 @@ def test_a_run_has_these_torques(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("engine", [InHouse(), ExudynJoints()], ids=lambda e: e.word)
-def test_a_motor_speeds_up_both_wheels(engine: Engine) -> None:
+def test_a_motor_speeds_up_both_wheels(engine: Engine):
     """w = w_0 (1 - exp(-t / T)), T = (I_1 + n^2 I_2) w_0 s_n / M_n."""
     motor = Motor(10.0, slip=0.1, breakdown=None)
     linkage = wheels(Drive("first", NOMINAL, motor=motor)).released
@@ -100,7 +99,7 @@ def test_a_motor_speeds_up_both_wheels(engine: Engine) -> None:
     assert run.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-8)
 
 
-def test_mirrored_cranks_guide_the_pin_of_their_rods() -> None:
+def test_mirrored_cranks_guide_the_pin_of_their_rods():
     """With equal cranks and the ratio -1 the pin stays in the middle between them."""
     linkage = geared_five_bar()
     ideal = ideal_motion(linkage, linkage.period)
@@ -120,7 +119,7 @@ def test_mirrored_cranks_guide_the_pin_of_their_rods() -> None:
     ("motor", "joints"),
     [(None, "E"), (None, "C"), (None, "O1"), (None, "O2"), (MOTOR, "E"), (MOTOR, "C")],
 )
-def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints: str) -> None:
+def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints):
     scene = _scene(geared_five_bar(motor=motor), joints=joints)
     reference_engine = InHouse(integration_tolerance=1e-11, coordinates="all")
     reference = run_scene(scene, reference_engine, DURATION)
@@ -140,12 +139,12 @@ def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints: str) -> 
     assert joined.diagnostics[work] == expected
 
 
-def test_free_gears_are_no_tree() -> None:
+def test_free_gears_are_no_tree():
     linkage = _scene(geared_five_bar(motor=MOTOR), joints="E").linkage()
     assert branches_of(linkage) == "gears couple driver and follower"
 
 
-def test_gears_give_no_power(tmp_path: Path) -> None:
+def test_gears_give_no_power(tmp_path):
     """The power of both cranks is that of the motor."""
     scene = _scene(
         geared_five_bar(motor=Motor(60.0, slip=0.1, inertia=0.5)),
@@ -164,14 +163,14 @@ def test_gears_give_no_power(tmp_path: Path) -> None:
     assert render_report(result)
 
 
-def test_a_ratio_of_a_half_repeats_after_two_turns() -> None:
+def test_a_ratio_of_a_half_repeats_after_two_turns():
     linkage = wheels(Drive("first", NOMINAL))
     gears = GearedDrive("second", leader="first", ratio=0.5)
     slow = linkage.changed(drives=[linkage.drives[0], gears])
     assert slow.period == pytest.approx(2.0 * linkage.period)
 
 
-def test_gears_are_stored_and_follow_a_changed_leader() -> None:
+def test_gears_are_stored_and_follow_a_changed_leader():
     plain = UNEVEN.as_plain()
     stored = plain["drives"][1]
     assert stored["leader"] == "first"
@@ -193,13 +192,13 @@ def test_gears_are_stored_and_follow_a_changed_leader() -> None:
         ({"motor": Motor(stiffness=1e5)}, "motor of second: a drive with a leader has"),
     ],
 )
-def test_wrong_gears_are_refused_by_name(changes: dict[str, Any], message: str) -> None:
+def test_wrong_gears_are_refused_by_name(changes, message):
     values: dict[str, Any] = {"body": "second", "leader": "first", "ratio": 2.0}
     with pytest.raises(InputError, match=message):
         UNEVEN.changed(drives=[UNEVEN.drives[0], GearedDrive(**values | changes)])
 
 
-def test_a_cylinder_is_no_leader() -> None:
+def test_a_cylinder_is_no_leader():
     linkage = cylinder()
     bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
     joints = [*linkage.joints, Pin("F", (2.0, 0.0), "fan")]

@@ -1,7 +1,6 @@
 """Every engine goes on from a snapshot as if it had never stopped, bit for bit."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -161,7 +160,7 @@ LONG = {
         for name in sorted(CASES)
     ],
 )
-def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) -> None:
+def test_a_run_goes_on_bit_for_bit_after_every_cycle(name, tmp_path):
     """From a file, as another process has it, or from the state that was kept in memory."""
     case = CASES[name]
     kept: list[State] = []
@@ -182,7 +181,7 @@ def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) 
             assert in_memory[key].tobytes() == array.tobytes(), key
 
 
-def test_recorded_contacts_and_runs_that_are_enough() -> None:
+def test_recorded_contacts_and_runs_that_are_enough():
     """Contacts are stored in recorded cycles only; a run that was enough is enough again."""
     case = CASES["in-house, order 8"]
     kept: list[State] = []

@@ -39,7 +39,7 @@ _scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_engines_agree_and_keep_the_energy(name: str) -> None:
+def test_engines_agree_and_keep_the_energy(name):
     """The reference is the in-house engine with all coordinates."""
     mechanism, joints = SCENES[name]
     scene = _scene(mechanism.changed(gravity=9.81), joints=joints)
@@ -60,7 +60,7 @@ def test_engines_agree_and_keep_the_energy(name: str) -> None:
     np.testing.assert_allclose(ours.recorder.records.torque, torques, rtol=1e-6)
 
 
-def test_a_quick_return_without_clearance() -> None:
+def test_a_quick_return_without_clearance():
     """The engines for linkages with loops follow the ideal motion."""
     scene = _scene(quick_return(), joints="none")
     duration = 0.7 * scene.mechanism.period
@@ -70,7 +70,7 @@ def test_a_quick_return_without_clearance() -> None:
         assert np.abs(end - expected).max() < 1e-7
 
 
-def test_a_slot_on_a_driven_body_is_explained() -> None:
+def test_a_slot_on_a_driven_body_is_explained():
     scene = _scene(slotted_crank(), joints="A", engine="exudyn-tree")
     with pytest.raises(
         InputError, match="slot is on crank, whose motion drives prescribe"
@@ -81,7 +81,7 @@ def test_a_slot_on_a_driven_body_is_explained() -> None:
     )
 
 
-def test_wear_of_the_pin_of_a_yoke() -> None:
+def test_wear_of_the_pin_of_a_yoke():
     """The yoke reverses twice in a cycle, so that its pin is worn by 4 R m w^2 r N m.
 
     The force of the pin turns the momentum m w r round in each half of a cycle, however

@@ -70,9 +70,7 @@ def run_from_start(engine: Engine, linkage: Linkage, duration: float) -> Run:
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
-def test_two_corners_of_a_face_touch_at_the_same_instant(
-    engine: Engine, within: float
-) -> None:
+def test_two_corners_of_a_face_touch_at_the_same_instant(engine: Engine, within):
     run = run_from_start(engine, slider_crank().linkage(), DURATION)
     for k in range(2):
         contacts = run.recorder.stored_contacts(k)
@@ -111,7 +109,7 @@ def penetrations(linkage: Linkage, position: np.ndarray) -> np.ndarray:
     return np.array(depths)
 
 
-def test_the_greatest_tilt_in_two_opposite_corners() -> None:
+def test_the_greatest_tilt_in_two_opposite_corners():
     linkage, _ = block()
     tilt = 2.500234445e-4
     reach = 0.5 * LENGTH * math.sin(tilt) - 0.5 * WIDTH * (1.0 - math.cos(tilt))
@@ -121,7 +119,7 @@ def test_the_greatest_tilt_in_two_opposite_corners() -> None:
     assert touches.sum() == 2
 
 
-def test_a_slide_has_the_inertia_of_a_block() -> None:
+def test_a_slide_has_the_inertia_of_a_block():
     linkage, _ = block()
     inertia = MASS * (LENGTH**2 + WIDTH**2) / 12.0
     assert linkage.bodies[0].inertia == pytest.approx(inertia)
@@ -129,7 +127,7 @@ def test_a_slide_has_the_inertia_of_a_block() -> None:
     assert [joint.name for joint in linkage.ideal.joints] == ["guide"]
 
 
-def test_energy_is_conserved_without_friction_and_damping() -> None:
+def test_energy_is_conserved_without_friction_and_damping():
     """A slide that rattles between the walls, with restitution 1, over 200 passages."""
     linkage, rest = block(restitution=1.0, friction=0.0, contact_stiffness=1e9)
     start = replace(rest, velocity=np.array([0.1, 0.0, 0.3]))
@@ -143,7 +141,7 @@ def test_energy_is_conserved_without_friction_and_damping() -> None:
     assert after + stored == pytest.approx(before, rel=1e-8)
 
 
-def test_a_corner_is_located_by_few_trials() -> None:
+def test_a_corner_is_located_by_few_trials():
     """Newton's method locates a touchdown with two more trials of its step."""
     x = 0.3  # of the guide: round-off is that of a slide beside the origin
     guide = pw.Guide(
@@ -166,7 +164,7 @@ def test_a_corner_is_located_by_few_trials() -> None:
 
 
 @pytest.mark.slow
-def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
+def test_energy_is_conserved_over_200_turns_of_a_crank():
     scene = slider_crank()
     bearing = replace(scene.bearings, restitution=1.0, friction=0.0)
     linkage = replace(scene, bearings=bearing).linkage()
@@ -184,7 +182,7 @@ def punch(time: float) -> float:
     return -1e5
 
 
-def test_corner_forces_beside_the_middle() -> None:
+def test_corner_forces_beside_the_middle():
     """A force beside the middle is held by a spring under the slide and by two corners."""
     guide = pw.Guide(
         "guide", "slide", direction=0.5 * math.pi, length=LENGTH, width=WIDTH
@@ -244,14 +242,12 @@ SLIDE = pw.SliderCrank(guide_length=0.06, guide_width=0.04)
         (SLIDE, {"elasticity": "liu"}, "guide.elasticity = liu: in a guide allowed is"),
     ],
 )
-def test_a_guide_that_cannot_have_clearance(
-    mechanism: pw.SliderCrank, bearing: dict[str, Any], fault: str
-) -> None:
+def test_a_guide_that_cannot_have_clearance(mechanism: pw.SliderCrank, bearing, fault):
     with pytest.raises(pw.InputError, match=fault):
         pw.Scene(mechanism, bearings={"guide": pw.Bearing(**bearing)})
 
 
-def test_a_guide_of_a_driven_body() -> None:
+def test_a_guide_of_a_driven_body():
     guide = pw.Guide("G", "b", length=0.1, width=0.1)
     linkage = pw.assemble([pw.Body("b", 1.0, 1.0)], [guide], [pw.Drive("b", 1.0)])
     with pytest.raises(pw.InputError, match="bearings of G: b has a drive"):

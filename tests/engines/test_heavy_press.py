@@ -29,7 +29,7 @@ UNTIL = 0.105
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine: str) -> None:
+def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine):
     """The rod to the slider bears the work, the crank half of it; both sink in deep."""
     result = pw.run(changed(SCENE, {"cycles": "2"}), engine=engine)
     assert (result.stages[0].statistics.energy_residual_fraction or 1.0) < 1e-6
@@ -47,7 +47,7 @@ def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine: str) 
     assert str(result).count("The stiffness is that of small contacts") == 1
 
 
-def test_both_engines_press_pins_as_deep_into_their_bearings() -> None:
+def test_both_engines_press_pins_as_deep_into_their_bearings():
     """Up to the greatest force, through the touches before it; rows of a series cut its top."""
     finest = ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-12)
     scene = changed(SCENE, STOP)
@@ -74,8 +74,8 @@ def real_press() -> dict[str, pw.Result]:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_flywheel_delivers_the_work_and_the_motor_settles(
-    engine: str, real_press: dict[str, pw.Result]
-) -> None:
+    engine, real_press: dict[str, pw.Result]
+):
     """The speed drops by 15 % in the work, as the file says, and is back at the next."""
     result = real_press[engine]
     stage = result.stages[0]
@@ -95,7 +95,7 @@ def test_the_flywheel_delivers_the_work_and_the_motor_settles(
 
 def test_both_engines_stretch_the_frame_as_far(
     real_press: dict[str, pw.Result],
-) -> None:
+):
     """By more than the force over k, because the crown swings; impacts are chaotic."""
     loads = [result.frame_loads(0)["frame"] for result in real_press.values()]
     stretches = [load.stretch.mean for load in loads if load.stretch]

@@ -29,9 +29,7 @@ def run_of(engine: Engine) -> Run:
     ],
     ids=("exudyn-tree", "exudyn-joints"),
 )
-def test_every_engine_moves_both_free_cranks_alike(
-    engine: Engine, error: float
-) -> None:
+def test_every_engine_moves_both_free_cranks_alike(engine: Engine, error):
     expected = run_of(InHouse(integration_tolerance=1e-12))
     assert expected.recorder.series("normal", 0).max() > 0.0
     assert run_of(engine).end.position == pytest.approx(
@@ -39,7 +37,7 @@ def test_every_engine_moves_both_free_cranks_alike(
     )
 
 
-def test_the_motor_does_the_work_and_the_servo_shapes_the_stroke() -> None:
+def test_the_motor_does_the_work_and_the_servo_shapes_the_stroke():
     """The servo gives back what it takes, as in the ideal motion; the speed settles."""
     result = pw.run(SCENE, engine="dae")
     stage = result.stages[0]

@@ -103,9 +103,7 @@ def body_on_bush() -> Linkage:
     ],
     ids=["dae", "exudyn-tree", "exudyn-joints"],
 )
-def test_a_bush_oscillates(
-    monkeypatch: pytest.MonkeyPatch, engine: Engine, tolerance: float
-) -> None:
+def test_a_bush_oscillates(monkeypatch, engine: Engine, tolerance):
     all_kinds = (*kinds.KINDS, RubberBush)
     for module in (kinds, ledger):
         monkeypatch.setattr(module, "KINDS", all_kinds)
@@ -118,7 +116,7 @@ def test_a_bush_oscillates(
     assert abs(float(run.diagnostics["energy_residual_J"])) < 100.0 * tolerance
 
 
-def test_a_joint_kind_is_stored_with_its_points_by_name() -> None:
+def test_a_joint_kind_is_stored_with_its_points_by_name():
     plain = body_on_bush().as_plain()
     (row,) = plain["joints"]
     assert (row["first"], row["second"]) == ([0.0, 0.0], "mass.centre")

@@ -78,9 +78,7 @@ def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
 @pytest.mark.parametrize(
     "settings", SETTINGS, ids=lambda laws: ",".join(map(str, laws.values()))
 )
-def test_engines_agree_and_keep_the_energy(
-    settings: dict[str, object], tmp_path: Path
-) -> None:
+def test_engines_agree_and_keep_the_energy(settings, tmp_path):
     """During the first contacts of the press, whose motion differs from that of the base scene."""
     scene = with_laws(settings, tmp_path)
     scene.check_user_laws()
@@ -96,7 +94,7 @@ def test_engines_agree_and_keep_the_energy(
 
 
 @pytest.mark.parametrize("seed", range(1, 5))
-def test_a_force_that_jumps_acts_from_the_touchdown_on(seed: int) -> None:
+def test_a_force_that_jumps_acts_from_the_touchdown_on(seed):
     """A step from a pin that round-off leaves just open starts without the force."""
     masses = {"rod_mass": 0.01, "slider_mass": 0.01}
     law = {"normal_law": KELVIN_VOIGT, "viscous_damping": 1e5}
@@ -106,7 +104,7 @@ def test_a_force_that_jumps_acts_from_the_touchdown_on(seed: int) -> None:
     assert contacts["touchdown"].size >= 1 or run.recorder.records.onset[0] > 0.0
 
 
-def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
+def test_lugre_converges_at_second_order_with_bodies_and_joints():
     """Ten touchdowns of a four-bar with soft bristles, which bend throughout a contact.
 
     If bristles bend before the touchdown, too, the friction loss is off by 4e-3 at any
@@ -156,9 +154,7 @@ def test_lugre_converges_at_second_order_with_bodies_and_joints() -> None:
         ("normal_law", "lists", r"A\.normal_law: lists cannot be compiled"),
     ],
 )
-def test_wrong_laws_are_refused(
-    key: str, law: str, message: str, tmp_path: Path
-) -> None:
+def test_wrong_laws_are_refused(key, law, message, tmp_path):
     """Laws that create energy or jump, whose result is no number, or that do not compile."""
     with pytest.raises(InputError, match=message) as refusal:
         pw.run(with_laws({key: law}, tmp_path), tmp_path / "out")
@@ -171,7 +167,7 @@ def mine(penetration: float, rate: float, onset_speed: float) -> float:
     return 1.25e10 * penetration**1.5 * (1.0 + 0.1 * rate / onset_speed)
 
 
-def test_a_result_stores_its_function_and_refuses_another_law(tmp_path: Path) -> None:
+def test_a_result_stores_its_function_and_refuses_another_law(tmp_path):
     scene = replace(BASE, bearings=pw.Bearing(normal_law=mine), cycles=1)
     result = pw.run(scene, tmp_path / "out", engine="dae")
     loaded = pw.load(tmp_path / "out")
@@ -185,9 +181,7 @@ def test_a_result_stores_its_function_and_refuses_another_law(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("engine", [InHouse(), ExudynTree()])
-def test_a_law_without_a_number_ends_the_run(
-    engine: InHouse | ExudynTree, tmp_path: Path
-) -> None:
+def test_a_law_without_a_number_ends_the_run(engine: InHouse | ExudynTree, tmp_path):
     """The law is not a number at penetrations beyond those that are checked before the run."""
     law = "1e7 * penetration if penetration < 9e-6 else math.nan"
     text = f"def late(penetration):\n    return {law}\n"
@@ -201,7 +195,7 @@ def test_a_law_without_a_number_ends_the_run(
     assert run.status == "failed"
 
 
-def test_energy_that_a_user_law_creates_is_in_the_ledger() -> None:
+def test_energy_that_a_user_law_creates_is_in_the_ledger():
     """The force of the law is greater while the pin leaves than while it approaches."""
     linkage = BASE.linkage()
     force = "1e10 * penetration ** 1.5 * (1.0 - 0.2 * rate / onset_speed)"

@@ -162,7 +162,7 @@ def touchdowns(run: Run, joints: int) -> list[float]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
+def test_engines_agree_over_ten_touches_and_keep_the_energy(name):
     """1e-8 m and s, 1e-6 of the torques, 1e-7 of the energy that drives exchange."""
     scene = SCENES[name]
     fine = InHouse(integration_tolerance=1e-12, coordinates="all")
@@ -189,7 +189,7 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
         assert ours.diagnostics[work] == expected
 
 
-def test_clearance_on_the_frame_runs_in_every_engine() -> None:
+def test_clearance_on_the_frame_runs_in_every_engine():
     """The rocker's pivot on the frame is loose: its bearing stands still."""
     scene = SCENES["loose rocker"]
     solvers = [replace(scene, engine=word).solver for word in ("exudyn-joints", "dae")]
@@ -204,7 +204,7 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
 @pytest.mark.parametrize(
     "word", ["exudyn-tree", "exudyn-joints", "dae", "dae in all coordinates"]
 )
-def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
+def test_a_slider_without_inertia_moves_as_one_with_inertia(word):
     """The guide keeps the slider from turning, so that its inertia has no effect."""
     crank = SliderCrank(slide_angle=0.0).linkage()
     ends = []
@@ -222,7 +222,7 @@ def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
     assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
 
 
-def test_a_body_that_can_turn_needs_inertia() -> None:
+def test_a_body_that_can_turn_needs_inertia():
     bodies = [*TOGGLE.bodies[:3], Body("lower", 0.5, 0.0), Body("slider", 1.0)]
     with pytest.raises(
         InputError, match=r"inertia of lower = 0 kg m\^2: must be 1e-18"

@@ -97,8 +97,8 @@ def residual(ran: Run) -> float:
 
 @EVERY
 def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
-    engine: Engine, within: float
-) -> None:
+    engine: Engine, within
+):
     """With a jump where the table repeats, and bends that lie on no step."""
     table = [(0.0, 2.0), (0.1234, -1.0), (0.3137, 1.5)]
     period = 0.3137
@@ -132,9 +132,7 @@ def bounced(place: float, speed: float, end: float) -> tuple[float, float]:
 
 
 @EVERY
-def test_blanking_takes_the_area_under_its_table_and_lets_go(
-    engine: Engine, within: float
-) -> None:
+def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, within):
     """Twice through: the second stroke meets it again, once the whole way back is made."""
     table = [(0.0, 0.0), (0.02, -30.0), (0.05, -40.0)]
     law = OverPosition(table, sense="along", release=True)
@@ -191,7 +189,7 @@ def dented(
 
 
 @EVERY
-def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> None:
+def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within):
     """It falls into a sheet once; later falls reach the same depth, and take nothing."""
     g = 2.0
     fall = 0.5
@@ -210,9 +208,7 @@ def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> N
 
 
 @EVERY
-def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(
-    engine: Engine, within: float
-) -> None:
+def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within):
     """Where it is loaded first, on the elastic line, and behind it."""
     linkage = guided(SHEET)
     kept: list[State] = []
@@ -251,12 +247,12 @@ def errors(
     [("rk4", (107, 211, 419, 839), 4.0), ("trapezoidal", (501, 1003, 2001), 2.0)],
 )
 def test_a_bend_costs_no_order(
-    kind: str,
-    counts: tuple[int, ...],
-    order: float,
+    kind,
+    counts,
+    order,
     law: OverPosition,
-    exact: tuple[float, float],
-) -> None:
+    exact,
+):
     steps = [1.1 / n for n in counts]
     engines: list[Engine] = [
         InHouse("rk4", equal_step=step)
@@ -269,7 +265,7 @@ def test_a_bend_costs_no_order(
     )
 
 
-def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
+def test_order_eight_follows_its_tolerance_over_a_bend():
     """With two events, whatever the tolerance; one that stepped over them would need many steps."""
     tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
     linkage = guided(BUFFER)
@@ -292,9 +288,7 @@ def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
 
 
 @EVERY
-def test_what_rests_at_a_change_of_law_stays_there(
-    engine: Engine, within: float
-) -> None:
+def test_what_rests_at_a_change_of_law_stays_there(engine: Engine, within):
     """At rest on a bend: round-off to and fro is no event."""
     spring = Spring(
         "s", Attachment(GROUND, 0.0, 1.0), Attachment("mass", 0.0, 0.0), 300.0, 0.9
@@ -307,7 +301,7 @@ def test_what_rests_at_a_change_of_law_stays_there(
     assert int(ran.diagnostics["steps"]) < 4000
 
 
-def test_a_load_on_a_crank_that_is_left_out_is_its_drives() -> None:
+def test_a_load_on_a_crank_that_is_left_out_is_its_drives():
     """Held by a clearance joint alone, the crank is no body of Exudyn's."""
     linkage = replace(wear_times(), joints="A").linkage()
     loaded = linkage.changed(
@@ -337,7 +331,7 @@ def wobble(time: float, position: float, speed: float) -> float:
 
 
 @EVERY
-def test_a_function_of_ones_own_is_a_load(engine: Engine, within: float) -> None:
+def test_a_function_of_ones_own_is_a_load(engine: Engine, within):
     """A damped oscillator under sin t."""
     linkage = guided(wobble)
     ran = run(engine, linkage, -0.5, 1.0, 1.3)
@@ -366,7 +360,7 @@ def brake(time: float, position: float, speed: float) -> float:
 )
 def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(
     engine: Engine,
-) -> None:
+):
     """-3.5 N above zero speed and 5 N below hold 1 kg from 2/7 s on at 1/7 m, up to the creep."""
     check_load("law", UserFunction.read("law", brake))
     linkage = guided(brake)
@@ -400,7 +394,7 @@ def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(
         ("math.sqrt(position)", ""),
     ],
 )
-def test_a_law_that_jumps_with_the_speed_is_refused(body: str, words: str) -> None:
+def test_a_law_that_jumps_with_the_speed_is_refused(body, words):
     source = f"def law(position, speed):\n    return {body}\n"
     function = UserFunction("law", source).trusted()
     if not words:

@@ -79,7 +79,7 @@ def impulse_response(omega: float, ratio: float, time: float) -> float:
 
 
 @in_every_engine
-def test_a_line_motor_runs_up_exponentially(engine: Engine) -> None:
+def test_a_line_motor_runs_up_exponentially(engine: Engine):
     decay = INERTIA * TURN * 0.08 / 480.0
     left = math.exp(-0.2 / decay)
     turns = 0.2 - decay * (1.0 - left)
@@ -92,7 +92,7 @@ def test_a_line_motor_runs_up_exponentially(engine: Engine) -> None:
 
 
 @in_every_engine
-def test_an_induction_motor_runs_up_over_its_breakdown_torque(engine: Engine) -> None:
+def test_an_induction_motor_runs_up_over_its_breakdown_torque(engine: Engine):
     """From rest to the slip s.
 
     t = J w_0 / (2 k M s_k) [(1 - s^2) / 2 + s_k^2 ln(1 / s)], and the turns are
@@ -110,7 +110,7 @@ def test_an_induction_motor_runs_up_over_its_breakdown_torque(engine: Engine) ->
 
 
 @in_every_engine
-def test_a_servo_swings_about_the_motion_of_its_drive(engine: Engine) -> None:
+def test_a_servo_swings_about_the_motion_of_its_drive(engine: Engine):
     stiffness = 200.0
     ratio = 0.1
     duration = 0.15
@@ -122,7 +122,7 @@ def test_a_servo_swings_about_the_motion_of_its_drive(engine: Engine) -> None:
     assert angle == pytest.approx(TURN * duration - lag, abs=error * TURN)
 
 
-def test_steps_of_bodies_and_joints_resolve_a_stiff_servo() -> None:
+def test_steps_of_bodies_and_joints_resolve_a_stiff_servo():
     """The longest step is a tenth of the period; a hundredth has a phase error of 4e-3."""
     omega, ratio, duration = 628.0, 0.1, 0.02
     servo = pw.Motor(stiffness=0.5 * omega**2, damping=2.0 * ratio * omega * 0.5)
@@ -133,7 +133,7 @@ def test_steps_of_bodies_and_joints_resolve_a_stiff_servo() -> None:
 
 
 @in_every_engine
-def test_a_servo_saturates_at_the_torque_limit(engine: Engine) -> None:
+def test_a_servo_saturates_at_the_torque_limit(engine: Engine):
     servo = pw.Motor(stiffness=1e3, damping=1e3)
     duration = 0.05
     (angle,), (speed,), _ = turned(engine, cranks(servo, limit=3.0), duration, 0.0)
@@ -142,7 +142,7 @@ def test_a_servo_saturates_at_the_torque_limit(engine: Engine) -> None:
 
 
 @in_every_engine
-def test_a_servo_follows_the_leader_not_the_time(engine: Engine) -> None:
+def test_a_servo_follows_the_leader_not_the_time(engine: Engine):
     """A free crank at 1.5 times its nominal speed, and a servo that starts at 1.5 times, too."""
     linkage = cranks(pw.Motor(0), pw.Motor(stiffness=1e3, damping=1.0))
     speed = 1.5 * TURN
@@ -157,7 +157,7 @@ def brake(time: float, speed: float) -> float:
 
 
 @in_every_engine
-def test_a_user_law_of_a_torque(engine: Engine) -> None:
+def test_a_user_law_of_a_torque(engine: Engine):
     """A brake J w' = -2 w takes the speed away in proportion to the angle."""
     _, (speed,), run = turned(engine, cranks(pw.Motor(law=brake)), 0.1, TURN)
     exact = TURN * (1.0 - 0.1 * 2.0 / 0.5)
@@ -181,7 +181,7 @@ PRESS_ENGINES = pytest.mark.parametrize(
 
 
 @PRESS_ENGINES
-def test_a_press_with_a_flywheel(engine: Engine) -> None:
+def test_a_press_with_a_flywheel(engine: Engine):
     """M2: speed after half a second, time of the first turn, account of a stroke."""
     half = pressed(engine, HALF_A_SECOND)
     assert half.time == pytest.approx(0.5, rel=within(engine))
@@ -192,7 +192,7 @@ def test_a_press_with_a_flywheel(engine: Engine) -> None:
     assert abs(float(turn.diagnostics["energy_residual_J"])) < 10.0 * within(engine)
 
 
-def test_least_speed_of_a_press_in_its_third_turn() -> None:
+def test_least_speed_of_a_press_in_its_third_turn():
     """M2 from the nominal speed: the least speed at the ends of steps of up to 2 ms.
 
     It is 7e-8 of the speed above that of the reference; with steps of 5 us it is 5e-8 below it.
@@ -203,7 +203,7 @@ def test_least_speed_of_a_press_in_its_third_turn() -> None:
     assert least == pytest.approx(6.1626362685, rel=1e-7)
 
 
-def test_a_press_starts_at_its_settled_speed() -> None:
+def test_a_press_starts_at_its_settled_speed():
     """Mean torque 137.5 J / 2 pi; the turns behind the first last equally long."""
     scene = pw.Scene(upright_press(LINE), process=SHEET, cycles=3)
     start = start_of(scene)
@@ -216,7 +216,7 @@ def test_a_press_starts_at_its_settled_speed() -> None:
     assert third == pytest.approx(second, rel=1e-5)
 
 
-def test_a_press_without_a_flywheel() -> None:
+def test_a_press_without_a_flywheel():
     """Three turns of the second simulator: the motor alone carries the work."""
     motor = pw.Motor(20.0, slip=0.08, breakdown=None, ratio=24)
     run = pressed(InHouse(integration_tolerance=1e-10), 3.0, motor)
@@ -227,7 +227,7 @@ STALLED_AT, STALLED_IN = 243.2832512595, 0.4600432550  # degrees and mm in the w
 
 
 @PRESS_ENGINES
-def test_a_motor_without_a_flywheel_stalls_in_the_work(engine: Engine) -> None:
+def test_a_motor_without_a_flywheel_stalls_in_the_work(engine: Engine):
     """Its slip grows beyond breakdown; angle and depth are those of the second simulator."""
     motor = pw.Motor(20.0, slip=0.08, breakdown=2.75, ratio=24)
     scene = pw.Scene(upright_press(motor), process=SHEET, cycles=1)
@@ -258,9 +258,7 @@ def work_of(joules: float) -> pw.Moment:
     ],
     ids=("Schuler", "text-book"),
 )
-def test_flywheels_give_the_work(
-    engine: Engine, inertia: float, joules: float, rates: tuple[float, float]
-) -> None:
+def test_flywheels_give_the_work(engine: Engine, inertia, joules, rates):
     before, after = (rate * TURN / 60.0 for rate in rates)
     motor = pw.Motor(0, inertia=inertia - 0.5)
     linkage = cranks(motor).changed(loads=[work_of(joules)])
@@ -269,7 +267,7 @@ def test_flywheels_give_the_work(
     assert float(run.diagnostics["load_work_J"]) == pytest.approx(-joules, rel=1e-6)
 
 
-def test_a_large_flywheel_approaches_the_prescribed_speed() -> None:
+def test_a_large_flywheel_approaches_the_prescribed_speed():
     engine = InHouse(integration_tolerance=1e-10)
     late = []
     for inertia in (25.0, 250.0):

@@ -41,7 +41,7 @@ def assert_no_corner_is_lost(run: Run) -> None:
         assert normal[depth > 1e-12].min(initial=1.0) > 0.0
 
 
-def test_the_slide_has_the_inertia_of_a_block() -> None:
+def test_the_slide_has_the_inertia_of_a_block():
     slider = SCENE.linkage().bodies[-1]
     assert slider.inertia == pytest.approx(300.0 * (0.4**2 + 0.3**2) / 12.0)
     press = pw.Press(guide_length=0.1, guide_width=0.05)
@@ -51,7 +51,7 @@ def test_the_slide_has_the_inertia_of_a_block() -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine) -> None:
+def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine):
     run = run_of(SCENE, engine, BEFORE_THE_WORK)
     touches = [run.recorder.stored_contacts(k)[:, 0] for k in range(4)]
     assert sum(map(len, touches)) > 40
@@ -61,7 +61,7 @@ def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine) -> Non
     assert residual(run) < 1e-6
 
 
-def test_the_ledger_closes_over_the_work() -> None:
+def test_the_ledger_closes_over_the_work():
     assert SHEET is not None
     run = run_of(SCENE, InHouse(), 1.0)
     assert float(run.diagnostics["load_work_J"]) == pytest.approx(-SHEET.work, rel=1e-6)
@@ -69,7 +69,7 @@ def test_the_ledger_closes_over_the_work() -> None:
     assert residual(run) < 1e-6
 
 
-def test_a_vertical_and_a_horizontal_guide_are_equal() -> None:
+def test_a_vertical_and_a_horizontal_guide_are_equal():
     """Without gravity, over eight touches; the direction to the slide is right, not down."""
     turned = {"gravity": "0 m/s^2", "process": "none"}
     upright = run_of(changed(SCENE, turned), InHouse(), 0.2)
@@ -89,7 +89,7 @@ def test_a_vertical_and_a_horizontal_guide_are_equal() -> None:
 
 
 @pytest.mark.parametrize("clearance", [1e-5, 1e-7])
-def test_a_guide_with_a_vanishing_clearance_is_ideal(clearance: float) -> None:
+def test_a_guide_with_a_vanishing_clearance_is_ideal(clearance):
     """The slide leaves its ideal place by less than the clearance and its contacts."""
     small = {"clearance": f"{clearance} m", "restitution": "0.1", "process": "none"}
     scene = changed(SCENE, small)

@@ -1,7 +1,6 @@
 """Work beside the middle of a slide: the force tilts the slide, and two corners bear it."""
 
 import math
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -46,7 +45,7 @@ def press_on_a_stop() -> pw.Scene:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_two_opposite_corners_bear_a_force_beside_the_middle(engine: Engine) -> None:
+def test_two_opposite_corners_bear_a_force_beside_the_middle(engine: Engine):
     scene = press_on_a_stop()
     linkage = scene.linkage()
     motion = scene.ideal.at(np.zeros(1))
@@ -66,8 +65,8 @@ def test_two_opposite_corners_bear_a_force_beside_the_middle(engine: Engine) -> 
 
 @pytest.mark.parametrize("bottom", ["lowest", "highest"])
 def test_a_positive_offset_lies_to_the_right_with_the_work_below(
-    bottom: Literal["lowest", "highest"],
-) -> None:
+    bottom,
+):
     press = pw.Press(guide_length=0.1, guide_width=0.05)
     stop = pw.Coining(offset=0.02, bottom=bottom)
     scene = pw.Scene(press, joints="guide", process=stop, cycles=1)
@@ -81,7 +80,7 @@ def test_a_positive_offset_lies_to_the_right_with_the_work_below(
     assert place_of(linkage, work.attachment, position) == pytest.approx(expected)
 
 
-def test_an_offset_where_nothing_can_tilt() -> None:
+def test_an_offset_where_nothing_can_tilt():
     scene = changed(scene_named("press-blanking"), {"process.offset": "60 mm"})
     fault = "process.offset = 60 mm: allowed is 0, because the slider cannot tilt"
     with pytest.raises(pw.InputError, match=fault):

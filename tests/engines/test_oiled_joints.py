@@ -64,7 +64,7 @@ def on_film(run: Run, load: complex) -> complex:
     return (complex(*run.end.position[:2]) - stretch) / CLEARANCE
 
 
-def test_steady_rotation() -> None:
+def test_steady_rotation():
     run = loaded(-2440.0j, 6.28, 15.0, 1e12)
     place = on_film(run, -2440.0j)
     assert abs(place) == pytest.approx(0.4917858209, abs=2e-8)
@@ -80,7 +80,7 @@ def test_steady_rotation() -> None:
         pytest.param(ExudynJoints(), marks=pytest.mark.slow),
     ],
 )
-def test_squeeze(engine: Engine) -> None:
+def test_squeeze(engine: Engine):
     run = loaded(20e3 + 0.0j, 0.0, 67.849038761e-3, 1e12, engine=engine)
     # The pin has mass: the load reaches the film a little later.
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.5, abs=5e-6)
@@ -89,7 +89,7 @@ def test_squeeze(engine: Engine) -> None:
 @pytest.mark.parametrize(
     "engine", [IN_HOUSE, pytest.param(ExudynTree(), marks=pytest.mark.slow)]
 )
-def test_a_dwell_squeezes_the_oil_out(engine: Engine) -> None:
+def test_a_dwell_squeezes_the_oil_out(engine: Engine):
     """Nothing turns: the time of a gap is A / F times the integral of So_sq, t ~ 1 / sqrt(g)."""
     smooth = Oil(viscosity=0.1, roughness=4e-9, asperity_pressure=1e5)
     run = loaded(20e3 + 0.0j, 0.0, 2.0, 1e12, engine=engine, oil=smooth)
@@ -100,14 +100,14 @@ def test_a_dwell_squeezes_the_oil_out(engine: Engine) -> None:
     assert film.size / 20e3 * number == pytest.approx(2.0, rel=1e-4)
 
 
-def test_pin_starts_on_its_film() -> None:
+def test_pin_starts_on_its_film():
     run = loaded(20e3 + 0.0j, 0.0, 1e-3, 1e12, start=0.8 * CLEARANCE + 0.0j)
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.8, abs=1e-2)
     # A load that begins at once overshoots, by less than twice.
     assert run.recorder.records.counters["peak_force"][0] < 3.0 * 20e3
 
 
-def test_pin_falls_through_oil_of_hardly_any_viscosity() -> None:
+def test_pin_falls_through_oil_of_hardly_any_viscosity():
     """Through air the pin meets the bearing after sqrt(2 c m / F) with K delta^1.5."""
     fall = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3)
     energy = 1e3 * CLEARANCE
@@ -122,7 +122,7 @@ def test_pin_falls_through_oil_of_hardly_any_viscosity() -> None:
     assert 0.3 * peak < peaks[0] < 0.8 * peaks[1] < 0.8 * peak
 
 
-def test_a_blow_through_thin_oil_has_the_restitution() -> None:
+def test_a_blow_through_thin_oil_has_the_restitution():
     """A load moves the pin across the clearance, and it comes back over e^2 of it."""
     fall = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3)
     ratio = damping_ratio(0.8)
@@ -136,7 +136,7 @@ def test_a_blow_through_thin_oil_has_the_restitution() -> None:
     assert run.recorder.each_cycle("steps").sum() < 1000
 
 
-def test_ledger_of_a_pin_that_oil_slows() -> None:
+def test_ledger_of_a_pin_that_oil_slows():
     damped = replace(DUTY, damping_ratio=0.07)
     run = loaded(-2440.0j, 6.28, 1.0, 2.0, oil=damped)
     lost = float(run.diagnostics["contact_loss_J"])
@@ -148,7 +148,7 @@ def test_ledger_of_a_pin_that_oil_slows() -> None:
 @pytest.mark.parametrize(
     ("engine", "within"), [("exudyn-tree", 1e-4), ("exudyn-joints", 1e-3)]
 )
-def test_engines_agree_on_an_oiled_slider_crank(engine: str, within: float) -> None:
+def test_engines_agree_on_an_oiled_slider_crank(engine, within):
     oil = {"film": "run", "viscosity": "0.01 Pa s", "clearance": "50 um"}
     scene = pw.scenes.slider_crank(cycles=1, replicates=1, **oil)
     stages = [

@@ -91,7 +91,7 @@ def mirrored_run(x: float, y: float) -> Run:
 )
 def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(
     place: Place,
-) -> None:
+):
     at_origin = mirrored_run(0.0, 0.0)
     run = mirrored_run(*place)
     assert run.status == "completed"
@@ -107,7 +107,7 @@ def test_mirror_images_touch_and_part_together_wherever_they_are_drawn(
 
 
 @pytest.mark.parametrize("seed", range(24))
-def test_free_pins_far_from_the_origin_move_on(seed: int) -> None:
+def test_free_pins_far_from_the_origin_move_on(seed):
     # Of these, a third ended nowhere or had contacts of 1e-15 s.
     rng = np.random.default_rng(seed)
     linkage, start = twins()
@@ -142,7 +142,7 @@ def machine_run(name: str, x: float, y: float) -> Run:
 
 @pytest.mark.parametrize("name", MACHINES)
 @pytest.mark.parametrize("distance", [33.0, 1000.0])
-def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) -> None:
+def test_a_machine_moves_alike_wherever_it_is_drawn(name, distance):
     # The first contacts lie before the horizon, up to which round-off of 1e-13 m stays
     # small.
     at_origin = machine_run(name, 0.0, 0.0)
@@ -156,8 +156,8 @@ def test_a_machine_moves_alike_wherever_it_is_drawn(name: str, distance: float) 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_means_beyond_the_horizon_are_those_of_the_machine_at_the_origin(
-    name: str,
-) -> None:
+    name,
+):
     linkage, joints = MACHINES[name]
     means = []
     errors = []

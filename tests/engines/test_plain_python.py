@@ -36,9 +36,7 @@ def end_of_run(engine: str) -> Array:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_run_in_plain_python_ends_as_a_compiled_one(
-    engine: str, tmp_path: Path
-) -> None:
+def test_a_run_in_plain_python_ends_as_a_compiled_one(engine, tmp_path):
     script = "import sys, numpy, test_plain_python as plain\n"
     script += "numpy.save(sys.argv[1], plain.end_of_run(sys.argv[2]))"
     path = os.pathsep.join(

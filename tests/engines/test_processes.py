@@ -74,9 +74,7 @@ def check_work(
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
-def test_the_ideal_press_works_as_closed_forms_say(
-    process: Process, engine: str
-) -> None:
+def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine):
     scene = replace(
         pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2
     )
@@ -88,7 +86,7 @@ def test_the_ideal_press_works_as_closed_forms_say(
 
 
 @pytest.mark.slow
-def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
+def test_work_of_an_elastic_load_needs_no_short_steps():
     """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
     scene = pw.scenes.press_blanking(
         wear_updates=0, replicates=1, cycles=1, steps_per_contact=50
@@ -103,9 +101,7 @@ def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
-def test_energies_balance_with_clearances_and_moments_have_rows(
-    name: str, engine: str
-) -> None:
+def test_energies_balance_with_clearances_and_moments_have_rows(name, engine):
     scene: Any = replace(
         getattr(pw.scenes, name)(),
         engine=engine,
@@ -134,7 +130,7 @@ def test_energies_balance_with_clearances_and_moments_have_rows(
             assert height[row] == pytest.approx(place, abs=2e-11)
 
 
-def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
+def test_the_implicit_engine_goes_on_where_surfaces_wear():
     """What is freed at the end of a run is not freed when the surfaces change."""
     scene = replace(pw.scenes.clearance_a(), engine="exudyn-joints")
     plan = Plan(1e-4, 3, wear=lambda cycles, added, depth: np.zeros_like(added))
@@ -161,8 +157,8 @@ SERVOS: list[Servo] = [
     ids=lambda value: getattr(value, "kind", value),
 )
 def test_the_ideal_press_with_a_servo_needs_torques_of_virtual_work(
-    servo: Servo, process: Process, engine: str
-) -> None:
+    servo: Servo, process: Process, engine
+):
     scene = pw.Scene(
         pw.Press(servo=servo),
         joints="none",

@@ -1,8 +1,5 @@
 """Slots with clearance in scenes: the map of their walls, refusals, and files."""
 
-from pathlib import Path
-from typing import Any
-
 import pytest
 from runs import run_scene
 from slotted import (
@@ -20,7 +17,7 @@ from presswear.scene.settings import changed
 L, W, C = 0.06, 0.04, 0.2e-3  # of the block and its slot, m
 
 
-def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block() -> None:
+def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block():
     """The crank of 0.1 m turns 0.3 m above the pivot, 0.2 m before the point of the slot."""
     mechanism = sized(quick_return(), "slot", L, W)
     scene = pw.Scene(mechanism, joints="slot", bearings=pw.Bearing(clearance=C))
@@ -58,9 +55,7 @@ def test_the_map_of_a_wall_reaches_over_the_travel_of_the_block() -> None:
         ((L, W), {"clearance": 0.0}, "slot.clearance = 0 m: a guide without clearance"),
     ],
 )
-def test_a_slot_that_cannot_have_clearance(
-    sizes: tuple[Any, Any], play: dict[str, Any], message: str
-) -> None:
+def test_a_slot_that_cannot_have_clearance(sizes, play, message):
     with pytest.raises(pw.InputError, match=message):
         pw.Scene(
             sized(scotch_yoke(), "slot", *sizes),
@@ -69,7 +64,7 @@ def test_a_slot_that_cannot_have_clearance(
         )
 
 
-def test_what_a_slot_cannot_have_is_refused() -> None:
+def test_what_a_slot_cannot_have_is_refused():
     with pytest.raises(pw.InputError, match=r"slot: stiffness = 1e\+06 N/m with on"):
         pw.Guide("slot", "block", on="yoke", stiffness=1e6)
     rod = sized(driven_rod(), "bore", L, W)
@@ -114,7 +109,7 @@ clearance = "0.2 mm"
 """
 
 
-def test_a_file_has_a_slot_with_clearance(tmp_path: Path) -> None:
+def test_a_file_has_a_slot_with_clearance(tmp_path):
     file = tmp_path / "slot.toml"
     file.write_text(QUICK_RETURN)
     scene = pw.scene_from(file)

@@ -84,7 +84,7 @@ SLOW = ("quick return", "slotted crank")  # a slot on a crank, as the Scotch yok
         for name in SCENES
     ],
 )
-def test_engines_agree_and_keep_the_energy(name: str) -> None:
+def test_engines_agree_and_keep_the_energy(name):
     """With friction and damping, over more than 8 touches of the corners."""
     scene = scene_of(name, friction=0.05, restitution=0.8)
     duration = 0.02
@@ -146,8 +146,8 @@ def in_disc(run: Run) -> Array:
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
 def test_two_corners_of_a_face_touch_a_turning_wall_at_the_same_instant(
-    engine: Engine, within: float
-) -> None:
+    engine: Engine, within
+):
     """A block at rest in the disc flies straight on: y = r (p cos p - sin p), p = W t."""
     linkage = on_disc(restitution=0.5)
     start = from_disc(linkage, np.array([FIRST, 0.0, 0.0]), np.zeros(3), 0.3)
@@ -183,7 +183,7 @@ def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
-def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within: float) -> None:
+def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within):
     """The block goes out by cosh and presses by the force of Coriolis, 2 m W^2 r sinh."""
     _, run = turning_evenly(engine)
     x, y, tilt = in_disc(run)
@@ -199,9 +199,7 @@ def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within: float) -> N
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
-def test_a_wall_that_turns_wears_where_the_block_presses(
-    engine: Engine, within: float
-) -> None:
+def test_a_wall_that_turns_wears_where_the_block_presses(engine: Engine, within):
     """V = K_d m (W r)^2 (sinh 2 p - 2 p) / 2 after the angle p, over the way of both corners."""
     linkage, run = turning_evenly(engine)
     left, right = walls_of(linkage, run.recorder.maps.sampled)["slot"]
@@ -241,9 +239,7 @@ def relative_rates(_: float, state: Array) -> Array:
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
-def test_walls_that_turn_are_those_of_a_turning_frame(
-    engine: Engine, within: float
-) -> None:
+def test_walls_that_turn_are_those_of_a_turning_frame(engine: Engine, within):
     """A block that tilts and rattles between walls without friction and damping."""
     linkage = on_disc(restitution=1.0, contact_stiffness=1e10, exponent=1.5)
     place = np.array([0.1, 0.05e-3, 1e-3])
@@ -270,9 +266,7 @@ def test_walls_that_turn_are_those_of_a_turning_frame(
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
-def test_both_bodies_together_keep_their_momentum(
-    engine: Engine, within: float
-) -> None:
+def test_both_bodies_together_keep_their_momentum(engine: Engine, within):
     """Two free bodies with friction and damping: forces and moments are equal and opposite."""
     linkage = pw.assemble(
         [pw.Body("carrier", 2.0, 0.02), pw.Body("block", MASS, INERTIA)],
@@ -313,7 +307,7 @@ def push(time: float) -> float:
     return -1e5
 
 
-def test_corner_forces_on_a_turned_body() -> None:
+def test_corner_forces_on_a_turned_body():
     """The closed form of a guide on the frame, on a body that is turned by 0.6 rad.
 
     A force of 100 kN, 60 mm beside the middle, is held by a spring of the body.
@@ -358,9 +352,7 @@ def test_corner_forces_on_a_turned_body() -> None:
 
 @pytest.mark.parametrize("clearance", [1e-5, 1e-7])
 @pytest.mark.parametrize("name", ["Scotch yoke", "quick return", "slotted crank"])
-def test_a_slot_with_a_vanishing_clearance_is_ideal(
-    name: str, clearance: float
-) -> None:
+def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
     """All bodies leave their ideal places by a few clearances and contacts."""
     scene = scene_of(name, clearance=clearance, restitution=0.1, contact_stiffness=1e10)
     duration = 0.4 * scene.mechanism.period
@@ -375,7 +367,7 @@ def test_a_slot_with_a_vanishing_clearance_is_ideal(
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_no_energy_is_lost_without_friction_and_damping(name: str) -> None:
+def test_no_energy_is_lost_without_friction_and_damping(name):
     scene = scene_of(name, friction=0.0, restitution=1.0)
     run = run_scene(scene, FINE, 0.5 * scene.mechanism.period)
     assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 40
@@ -384,7 +376,7 @@ def test_no_energy_is_lost_without_friction_and_damping(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
+def test_energy_is_conserved_over_200_turns_of_a_crank():
     scene = scene_of("quick return", friction=0.0, restitution=1.0)
     run = run_scene(scene, FINE, 200.0 * scene.mechanism.period)
     assert residual(run) < 1e-9
@@ -398,7 +390,7 @@ def test_energy_is_conserved_over_200_turns_of_a_crank() -> None:
         (ExudynJoints(), 1e-5),
     ],
 )
-def test_worn_walls_that_move_create_no_energy(engine: Engine, within: float) -> None:
+def test_worn_walls_that_move_create_no_energy(engine: Engine, within):
     """Waves of 10 um over 20 mm along both walls, without friction and damping."""
     scene = scene_of("quick return", friction=0.0, restitution=1.0)
     wall = scene.linkage().corners[0].wall
@@ -410,7 +402,7 @@ def test_worn_walls_that_move_create_no_energy(engine: Engine, within: float) ->
     assert residual(run) < within
 
 
-def test_the_rate_of_a_corner_is_a_derivative() -> None:
+def test_the_rate_of_a_corner_is_a_derivative():
     """First and second derivative of the penetration, with a worn wall and two spins."""
     linkage = on_disc(0.4)
     place = bin_centres_of(WALL)

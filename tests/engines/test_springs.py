@@ -60,9 +60,7 @@ def run_from(
 
 @each_engine
 @pytest.mark.parametrize("x", [0.0, 1e-7, 0.05])
-def test_a_spring_without_length_is_linear(
-    engine: Engine, within: float, x: float
-) -> None:
+def test_a_spring_without_length_is_linear(engine: Engine, within, x):
     """Both coordinates oscillate independently, also from coinciding ends."""
     run = run_from(engine, free_body(spring_to_origin(0.0)), x, VELOCITY)
     assert run.status == "completed", run.message
@@ -74,7 +72,7 @@ def test_a_spring_without_length_is_linear(
 
 
 @each_engine
-def test_a_spring_without_length_is_damped(engine: Engine, within: float) -> None:
+def test_a_spring_without_length_is_damped(engine: Engine, within):
     """The body oscillates on a line through the origin."""
     decay = 3.0  # 1/s
     spring = spring_to_origin(0.0, damping=2.0 * MASS * decay)
@@ -86,18 +84,14 @@ def test_a_spring_without_length_is_damped(engine: Engine, within: float) -> Non
 
 
 @each_engine
-def test_a_spring_without_length_rests_with_coinciding_ends(
-    engine: Engine, within: float
-) -> None:
+def test_a_spring_without_length_rests_with_coinciding_ends(engine: Engine, within):
     run = run_from(engine, free_body(spring_to_origin(0.0, 1.0)), 0.0, np.zeros(3))
     assert run.status == "completed", run.message
     assert not run.end.position.any()
 
 
 @each_engine
-def test_a_spring_with_a_length_needs_a_direction(
-    engine: Engine, within: float
-) -> None:
+def test_a_spring_with_a_length_needs_a_direction(engine: Engine, within):
     linkage = free_body(spring_to_origin(0.1))
     with pytest.raises(InputError, match=r"^spring s: .*length = 100 mm"):
         run_from(engine, linkage, 0.0, [0.3, 0.0, 0.0])
@@ -105,7 +99,7 @@ def test_a_spring_with_a_length_needs_a_direction(
     assert run.status == "completed", run.message
 
 
-def test_a_spring_joins_two_bodies() -> None:
+def test_a_spring_joins_two_bodies():
     for body in ("mass", GROUND):
         first = Attachment(body, 0.0, 0.0)
         second = Attachment(body, 0.1, 0.0)
@@ -119,7 +113,7 @@ def square_root(time: float, position: float, speed: float) -> float:
 
 
 @each_engine
-def test_a_law_without_a_finite_force_is_named(engine: Engine, within: float) -> None:
+def test_a_law_without_a_finite_force_is_named(engine: Engine, within):
     """The message does not advise another tolerance, which would not help."""
     pull = Force("mass", 0.0, square_root, "pull")
     linkage = free_body(loads=[Force("mass.tip", 0.0, 1.0), pull])
@@ -130,7 +124,7 @@ def test_a_law_without_a_finite_force_is_named(engine: Engine, within: float) ->
     assert "steps" not in run.message
 
 
-def test_steps_follow_the_stiffest_spring() -> None:
+def test_steps_follow_the_stiffest_spring():
     """A frame of 112 Hz at 60 strokes a minute: a hundred steps in its period."""
     frequency = 112.0  # Hz
     stiffness = MASS * (2.0 * math.pi * frequency) ** 2

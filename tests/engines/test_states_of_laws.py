@@ -59,7 +59,7 @@ def dahl_at_first(
     return friction_of(page, prefix, joint, law, record)
 
 
-def test_a_state_is_integrated_by_every_engine(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_state_is_integrated_by_every_engine(monkeypatch):
     """Ten touchdowns of a four-bar; the friction loss depends on the deflection throughout."""
     scene = changed(
         Scene(mechanism=FOUR_BAR, joints="AB", wear_updates=0),

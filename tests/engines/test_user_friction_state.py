@@ -66,7 +66,7 @@ def loss_of(scene: Scene, engine: Engine) -> float:
     return float(run.diagnostics["friction_loss_J"])
 
 
-def test_lugre_as_a_user_law_is_the_built_in_one() -> None:
+def test_lugre_as_a_user_law_is_the_built_in_one():
     """Same numbers of the bristles, 1000 1/m and 10 s/m; the loss over ten touchdowns."""
     engine = InHouse(integration_tolerance=1e-11)
     built_in = {
@@ -88,13 +88,13 @@ def test_lugre_as_a_user_law_is_the_built_in_one() -> None:
         (ExudynJoints(steps_per_contact=400), 1e-3),
     ],
 )
-def test_engines_agree_on_a_user_state(engine: Engine, bound: float) -> None:
+def test_engines_agree_on_a_user_state(engine: Engine, bound):
     scene = scene_with(friction_law=law("dahl"))
     expected = loss_of(scene, InHouse(integration_tolerance=1e-11))
     assert loss_of(scene, engine) == pytest.approx(expected, rel=bound)
 
 
-def test_steady_sliding_has_coulombs_force() -> None:
+def test_steady_sliding_has_coulombs_force():
     import numpy as np
 
     function = law("dahl")
@@ -118,8 +118,6 @@ def test_steady_sliding_has_coulombs_force() -> None:
         ),
     ],
 )
-def test_states_that_are_refused(
-    name: str, settings: dict[str, Any], words: str
-) -> None:
+def test_states_that_are_refused(name, settings, words):
     with pytest.raises(InputError, match=words):
         scene_with(friction_law=law(name), **settings).check_user_laws()

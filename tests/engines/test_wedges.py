@@ -84,7 +84,7 @@ def turning_wedge() -> Linkage:
     )
 
 
-def test_wedge_lifts_its_slide() -> None:
+def test_wedge_lifts_its_slide():
     """The slide sinks by x tan a; the force is (m_w + m_s tan^2 a) x'' - m_s g tan a."""
     linkage = assemble(bodies=BODIES, joints=GUIDES, drives=[ALONG], output="slide")
     ideal = ideal_motion(linkage, linkage.period)
@@ -99,7 +99,7 @@ def test_wedge_lifts_its_slide() -> None:
     np.testing.assert_allclose(force, inertia - weight, atol=1e-8)
 
 
-def test_wedge_turns_with_its_carrier() -> None:
+def test_wedge_turns_with_its_carrier():
     """In the axes of the crank the slide is where its line meets the face."""
     linkage = turning_wedge()
     assert prescribed_of(linkage) == {"crank", "wedge", "slide"}
@@ -128,7 +128,7 @@ def test_wedge_turns_with_its_carrier() -> None:
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,
 )
-def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints: str) -> None:
+def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints):
     scene = _scene(linkage, joints=joints)
     ours = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
     joined = run_scene(scene, ExudynJoints(steps_per_contact=320), DURATION)
@@ -140,7 +140,7 @@ def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints: str) -> Non
     np.testing.assert_allclose(joined.recorder.records.torque, torques, atol=allowed)
 
 
-def test_angles_that_do_not_fit_are_refused() -> None:
+def test_angles_that_do_not_fit_are_refused():
     level = Guide("level", "wedge", angle=0.05)
     upright = Guide("upright", "slide", direction=0.5 * math.pi, angle=0.2)
     face = Guide("face", "slide", direction=SLOPE, angle=0.1, on="wedge")
@@ -155,7 +155,7 @@ def test_angles_that_do_not_fit_are_refused() -> None:
     assert len(wedge().changed(joints=[*others, fitting]).guides) == 3
 
 
-def test_clearance_in_a_loop_of_guides_is_refused() -> None:
+def test_clearance_in_a_loop_of_guides_is_refused():
     upright = Guide("upright", "slide", direction=0.5 * math.pi, length=0.2, width=0.1)
     linkage = wedge()
     joints = [GUIDES[0], upright, GUIDES[2], *linkage.revolutes]

@@ -22,9 +22,7 @@ FEW = 6  # tries of --quick, which show that the command runs
 
 @pytest.mark.coverage
 @pytest.mark.parametrize("name", SUBJECTS)
-def test_intervals_contain_the_true_value(
-    name: str, request: pytest.FixtureRequest
-) -> None:
+def test_intervals_contain_the_true_value(name, request):
     """Tries with seeds of their own against long runs; the table is printed and stored."""
     is_quick = bool(request.config.getoption("--quick"))
     scenes = scenes_of(SUBJECTS[name], FEW if is_quick else None)
@@ -41,7 +39,7 @@ def test_intervals_contain_the_true_value(
 
 
 @pytest.mark.parametrize(("half", "passes"), [(2.0, True), (1.0, False)])
-def test_intervals_that_hold_are_distinguished(half: float, passes: bool) -> None:
+def test_intervals_that_hold_are_distinguished(half, passes):
     """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
     draws = 200.0 + 4.0 * np.random.default_rng(3).standard_normal(400)
     tries = [{"force": (draw, draw - half * 4.0, draw + half * 4.0)} for draw in draws]
@@ -59,7 +57,7 @@ def test_intervals_that_hold_are_distinguished(half: float, passes: bool) -> Non
     assert not silent.stated.any()
 
 
-def test_tries_share_no_seed_with_each_other_or_the_long_runs() -> None:
+def test_tries_share_no_seed_with_each_other_or_the_long_runs():
     for subject in SUBJECTS.values():
         scenes = scenes_of(subject)
         seeds = sorted(scene.seed for scene in scenes.values())

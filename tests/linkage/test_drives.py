@@ -2,7 +2,6 @@
 
 import math
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
@@ -44,7 +43,7 @@ def closed_form(law: str, x: Array) -> Array:
 
 
 @pytest.mark.parametrize("law", RISES)
-def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
+def test_a_rise_is_the_law_of_the_handbooks(law):
     begin = 0.7
     end = 2.9
     by = -0.4
@@ -75,9 +74,7 @@ part = st.tuples(
     st.floats(0.0, 6.0),
     st.sampled_from([0.5, 1.0]),
 )
-def test_rises_join_smoothly_around_the_cycle(
-    drawn: list[Any], first: float, share: float
-) -> None:
+def test_rises_join_smoothly_around_the_cycle(drawn, first, share):
     """Where one piece ends the next goes on with the same angle, speed and acceleration."""
     parts, ways, laws = zip(*drawn, strict=True)
     ends = first + TURN * np.cumsum([0.0, *parts]) / sum(parts)
@@ -108,9 +105,7 @@ row = st.tuples(st.floats(0.01, 1.0), st.floats(-2.0, 2.0))
     st.floats(-7.0, 7.0),
     st.floats(-30.0, 1000.0),
 )
-def test_a_table_is_the_periodic_spline_of_scipy(
-    drawn: list[tuple[float, float]], first: float, net: float, phase: float
-) -> None:
+def test_a_table_is_the_periodic_spline_of_scipy(drawn, first, net, phase):
     """With a way left over at the end of the cycle, which is a mean speed beside the spline."""
     parts, values = zip(*drawn, strict=True)
     phases = first + TURN * np.cumsum([0.0, *parts[:-1]]) / sum(parts)
@@ -130,7 +125,7 @@ def test_a_table_is_the_periodic_spline_of_scipy(
     assert pieces.net == pytest.approx(net, abs=1e-12)
 
 
-def test_rows_of_four_are_joined_by_polynomials_of_degree_five() -> None:
+def test_rows_of_four_are_joined_by_polynomials_of_degree_five():
     """As scipy's, from value and two derivatives at the nodes."""
     phase = np.array([0.2, 1.0, 2.5, 4.0, 5.5])
     data = np.column_stack([np.sin(phase), np.cos(phase), -np.sin(phase)])
@@ -145,7 +140,7 @@ def test_rows_of_four_are_joined_by_polynomials_of_degree_five() -> None:
     assert_allclose(bend, exact.derivative(2)(times)[:, 0], atol=1e-12)
 
 
-def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
+def test_a_drive_that_indexes_stands_still_in_its_dwells():
     """A quarter turn in a part of each cycle: its mean speed is that of the quarter."""
     drive = Drive(
         "crank", frequency=8.0, angle=0.3, rises=[Rise(0.0, 2.0, 0.25 * TURN, "3-4-5")]
@@ -159,7 +154,7 @@ def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
     assert np.abs(faster).max() < 1e-13
 
 
-def test_a_run_up_is_smooth_and_ends_in_step() -> None:
+def test_a_run_up_is_smooth_and_ends_in_step():
     """Each derivative is that of the one before; half of the time has passed at the end."""
     time = np.linspace(-0.5, 6.0, 200)
     h = 1e-5
@@ -188,9 +183,7 @@ SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.gen
     st.floats(115.0, 125.0),
     st.sampled_from(["cycloidal", "modified-sine", "3-4-5"]),
 )
-def test_slider_dwells_as_requested(
-    part: float, stroke: float, bottom: float, law: str
-) -> None:
+def test_slider_dwells_as_requested(part, stroke, bottom, law):
     dwell = pw.linkage.Dwell(
         part=part, stroke=stroke, bottom=math.radians(bottom), law=law
     )
@@ -208,9 +201,7 @@ def test_slider_dwells_as_requested(
 
 @SOME
 @given(st.floats(0.05, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
-def test_the_speed_is_constant_in_the_work(
-    speed: float, height: float, end: float
-) -> None:
+def test_the_speed_is_constant_in_the_work(speed, height, end):
     """Polynomials of degree five join it; near 0.04 m/s some curves are out of reach."""
     forming = pw.linkage.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)

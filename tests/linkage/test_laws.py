@@ -28,8 +28,8 @@ from presswear.physics.friction_and_normal import friction_force, friction_recor
     damping=st.floats(0.0, 30.0),
 )
 def test_normal_force_is_equation_8_and_never_pulls(
-    depth: float, rate: float, onset: float, exponent: float, damping: float
-) -> None:
+    depth, rate, onset, exponent, damping
+):
     force = force_of(normal_law(1.25e10, exponent, damping), depth, rate, onset)
     elastic = 1.25e10 * max(depth, 0.0) ** exponent
     damped = elastic * damping * rate / onset
@@ -49,9 +49,7 @@ def test_normal_force_is_equation_8_and_never_pulls(
 @example(-1e-3, 1.0, 0.5, 1e-4)
 @example(9.5e-5, 1.0, 0.5, 1e-4)
 @example(0.0, 1.0, 0.5, 0.0)
-def test_friction_law(
-    speed: float, normal: float, coefficient: float, lower: float
-) -> None:
+def test_friction_law(speed, normal, coefficient, lower):
     """Against sliding, without any up to v_0, full from v_1 on and linear between them."""
     law = friction_record(pw.linkage.FrictionLaw(coefficient, lower, 1e-3))
     force = friction_force(speed, normal, law)
@@ -80,17 +78,17 @@ def test_friction_law(
     ],
 )
 def test_stiffness_as_printed_and_of_a_pin_in_a_hole(
-    pin: float,
-    modulus: float,
-    poisson: float,
+    pin,
+    modulus,
+    poisson,
     reading: StiffnessReading,
-    expected: float,
-) -> None:
+    expected,
+):
     stiffness = hertz_stiffness(0.015, pin, 2.0 * (1.0 - poisson**2) / modulus, reading)
     assert stiffness == pytest.approx(expected, rel=1e-7)
 
 
-def test_a_deep_pin_of_conforming_stiffness_is_as_stiff_as_by_liu() -> None:
+def test_a_deep_pin_of_conforming_stiffness_is_as_stiff_as_by_liu():
     """At 1,000 clearances both laws are linear; for small contacts K is 1.2 times Liu's."""
     width, clearance, compliance = 0.15, 4e-5, 1.3e-11
     stiffness = conforming_stiffness(width, clearance, compliance)
@@ -112,7 +110,7 @@ def test_a_deep_pin_of_conforming_stiffness_is_as_stiff_as_by_liu() -> None:
     | st.floats(1e-10, 1e-3)
     | st.sampled_from([1e-10, 1e-7, 1e-5, 0.0999, 0.1425, 8.0, 38.4, 100.0])
 )
-def test_delivered_restitution_for_any_damping(damping: float) -> None:
+def test_delivered_restitution_for_any_damping(damping):
     """It solves (1 + e') chi = ln[(1 + chi) / (1 - chi e')], to fifty digits, within 1e-8."""
     with localcontext() as context:
         context.prec = 50

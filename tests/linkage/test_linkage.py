@@ -111,12 +111,12 @@ EVERY = [
 
 
 @pytest.mark.parametrize("linkage", EVERY, ids=lambda linkage: linkage.name)
-def test_a_linkage_is_read_back_bit_for_bit(linkage: Linkage) -> None:
+def test_a_linkage_is_read_back_bit_for_bit(linkage: Linkage):
     stored = json.loads(json.dumps(linkage.as_plain()))
     assert linkage_from(stored, "here") == linkage
 
 
-def test_the_output_point_moves_along_its_guide() -> None:
+def test_the_output_point_moves_along_its_guide():
     whole = Press().linkage().changed(output="slider 6.centre")
     assert whole.output == Press().linkage().output
     assert FOUR_BAR.changed(output="").output == OutputPoint("rocker")
@@ -126,7 +126,7 @@ def test_the_output_point_moves_along_its_guide() -> None:
     )
 
 
-def test_a_bar_is_a_thin_rod_with_its_ends() -> None:
+def test_a_bar_is_a_thin_rod_with_its_ends():
     bar = Bar("b", length="20 cm", mass="300 g")
     assert bar == Body(
         "b", 0.3, 0.3 * 0.2**2 / 12.0, {"tail": (-0.1, 0.0), "head": (0.1, 0.0)}
@@ -197,9 +197,7 @@ MANY = [Rise(k / 40, (k + 1) / 40, 0.01, "modified-sine") for k in range(200)]
         ({"gravity": "fast"}, "gravity = 'fast' is not a number"),
     ],
 )
-def test_parts_that_do_not_fit_together_are_refused(
-    changes: dict[str, Any], message: str
-) -> None:
+def test_parts_that_do_not_fit_together_are_refused(changes, message):
     with pytest.raises(InputError, match=message):
         FOUR_BAR.changed(**changes)
 
@@ -343,15 +341,13 @@ def test_parts_that_do_not_fit_together_are_refused(
         ),
     ],
 )
-def test_impossible_parts_are_refused(
-    kind: Any, values: dict[str, Any], message: str
-) -> None:
+def test_impossible_parts_are_refused(kind, values, message):
     required = {"body": "crank", "speed": 10.0} if kind is Drive else {}
     with pytest.raises(InputError, match=message):
         kind(**{**required, **values})
 
 
-def test_the_parameters_of_a_user_law_are_checked() -> None:
+def test_the_parameters_of_a_user_law_are_checked():
     def of_angle(angle: float) -> float:
         return angle
 
@@ -362,7 +358,7 @@ def test_the_parameters_of_a_user_law_are_checked() -> None:
     assert isinstance(Moment("crank", wobble).law, UserFunction)
 
 
-def test_a_missing_cycle_is_requested() -> None:
+def test_a_missing_cycle_is_requested():
     for drives in ([], [Drive("crank", 1.0), Drive("rocker", math.pi)]):
         with pytest.raises(InputError, match="specify cycle, s"):
             _ = FOUR_BAR.changed(drives=drives).period
@@ -370,7 +366,7 @@ def test_a_missing_cycle_is_requested() -> None:
 
 
 @given(st.lists(st.integers(1, 63), min_size=2, max_size=4))
-def test_a_cycle_of_drives_has_few_turns(turns: list[int]) -> None:
+def test_a_cycle_of_drives_has_few_turns(turns):
     """Whole ratios of any size: no common cycle of more turns than allowed is accepted."""
     names = [f"crank {k}" for k in range(len(turns))]
     linkage = assemble(
@@ -435,9 +431,7 @@ def test_a_cycle_of_drives_has_few_turns(turns: list[int]) -> None:
         (("loads",), [{"point": "rocker", "law": "1 N"}], "direction is missing"),
     ],
 )
-def test_plain_data_that_does_not_fit_is_refused(
-    path: Any, value: Any, message: str
-) -> None:
+def test_plain_data_that_does_not_fit_is_refused(path, value, message):
     data = FOUR_BAR.as_plain()
     owner: Any = data
     for key in path[:-1]:

@@ -41,7 +41,7 @@ PARTS += [Forming(), Pendulum()]
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.kind)
-def test_every_quantity_is_checked(part: Any) -> None:
+def test_every_quantity_is_checked(part):
     quantities = {item.name: meaning_of(item) for item in fields(part)}
     others = {name for name, own in quantities.items() if not isinstance(own, Quantity)}
     assert others <= {"geometry", "motor", "servo", "side", "bottom", "law"}
@@ -82,7 +82,7 @@ def test_every_quantity_is_checked(part: Any) -> None:
         (lambda: Press(geometry=Geometry(slider_side=2.0)), "slider_side"),
     ],
 )
-def test_a_mechanism_that_does_not_assemble_is_refused(make: Any, message: str) -> None:
+def test_a_mechanism_that_does_not_assemble_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         motion_of(make())
 
@@ -95,9 +95,7 @@ def test_a_mechanism_that_does_not_assemble_is_refused(make: Any, message: str) 
         ("lifted", 0.0785, 0.1856, 0.1695, 0.983),
     ],
 )
-def test_press_geometry(
-    name: str, low: float, high: float, start: float, fastest: float
-) -> None:
+def test_press_geometry(name, low, high, start, fastest):
     press = Press(geometry=GEOMETRIES[name], speed=3.5 * math.pi)
     motion = motion_of(press).at(np.linspace(0.0, press.period, 20_001))
     i = 3 * Press().linkage().index("slider 6") + 1
@@ -115,7 +113,7 @@ def test_press_geometry(
         assert acceleration.max() == pytest.approx(12.4, abs=0.05)
 
 
-def test_the_press_is_the_papers() -> None:
+def test_the_press_is_the_papers():
     linkage = Press().linkage()
     masses = [body.mass for body in linkage.bodies]
     assert masses == [0.0243, 0.1085, 0.4503, 0.1272, 0.0288, 0.0243]
@@ -145,7 +143,7 @@ def dead_centres(crank: float, rod: float, ground: float, rocker: float) -> list
 
 
 @pytest.mark.parametrize("side", ["above", "below"])
-def test_the_four_bar_swings_between_its_dead_centres(side: str) -> None:
+def test_the_four_bar_swings_between_its_dead_centres(side):
     bar = FourBar(side=side)
     angles = dead_centres(
         bar.crank_length, bar.coupler_length, bar.frame_length, bar.rocker_length
@@ -164,7 +162,7 @@ def test_the_four_bar_swings_between_its_dead_centres(side: str) -> None:
     assert (centre > 0.0) == (side == "above")
 
 
-def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
+def test_the_six_bar_straightens_its_links_at_bottom_dead_centre():
     bar = SixBar()
     frame = math.hypot(bar.crank_x, bar.crank_y)
     heights = []
@@ -187,13 +185,13 @@ def test_the_six_bar_straightens_its_links_at_bottom_dead_centre() -> None:
 
 
 @pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar, TwoPoint])
-def test_slow_presses_are_allowed(kind: Any) -> None:
+def test_slow_presses_are_allowed(kind):
     assert kind(speed="0.1 rpm").period == pytest.approx(600.0)
     with pytest.raises(InputError, match=r"speed = 0\.09 rpm"):
         kind(speed="0.09 rpm")
 
 
-def test_a_press_runs_at_six_strokes_a_minute() -> None:
+def test_a_press_runs_at_six_strokes_a_minute():
     """B carries the slider and holds the weights of slider and rod aside; clearance is 0.5 %."""
     mechanism = SliderCrank(speed=6.0 * math.pi / 30.0, slide_angle=-0.5 * math.pi)
     scene = Scene(mechanism, joints="B", engine="dae", wear_updates=0, cycles=2)
@@ -210,7 +208,7 @@ def test_a_press_runs_at_six_strokes_a_minute() -> None:
 @pytest.mark.parametrize("kind", [Press, SliderCrank, FourBar, SixBar])
 def test_an_elastic_frame_stretches_along_the_output(
     kind: type[Press | SliderCrank | FourBar | SixBar],
-) -> None:
+):
     """Under a static force at bottom dead centre, all drives held."""
     rigid = Scene(kind(), joints="none")
     frame = {"frame_mass": "50 kg", "frame_stiffness": "10 kN/mm", "frame_damping": 0.1}
@@ -222,7 +220,7 @@ def test_an_elastic_frame_stretches_along_the_output(
     assert Scene.from_dict(elastic.as_dict()) == elastic
 
 
-def test_a_frame_has_mass_and_stiffness() -> None:
+def test_a_frame_has_mass_and_stiffness():
     with pytest.raises(InputError, match="frame_stiffness = 1 N/m: allowed is 1000"):
         changed(Scene(), {"frame_mass": "50 kg", "frame_stiffness": "1 N/m"})
     with pytest.raises(InputError, match="frame_stiffness = 0 N/m: allowed is 1000"):

@@ -29,7 +29,7 @@ def two_cranks(first: pw.Motor | None, second: pw.Motor | None) -> Linkage:
     return pw.assemble(bodies, joints, drives)
 
 
-def test_a_motor_has_the_values_of_its_plate() -> None:
+def test_a_motor_has_the_values_of_its_plate():
     assert (INDUCTION.torque, INDUCTION.slip, INDUCTION.breakdown) == (20.0, 0.08, 2.75)
     slip = 0.08 * (2.75 + math.sqrt(2.75**2 - 1.0))
     assert INDUCTION.breakdown_slip == pytest.approx(slip, rel=1e-15)
@@ -52,19 +52,19 @@ def test_a_motor_has_the_values_of_its_plate() -> None:
         ({}, "motor: no law is given; one is expected"),
     ],
 )
-def test_bad_motors_are_refused(arguments: dict[str, Any], message: str) -> None:
+def test_bad_motors_are_refused(arguments, message):
     with pytest.raises(pw.InputError, match=message):
         pw.Motor(**arguments)
 
 
-def test_a_motor_with_a_slip_has_no_torque_limit() -> None:
+def test_a_motor_with_a_slip_has_no_torque_limit():
     message = "torque_limit of crank = 5 N m: only a servo saturates"
     with pytest.raises(pw.InputError, match=message):
         pw.Drive("crank", 6.0, motor=pw.Motor(2.0), torque_limit=5.0)
     assert pw.Drive("crank", 6.0, motor=pw.Motor(stiffness=1e3), torque_limit=5.0)
 
 
-def test_the_leader_is_the_first_motor_that_is_no_servo() -> None:
+def test_the_leader_is_the_first_motor_that_is_no_servo():
     for first, second, leader in (
         (None, None, None),
         (INDUCTION, SERVO, "one"),
@@ -76,7 +76,7 @@ def test_the_leader_is_the_first_motor_that_is_no_servo() -> None:
         assert (found.body if found else None) == leader
 
 
-def test_released_and_ideal_linkages() -> None:
+def test_released_and_ideal_linkages():
     linkage = two_cranks(INDUCTION, SERVO)
     released = linkage.released
     assert (len(linkage.prescribed_drives), len(linkage.motor_drives)) == (2, 0)
@@ -91,7 +91,7 @@ def test_released_and_ideal_linkages() -> None:
     assert even.released == even
 
 
-def test_drives_that_do_not_fit_a_motor_are_refused() -> None:
+def test_drives_that_do_not_fit_a_motor_are_refused():
     with pytest.raises(
         pw.InputError, match="drive of two: its motion follows the time"
     ):
@@ -105,7 +105,7 @@ def test_drives_that_do_not_fit_a_motor_are_refused() -> None:
         pw.Drive("crank", motor=INDUCTION)
 
 
-def test_motors_are_stored_with_the_linkage() -> None:
+def test_motors_are_stored_with_the_linkage():
     line = pw.Motor(20.0, breakdown=None)
     for motor in (INDUCTION, line):
         linkage = two_cranks(motor, SERVO)
@@ -118,7 +118,7 @@ def law(time: float) -> float:
     return 1.0
 
 
-def test_scenes_of_motors() -> None:
+def test_scenes_of_motors():
     """A servo may saturate, and user laws are found by their keys."""
     servo = pw.Motor(stiffness=1e3)
     beside = pw.Drive("two", TURN, motor=pw.Motor(0))

@@ -31,7 +31,7 @@ cups = st.builds(
 @given(st.one_of(blanks, cups))
 def test_work_is_the_integral_of_a_continuous_force(
     process: Blanking | Drawing,
-) -> None:
+):
     """Steep only where a sheet snaps through; the law pushes against the way in by as much."""
     places, forces = np.array(process.curve).T
     assert forces[0] == forces[-1] == 0.0
@@ -61,7 +61,7 @@ def test_work_is_the_integral_of_a_continuous_force(
 
 
 @given(cups)
-def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
+def test_a_drawing_force_lies_on_half_cosines(cup: Drawing):
     peak = cup.peak * cup.depth
     for depth, force in cup.curve:
         part = (
@@ -71,7 +71,7 @@ def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
         assert force == pytest.approx(exact, abs=1e-9 * cup.force)
 
 
-def test_a_cushion_and_a_stop_push_both_ways() -> None:
+def test_a_cushion_and_a_stop_push_both_ways():
     held = laws_of(Drawing(cushion=20.0), 0.1, 0.01)["cushion"]
     stop = laws_of(Coining(stiffness=1e5), 0.1, 0.01)["coining"]
     for law, size in ((held, 20.0), (stop, 1e5 * 5e-3)):

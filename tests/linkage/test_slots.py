@@ -17,14 +17,14 @@ from presswear.tools.errors import InputError
 from presswear.tools.serialize import make
 
 
-def test_a_slot_is_stored_and_read_back() -> None:
+def test_a_slot_is_stored_and_read_back():
     linkage = quick_return()
     plain = linkage.as_plain()
     assert plain["joints"][-1]["on"] == "rocker"
     assert linkage_from(plain, "mechanism") == linkage
 
 
-def test_a_slot_leads_through_the_block_as_drawn() -> None:
+def test_a_slot_leads_through_the_block_as_drawn():
     """Its line is in the frame of the body that carries it."""
     linkage = assemble(
         bodies=[
@@ -46,7 +46,7 @@ def test_a_slot_leads_through_the_block_as_drawn() -> None:
     assert start[:, 2] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
 
 
-def test_angles_pass_through_slots_in_both_directions() -> None:
+def test_angles_pass_through_slots_in_both_directions():
     guides = [
         Guide("a", "block", angle=0.2, on="rocker"),
         Guide("b", "second", angle=0.3, on="block"),
@@ -58,7 +58,7 @@ def test_angles_pass_through_slots_in_both_directions() -> None:
     assert angles == pytest.approx(expected)
 
 
-def test_a_block_in_a_yoke_needs_no_inertia() -> None:
+def test_a_block_in_a_yoke_needs_no_inertia():
     """A yoke on the frame does not turn, so that its block does not; a rocker does."""
     bodies = {body.name: body for body in scotch_yoke().bodies}
     assert bodies["block"].inertia == 0.0
@@ -68,7 +68,7 @@ def test_a_block_in_a_yoke_needs_no_inertia() -> None:
         linkage.changed(bodies=blocks)
 
 
-def test_trees_hang_from_either_end_of_a_slot() -> None:
+def test_trees_hang_from_either_end_of_a_slot():
     swinging = Scene(swinging_block(), joints="P").linkage()
     branches = branches_of(swinging)
     assert not isinstance(branches, str)
@@ -90,7 +90,7 @@ SLOT: dict[str, Any] = {"name": "slot", "body": "block", "on": "rocker"}
         ({"on": "rokcer"}, "body in on of guide slot 'rokcer'.*rocker"),
     ],
 )
-def test_wrong_slots_are_refused_by_name(changes: dict[str, Any], message: str) -> None:
+def test_wrong_slots_are_refused_by_name(changes, message):
     linkage = quick_return()
     with pytest.raises(InputError, match=message):
         linkage.changed(

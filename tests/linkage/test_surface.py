@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
 from presswear.physics.worn_map import BEARING, bin_of, pack_rows, parts_of
 from presswear.physics.worn_map import profile as packed_profile
-from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
 ROUND_OFF = 8 * np.finfo(float).eps
@@ -34,7 +33,7 @@ def profile(surface: Surface, angle: float) -> tuple[float, float, float]:
 
 
 @given(depths)
-def test_passes_through_the_bin_centres(depth: Array) -> None:
+def test_passes_through_the_bin_centres(depth):
     surface = Surface(depth)
     count = depth.size
     centres = bin_centres(count)
@@ -48,7 +47,7 @@ def test_passes_through_the_bin_centres(depth: Array) -> None:
 
 
 @given(depths, st.floats(-50.0, 50.0))
-def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
+def test_stays_between_its_neighbours(depth, angle):
     value = profile(Surface(depth), angle)[0]
     position = angle * depth.size / TURN - 0.5
     left = math.floor(position)
@@ -61,7 +60,7 @@ def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
     assert min(near) - rounding <= value <= max(near) + rounding
 
 
-def test_slope_and_curvature_are_derivatives_inside_an_interval() -> None:
+def test_slope_and_curvature_are_derivatives_inside_an_interval():
     surface = Surface(np.array([0.0, 1e-6, 3e-6, 2e-6, 2e-6, 5e-6, 1e-6, 0.5e-6]))
     for angle in map(float, [*(bin_centres(8) + 0.3), *(bin_centres(8) - 0.1)]):
 
@@ -78,7 +77,7 @@ def test_slope_and_curvature_are_derivatives_inside_an_interval() -> None:
     assert profile(Surface(), 1.0) == (0.0, 0.0, 0.0)
 
 
-def test_halfway_up_a_step_and_at_an_extremum_by_hand() -> None:
+def test_halfway_up_a_step_and_at_an_extremum_by_hand():
     # Secants 1 and 2 per bin: harmonic mean 4/3.
     slopes = monotone_slopes(np.array([0.0, 1.0, 3.0, 3.0, 0.0, 0.0])) * TURN / 6.0
     assert_allclose(slopes, [0.0, 4.0 / 3.0, 0.0, 0.0, 0.0, 0.0], rtol=1e-14)
@@ -95,15 +94,13 @@ def test_halfway_up_a_step_and_at_an_extremum_by_hand() -> None:
     st.floats(0.001, 0.999),
     st.integers(-1000, 1000),
 )
-def test_a_bin_covers_its_part_of_a_turn(
-    count: int, place: float, part: float, turns: int
-) -> None:
+def test_a_bin_covers_its_part_of_a_turn(count, place, part, turns):
     index = int(place * count)
     # An angle of a thousand turns is rounded to 1e-12, a bin may be 6e-5 wide.
     assert bin_of((index + part) * TURN / count + turns * TURN, count) == index
 
 
-def test_surfaces_are_read_only_copies() -> None:
+def test_surfaces_are_read_only_copies():
     """A linkage is data; comparing two must not fail on the arrays inside."""
     depth = np.array([1e-6, 0.0, 2e-6])
     surface = Surface(depth)
@@ -124,6 +121,6 @@ def test_surfaces_are_read_only_copies() -> None:
         np.array([math.inf, 0.0]),
     ],
 )
-def test_refuses_what_is_no_profile(bad: Array) -> None:
+def test_refuses_what_is_no_profile(bad):
     with pytest.raises(ValueError, match="one-dimensional array of numbers"):
         Surface(bad)

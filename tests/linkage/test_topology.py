@@ -32,7 +32,7 @@ PARENTS = {
 
 
 @pytest.mark.parametrize("opened", PARENTS)
-def test_bodies_hang_from_frame_crank_or_each_other(opened: str) -> None:
+def test_bodies_hang_from_frame_crank_or_each_other(opened):
     result = open_tree(without(PRESS, *opened.split()))
     parents: dict[str, str | None] = dict.fromkeys(
         link.body.name for link in result.free
@@ -56,7 +56,7 @@ def test_bodies_hang_from_frame_crank_or_each_other(opened: str) -> None:
         ("A C O7", "drive of crank 7 turns a body that is free to move"),
     ],
 )
-def test_a_linkage_that_is_no_tree_is_explained(taken_out: str, reason: str) -> None:
+def test_a_linkage_that_is_no_tree_is_explained(taken_out, reason):
     explanation = branches_of(without(PRESS, *taken_out.split()))
     assert isinstance(explanation, str)
     assert reason in explanation
@@ -78,7 +78,7 @@ MECHANISMS = {
 @pytest.mark.parametrize("linkage", MECHANISMS.values(), ids=MECHANISMS)
 def test_bodies_without_freedom_are_those_that_the_jacobian_holds(
     linkage: Linkage,
-) -> None:
+):
     """Every pair of joints opened, against the null space of all rows at an instant."""
     motion = motion_of(linkage).at(np.array([0.123]))
     moving = 0
@@ -99,7 +99,7 @@ def test_bodies_without_freedom_are_those_that_the_jacobian_holds(
 
 
 @pytest.mark.parametrize("name", ["four-bar", "six-bar", "standard"])
-def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
+def test_jumps_in_time_are_closed_as_before_or_refused(name):
     """Links that Newton's method put on their other side would be wrong without a word."""
     linkage = MECHANISMS[name]
     prescribed = pack_prescribed(

@@ -57,7 +57,7 @@ def pulled(
 
 
 @pytest.mark.parametrize("engine", [FINE, ExudynJoints(free_step=1e-4)])
-def test_what_is_pulled_too_weakly_stays(engine: Engine) -> None:
+def test_what_is_pulled_too_weakly_stays(engine: Engine):
     """Bristles bend until sigma_0 z bears the pull: then nothing moves, where a ramp creeps."""
     run = pulled(0.8, 1.1, engine=engine)
     assert borne_by_bristles(run) == pytest.approx(0.8 / PRESS, rel=1e-3)
@@ -68,7 +68,7 @@ def test_what_is_pulled_too_weakly_stays(engine: Engine) -> None:
     assert pulled(0.8, 1.1, RAMP).end.velocity[0] == pytest.approx(0.8e-3, rel=1e-4)
 
 
-def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other() -> None:
+def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other():
     """Between c_f and c_s it depends on the start: from rest it holds, sliding it goes on."""
     pull = 0.5 * (DYNAMIC + STATIC) * PRESS
     assert abs(pulled(pull, 1.1).end.velocity[0]) < 1e-6
@@ -81,7 +81,7 @@ def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other() -> N
 
 
 @pytest.mark.parametrize("speed", [2e-4, 1e-3, 3e-3])
-def test_steady_sliding_follows_the_stribeck_curve(speed: float) -> None:
+def test_steady_sliding_follows_the_stribeck_curve(speed):
     """A pull of g(v) N holds a speed: it changes by second order only, in the beginning."""
     held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((speed / STRIBECK) ** 2))
     run = pulled(held * PRESS, 2e-2, speed=speed)
@@ -119,7 +119,7 @@ def bristle_after(time: float, steps: int, speed: float) -> float:
     return bristle
 
 
-def test_bristles_follow_a_changing_speed_at_second_order() -> None:
+def test_bristles_follow_a_changing_speed_at_second_order():
     time = 1e-2
     speed = 2e-3
 
@@ -138,7 +138,7 @@ def test_bristles_follow_a_changing_speed_at_second_order() -> None:
     assert coarse / fine == pytest.approx(16.0, rel=0.1)
 
 
-def test_bristles_do_not_oscillate_where_steps_are_long() -> None:
+def test_bristles_do_not_oscillate_where_steps_are_long():
     """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
     assert bristle_step(0.0, 10.0, 10.0, 1e-3) == pytest.approx(DYNAMIC / STIFF)
 
@@ -160,9 +160,7 @@ def greatest_push(
     ratio=st.floats(1.01, 20.0),
     stribeck=st.floats(1e-6, 1.0),
 )
-def test_allowed_damping_never_drives_the_sliding(
-    coefficient: float, ratio: float, stribeck: float
-) -> None:
+def test_allowed_damping_never_drives_the_sliding(coefficient, ratio, stribeck):
     """Bristles bent fully at low speed push forwards at a higher one if damped more than that."""
     static = ratio * coefficient
     limit = greatest_bristle_damping(coefficient, static, stribeck)
@@ -170,12 +168,12 @@ def test_allowed_damping_never_drives_the_sliding(
     assert greatest_push(coefficient, static, stribeck, 1.01 * limit) > 0.0
 
 
-def test_without_a_fall_of_friction_every_damping_is_allowed() -> None:
+def test_without_a_fall_of_friction_every_damping_is_allowed():
     assert greatest_bristle_damping(0.1, 0.1, 1e-3) == math.inf
     assert greatest_push(0.1, 0.1, 1e-3, 1e5) < 0.0
 
 
-def test_damping_that_drives_the_sliding_is_refused_with_the_greatest() -> None:
+def test_damping_that_drives_the_sliding_is_refused_with_the_greatest():
     def bearing(damping: float) -> pw.Bearing:
         return pw.Bearing(
             friction_law="lugre",

@@ -132,7 +132,7 @@ def work_on_the_way_down(scene: pw.Scene, height: Array, force: float) -> Array:
 
 
 @pytest.mark.parametrize("kind", PRESSES)
-def test_stroke_and_torques_of_a_new_press(kind: str, tmp_path: Path) -> None:
+def test_stroke_and_torques_of_a_new_press(kind, tmp_path):
     places, mass, strokes, pins, size = CASES[kind]
     scene = scene_of(kind, tmp_path)
     speed = strokes * math.pi / 30.0
@@ -181,7 +181,7 @@ def forces_on(link: Bar, push: Array, speed: float) -> tuple[Any, Any]:
     return link.mass * acceleration - lower, lower
 
 
-def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path: Path) -> None:
+def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path):
     """13 mm above the bottom at 22.2824 degrees, where 6,300 kN need 413,688.18 N m."""
     scene = scene_of("eccentric-press", tmp_path)
     height = heights(scene.mechanism.linkage(), math.radians(360.0 - 22.2824))
@@ -189,7 +189,7 @@ def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path: Path) -> None:
     assert static_torques(scene)["crank"] == pytest.approx(413_688.18, abs=0.01)
 
 
-def test_the_two_bottoms_of_the_knuckle_press(tmp_path: Path) -> None:
+def test_the_two_bottoms_of_the_knuckle_press(tmp_path):
     """24.24 degrees apart, and 13.63 um below the slide between them."""
     linkage = scene_of("knuckle-press", tmp_path).mechanism.linkage()
     turn = np.linspace(0.0, 2.0 * math.pi, 3601)
@@ -205,7 +205,7 @@ def test_the_two_bottoms_of_the_knuckle_press(tmp_path: Path) -> None:
     assert 1e6 * (between - first_bottom) == pytest.approx(13.63, abs=5e-3)
 
 
-def test_bottom_and_stroke_of_the_link_drive(tmp_path: Path) -> None:
+def test_bottom_and_stroke_of_the_link_drive(tmp_path):
     """-2609.99985 mm at 270.0392 degrees; 1004.93291 mm."""
     scene = scene_of("link-drive", tmp_path)
     angle, bottom = extreme(scene.mechanism.linkage(), math.radians(270.0))
@@ -224,7 +224,7 @@ def static_torque_of(kind: str, scene: pw.Scene) -> float:
 
 
 @pytest.mark.parametrize("kind", PRESSES)
-def test_page_one_of_a_new_press(kind: str, tmp_path: Path) -> None:
+def test_page_one_of_a_new_press(kind, tmp_path):
     *_, strokes, _, size = CASES[kind]
     scene = scene_of(kind, tmp_path)
     shorter = {"wear_updates": 0, "cycles": 3, "replicates": 1}

@@ -75,9 +75,7 @@ def kelvin_voigt_restitution(part: float) -> float:
         for one in values.items()
     ],
 )
-def test_factors_and_restitution_as_printed(
-    law: str, nominal: float, expected: float
-) -> None:
+def test_factors_and_restitution_as_printed(law, nominal, expected):
     printed = {
         "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
         "hunt-crossley": 1.5 * (1.0 - nominal),
@@ -90,7 +88,7 @@ def test_factors_and_restitution_as_printed(
 
 
 @pytest.mark.parametrize("exponent", [1.0, 2.0, 2.2])
-def test_restitution_and_depth_hold_for_any_exponent(exponent: float) -> None:
+def test_restitution_and_depth_hold_for_any_exponent(exponent):
     """An elastic impact of a linear spring lasts half a sine."""
     for damping in (0.0, 0.4):
         law = NormalLaw(1e7 if exponent == 1.0 else STIFFNESS, exponent, damping)
@@ -112,9 +110,7 @@ def test_restitution_and_depth_hold_for_any_exponent(exponent: float) -> None:
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("nominal", [0.0, 0.05, 0.3, 0.9])
 @pytest.mark.parametrize("name", [name for name in DAMPINGS if name != KELVIN_VOIGT])
-def test_laws_have_the_closed_form(
-    name: str, nominal: float, engine: Engine, bound: float
-) -> None:
+def test_laws_have_the_closed_form(name, nominal, engine: Engine, bound):
     """(1 + e) chi = ln[(1 + chi) / (1 - chi e)], whatever the elastic force."""
     nominal = max(nominal, DAMPINGS[name].least)
     damping = DAMPINGS[name].factor(nominal)
@@ -126,9 +122,7 @@ def test_laws_have_the_closed_form(
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 @pytest.mark.parametrize("part", [0.0, 0.1, 0.5, 1.0, 2.0])
-def test_kelvin_and_voigt_have_the_closed_form(
-    part: float, engine: Engine, bound: float
-) -> None:
+def test_kelvin_and_voigt_have_the_closed_form(part, engine: Engine, bound):
     stiffness = 1e7
     law = NormalLaw(stiffness, 1.0, viscosity=2.0 * part * math.sqrt(stiffness * MASS))
     run = impact(law, engine)
@@ -138,7 +132,7 @@ def test_kelvin_and_voigt_have_the_closed_form(
 
 
 @pytest.mark.parametrize("part", [1e-9, 1e-5, 1e-3, 0.05, 0.5, 3.0])
-def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
+def test_elastic_forces_are_what_they_are_named_for(part):
     """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
     depth = part * CLEARANCE
     bearing = Bearing(
@@ -172,7 +166,7 @@ def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
         assert elastic_of(law, depth)[1] == pytest.approx(work, rel=1e-9)
 
 
-def test_small_contacts_have_the_stiffness_of_the_law() -> None:
+def test_small_contacts_have_the_stiffness_of_the_law():
     """That of Liu is 8.6e10 N/m^1.5 for the press of the paper, the printed one 1.25e10."""
     press = Bearing(0.8e-3)
     conforming = replace(press, elasticity="liu")
@@ -187,7 +181,7 @@ def test_small_contacts_have_the_stiffness_of_the_law() -> None:
 
 
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])
-def test_conforming_pins_deliver_the_same_restitution(elasticity: Any) -> None:
+def test_conforming_pins_deliver_the_same_restitution(elasticity):
     damping = DAMPINGS["lankarani-nikravesh"].factor(0.5)
     run = impact(
         NormalLaw(STIFFNESS, 1.5, damping, elasticity=elasticity), ENGINES[0][0]
@@ -199,9 +193,7 @@ def test_conforming_pins_deliver_the_same_restitution(elasticity: Any) -> None:
 
 @pytest.mark.parametrize("worn", [False, True])
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_new_and_worn_surfaces_have_one_law(
-    worn: bool, engine: Engine, bound: float
-) -> None:
+def test_new_and_worn_surfaces_have_one_law(worn, engine: Engine, bound):
     """An elastic impact on a foundation turns at U(delta) = m v^2 / 2, its force at F(delta).
 
     Round surfaces, whose law is a closed form, and a wear of a femtometre, whose arc is
@@ -236,9 +228,7 @@ def soft(penetration, rate, onset_speed):
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_a_law_of_ones_own_delivers_its_closed_form(
-    engine: Engine, bound: float
-) -> None:
+def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound):
     """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
     run = impact(
         NormalLaw(STIFFNESS, user_law=UserFunction("soft", SOFT).trusted()), engine
@@ -246,7 +236,7 @@ def test_a_law_of_ones_own_delivers_its_closed_form(
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
 
 
-def test_two_laws_of_one_name_share_nothing() -> None:
+def test_two_laws_of_one_name_share_nothing():
     """The same name and another text, one after the other in one process, then the first again."""
     other = UserFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
     engine = ENGINES[0][0]

@@ -94,9 +94,7 @@ ENGINES: list[tuple[Engine, float]] = [
 @pytest.mark.parametrize(
     ("engine", "bound"), ENGINES, ids=lambda value: getattr(value, "word", "")
 )
-def test_peak_of_impact_is_exact(
-    engine: Engine, bound: float, law: str, nominal: float
-) -> None:
+def test_peak_of_impact_is_exact(engine: Engine, bound, law, nominal):
     impact = Impact(nominal, law=law, speed=0.31)
     run = simulated(impact, engine)
     stored, *copies = peaks(run)
@@ -110,8 +108,8 @@ def test_peak_of_impact_is_exact(
 )
 @pytest.mark.parametrize("damping_ratio", [0.1, 2.0])
 def test_a_force_that_begins_with_a_jump_has_no_other_peak(
-    damping_ratio: float, engine: Engine
-) -> None:
+    damping_ratio, engine: Engine
+):
     """Spring and damper: with twice the critical damping the force is greatest at touchdown."""
     stiffness = 1e7
     impact = Impact(1.0, speed=0.31)
@@ -142,7 +140,7 @@ def test_a_force_that_begins_with_a_jump_has_no_other_peak(
 
 
 @pytest.mark.parametrize("conventions", [None, *CONVENTIONS])
-def test_peaks_in_the_press_do_not_depend_on_the_step(conventions: str | None) -> None:
+def test_peaks_in_the_press_do_not_depend_on_the_step(conventions):
     """Round surfaces, worn ones and worn ones on a foundation, against steps of 0.2 us at most."""
     scene = pw.scenes.wear_times()
     worn = {}

@@ -83,7 +83,7 @@ def meeting(
     return p + complex(along, across) * (q - p) / abs(q - p)
 
 
-def test_link_drive_of_2500_t() -> None:
+def test_link_drive_of_2500_t():
     """Bottom -2609.99985 mm at 270.0392 degrees, stroke 1004.93291 mm."""
     crank = complex(0.26)
     rocker_at = complex(-1.175, -0.375)
@@ -127,7 +127,7 @@ def test_link_drive_of_2500_t() -> None:
     assert 1e3 * (top - bottom) == pytest.approx(1004.93291, abs=2e-5)
 
 
-def test_knuckle_joint_press_of_630_t() -> None:
+def test_knuckle_joint_press_of_630_t():
     """Two equal bottoms, 24.24 degrees apart, 13.63 um below the place between them."""
     linkage = knuckle_joint_press()
     assert linkage.guides[0].x == 0.73
@@ -142,7 +142,7 @@ def test_knuckle_joint_press_of_630_t() -> None:
     assert 1e6 * (between - bottom) == pytest.approx(13.63, abs=5e-3)
 
 
-def test_the_line_of_a_guide_and_the_slide_are_named() -> None:
+def test_the_line_of_a_guide_and_the_slide_are_named():
     message = r"joint guide: its points lie 730 mm apart.* the line \(0, .*\) mm and slide \(730, "
     with pytest.raises(pw.InputError, match=message):
         knuckle_joint_press(x=0.0)

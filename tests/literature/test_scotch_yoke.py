@@ -90,7 +90,7 @@ def _wear_per_turn(
 
 
 @pytest.mark.parametrize(("clearance", "within"), [(2e-6, 5e-4), (10e-6, 2e-3)])
-def test_wear_under_the_inertia_of_the_yoke(clearance: float, within: float) -> None:
+def test_wear_under_the_inertia_of_the_yoke(clearance, within):
     """A wall loses V = K_d m w^2 pi r^2 / 2 in a turn, as deep as F / 2 presses it.
 
     Where the force changes its sign the block crosses the clearance in a short flight,
@@ -112,7 +112,7 @@ def test_wear_under_the_inertia_of_the_yoke(clearance: float, within: float) -> 
 
 @pytest.mark.parametrize("worn", [0.0, 20e-6, 50e-6])
 @pytest.mark.parametrize("tuned", [1.0, 0.995])
-def test_wear_relieves_the_load_that_causes_it(worn: float, tuned: float) -> None:
+def test_wear_relieves_the_load_that_causes_it(worn, tuned):
     """dh/dN = k (Q - c h): the two passes of a turn over a place have Q - c h in the mean.
 
     With m w^2 = c, spring and inertia cancel, and each pass has it.

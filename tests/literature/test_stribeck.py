@@ -87,7 +87,7 @@ def torques(load: float, speeds: Array, height: float) -> Array:
     )
 
 
-def test_one_height_of_asperities_fits_the_measured_torques() -> None:
+def test_one_height_of_asperities_fits_the_measured_torques():
     def misfit(height: float) -> float:
         ratio = torques(LOAD, SPEED, height) / MEASURED
         return float(np.sum(np.log(ratio) ** 2))
@@ -100,13 +100,13 @@ def test_one_height_of_asperities_fits_the_measured_torques() -> None:
     assert torques(LOAD, SPEED[-1:], 0.3)[0] < 0.13 * MEASURED[-1]
 
 
-def test_least_torque_lies_between_mixed_and_full_film() -> None:
+def test_least_torque_lies_between_mixed_and_full_film():
     speeds = np.array([150.0, 300.0, 500.0, 1000.0, 3000.0])
     curve = torques(LOAD, speeds, HEIGHT)
     assert speeds[curve.argmin()] == 500.0 == SPEED[MEASURED.argmin()]
 
 
-def test_the_page_states_the_torques_at_half_the_load() -> None:
+def test_the_page_states_the_torques_at_half_the_load():
     rows = re.findall(r"^\| (\d+) \| ([\d.]+) \|", PAGE.read_text(), re.MULTILINE)
     stated = np.array(rows, float)
     assert len(stated) == 7

@@ -114,7 +114,7 @@ def relative_deviation(depth: Array) -> float:
     return float(depth.std() / depth.mean())
 
 
-def test_a_bush_on_an_unworn_pin_has_the_lens_of_two_circles(worn_bush: Worn) -> None:
+def test_a_bush_on_an_unworn_pin_has_the_lens_of_two_circles(worn_bush: Worn):
     """The largest depth holds from a tenth of the clearance on, the profile at the end."""
     area = worn_bush.area
     for cycle in (20, 40, 60, 80, 99):
@@ -123,7 +123,7 @@ def test_a_bush_on_an_unworn_pin_has_the_lens_of_two_circles(worn_bush: Worn) ->
     assert not worn_bush.pin.any()
 
 
-def test_friction_turns_the_deepest_place_away_from_the_load(worn_bush: Worn) -> None:
+def test_friction_turns_the_deepest_place_away_from_the_load(worn_bush: Worn):
     """The deepest place lies beside the load by the angle of friction."""
     bins = worn_bush.bush.shape[1]
     angles = (np.arange(bins) + 0.5) * 2.0 * math.pi / bins
@@ -131,7 +131,7 @@ def test_friction_turns_the_deepest_place_away_from_the_load(worn_bush: Worn) ->
     assert direction == pytest.approx(TILT, abs=1e-3)
 
 
-def test_volume_follows_the_law_of_archard(worn_bush: Worn) -> None:
+def test_volume_follows_the_law_of_archard(worn_bush: Worn):
     """The law is V = K_d F s with the normal force F and the sliding distance s.
 
     The volume follows the recorded product F s of each cycle to round-off. The product
@@ -152,7 +152,7 @@ def test_volume_follows_the_law_of_archard(worn_bush: Worn) -> None:
     assert distance == pytest.approx(2.0 * math.pi * radius, rel=1e-3)
 
 
-def test_elastic_contact_widens_to_the_arc_of_two_circles(worn_bush: Worn) -> None:
+def test_elastic_contact_widens_to_the_arc_of_two_circles(worn_bush: Worn):
     """The first arc follows from the elastic overlap, and the last from two circles."""
     fine = worn(bush(angles=1440), volume(0.02, 1e-5 * CLEARANCE), 8)
     force = fine.load_distance[-1] / (2.0 * math.pi * 0.019)
@@ -169,7 +169,7 @@ def test_elastic_contact_widens_to_the_arc_of_two_circles(worn_bush: Worn) -> No
     assert arcs[-1] > 3.0 * elastic
 
 
-def test_a_turning_pin_wears_evenly() -> None:
+def test_a_turning_pin_wears_evenly():
     """The load does not turn. The depth is V / (2 pi R b) at every angle."""
     result = worn(bush(share=0.0), volume(0.02, 0.1 * CLEARANCE), 60)
     assert relative_deviation(result.pin[-1]) < 1e-3
@@ -180,7 +180,7 @@ def test_a_turning_pin_wears_evenly() -> None:
 
 
 @pytest.mark.parametrize("turns", ["bush", "load"])
-def test_a_bush_under_a_relatively_turning_load_wears_evenly(turns: Any) -> None:
+def test_a_bush_under_a_relatively_turning_load_wears_evenly(turns):
     settings: dict[str, Any] = {}
     if turns == "load":
         settings = {"load": 1e3, "stiffness": 1e10}
@@ -189,13 +189,13 @@ def test_a_bush_under_a_relatively_turning_load_wears_evenly(turns: Any) -> None
     assert not result.pin.any()
 
 
-def test_a_pin_at_rest_in_a_turning_bush_has_the_lens_of_two_circles() -> None:
+def test_a_pin_at_rest_in_a_turning_bush_has_the_lens_of_two_circles():
     scene = bush(share=0.0, turns="bush")
     result = worn(scene, volume(0.02, 0.5 * CLEARANCE), 100, 1.5)
     check_lens(result.pin[-1], result.area, 0.02, CLEARANCE, 1e-3, 3e-3)
 
 
-def test_both_surfaces_wear_by_their_shares() -> None:
+def test_both_surfaces_wear_by_their_shares():
     """The pin wears evenly. The bushing has the lens of a pin of the smaller radius."""
     result = worn(bush(share=0.4), volume(0.02, 0.3 * CLEARANCE) / 0.4, 100, 1.5)
     bearing = result.bush[-1]
@@ -208,7 +208,7 @@ def test_both_surfaces_wear_by_their_shares() -> None:
 
 
 @pytest.mark.parametrize("radius", [1.0, 0.0025], ids=["1 to 1000", "2 to 5"])
-def test_any_ratio_of_radii(radius: float) -> None:
+def test_any_ratio_of_radii(radius):
     """The worn volume is larger than that of two circles by the factor sqrt(R / r)."""
     result = worn_to(0.5, radius, 100)
     bearing = result.bush[-1]
@@ -223,7 +223,7 @@ def test_any_ratio_of_radii(radius: float) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_a_life_ends_at_the_strokes_of_archard(engine: str) -> None:
+def test_a_life_ends_at_the_strokes_of_archard(engine):
     """The strokes agree within 1e-3 and the error that the life states."""
     part = 0.3
     count = 120
@@ -256,7 +256,7 @@ def test_a_life_ends_at_the_strokes_of_archard(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ["exudyn-tree", "exudyn-joints"])
-def test_engines_of_exudyn(engine: str) -> None:
+def test_engines_of_exudyn(engine):
     """The lens is that of two circles, and the volume follows Archard's law to round-off."""
     result = worn_to(0.3, 0.02, 60, engine=engine, angles=90)
     check_lens(result.bush[-1], result.area, 0.02, CLEARANCE, 1e-3, 3e-3)

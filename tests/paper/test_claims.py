@@ -29,7 +29,7 @@ A = Place("speed-4pi", 0, "A")
 B = Place("speed-8pi", 0, "A")
 
 
-def test_known_depths_give_known_verdicts() -> None:
+def test_known_depths_give_known_verdicts():
     """A is 2.5 times as deep as C everywhere, and friction has no effect."""
     for claim in CLAIMS:
         words = set()
@@ -46,9 +46,7 @@ def test_known_depths_give_known_verdicts() -> None:
             assert words == {"no effect"}
 
 
-def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction() -> (
-    None
-):
+def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction():
     wheres = [claim.where.split(", Fig. ") for claim in CLAIMS]
     sections = {"5.3.1", "5.3.2", "5.3.3", "5.4.1", "5.4.2", "5.4.3", "6"}
     assert {section for section, _ in wheres} == sections
@@ -65,7 +63,7 @@ def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction()
             )
 
 
-def test_comparisons_use_what_the_paper_prints() -> None:
+def test_comparisons_use_what_the_paper_prints():
     second = Place("wear-times", 2, "A")
     first = Place("wear-times", 1, "A")
     assert Comparison("depth", (second,), (first,)).printed == pytest.approx(
@@ -79,7 +77,7 @@ def test_comparisons_use_what_the_paper_prints() -> None:
     assert len(set(DEPTH_RATIOS)) == len(DEPTH_RATIOS) == 12
 
 
-def test_each_sensitivity_changes_one_assumption_of_the_first_setting() -> None:
+def test_each_sensitivity_changes_one_assumption_of_the_first_setting():
     scenes = make_scenes()
     first = list(scenes.values())[: len(settings.SETTINGS)]
     speeds = [2.0 / scene.mechanism.period for scene in first]  # over pi
@@ -103,7 +101,7 @@ def estimate(mean: float, half: float) -> pw.statistics.Estimate:
     return pw.statistics.Estimate.symmetric(mean, half)
 
 
-def test_the_interval_of_a_ratio_covers_it() -> None:
+def test_the_interval_of_a_ratio_covers_it():
     generator = np.random.default_rng(2)
     inside = 0
     for _ in range(400):
@@ -117,7 +115,7 @@ def test_the_interval_of_a_ratio_covers_it() -> None:
 
 
 @pytest.mark.parametrize("freedom", [3.0, 30.0])
-def test_widened_intervals_of_many_means_hold_together(freedom: float) -> None:
+def test_widened_intervals_of_many_means_hold_together(freedom):
     """All of 20 intervals of 95 % hold in 36 % of the tries, the widened ones in 95 %."""
     count = 20
     size = int(freedom) + 1
@@ -133,7 +131,7 @@ def test_widened_intervals_of_many_means_hold_together(freedom: float) -> None:
     assert verdicts.widening(freedom, 1) == pytest.approx(1.0)
 
 
-def test_intervals_may_reach_zero_and_differences_of_angles_go_the_short_way() -> None:
+def test_intervals_may_reach_zero_and_differences_of_angles_go_the_short_way():
     assert verdicts.ratio([estimate(1.0, 0.1)], [estimate(1.0, 1.5)]).high == math.inf
     assert verdicts.ratio([estimate(1.0, 1.5)], [estimate(1.0, 0.1)]).low == 0.0
     over, under = (estimate(math.radians(degrees), 0.01) for degrees in (5.0, 355.0))
@@ -155,8 +153,8 @@ def test_intervals_may_reach_zero_and_differences_of_angles_go_the_short_way() -
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
-    low: float, high: float, more: Verdict, less: Verdict, same: Verdict
-) -> None:
+    low, high, more: Verdict, less: Verdict, same: Verdict
+):
     """Ratios are compared with one, differences with zero."""
     expected: Expected
     for expected, word in (("more", more), ("less", less), ("same", same)):
@@ -181,12 +179,12 @@ def test_a_verdict_needs_the_whole_interval(
         *zip(("n", "hn", "fn", "no"), "npfn", strict=True),
     ],
 )
-def test_a_claim_holds_where_all_its_parts_do(parts: str, word: str) -> None:
+def test_a_claim_holds_where_all_its_parts_do(parts, word):
     words = dict(zip("hpfnom", get_args(Verdict), strict=True))
     assert verdicts.combined(words[letter] for letter in parts) == words[word]
 
 
-def test_printed_numbers_are_compared_with_single_cycles_and_intervals() -> None:
+def test_printed_numbers_are_compared_with_single_cycles_and_intervals():
     ours = Measured(estimate(100.0, 5.0), (60.0, 150.0), (100.0, 110.0))
     angle = Measured(estimate(math.radians(359.0), math.radians(5.0)))
     for quantity, value, measured, expected in (

@@ -31,7 +31,7 @@ def measured(
     return result
 
 
-def test_a_peak_is_the_mean_over_cycles_after_the_startup_of_each_replicate() -> None:
+def test_a_peak_is_the_mean_over_cycles_after_the_startup_of_each_replicate():
     arrays = one(0, 1, force=[EVEN] * 3)
     result = measured(evidence_of(SETTING, arrays), "force", joint="A")
     samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE]
@@ -42,7 +42,7 @@ def test_a_peak_is_the_mean_over_cycles_after_the_startup_of_each_replicate() ->
     assert result.single_cycles[0] < 170.0 < 225.0 < result.single_cycles[1]
 
 
-def test_recorded_numbers_of_cycles_are_read_by_name() -> None:
+def test_recorded_numbers_of_cycles_are_read_by_name():
     evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * 2))
     names = ("displacement_off", "velocity_off", "lag", "stroke")
     values = [measured(evidence, name).estimate.mean for name in names]
@@ -52,7 +52,7 @@ def test_recorded_numbers_of_cycles_are_read_by_name() -> None:
     assert rate == pytest.approx(7.0 / base_scene(SETTING).mechanism.period)
 
 
-def test_depths_add_up_over_wears() -> None:
+def test_depths_add_up_over_wears():
     evidence = evidence_of(SETTING, one(0, 1), one(1, 6, peak=(30e-6, 4e-6)))
 
     def value(quantity: str, wear_updates: int, joint: str = "A") -> float:
@@ -72,7 +72,7 @@ def test_depths_add_up_over_wears() -> None:
     assert np.all((worn.low <= worn.mean) & (worn.mean <= worn.high))
 
 
-def test_after_a_wear_the_replicates_alone_give_the_interval() -> None:
+def test_after_a_wear_the_replicates_alone_give_the_interval():
     """The value is of the runs on common surfaces; the others say how far it may be off."""
     force = [EVEN] * 2 + [{name: 1.5 * value for name, value in EVEN.items()}] * 2
     second = one(1, 2, force=force)
@@ -87,7 +87,7 @@ def test_after_a_wear_the_replicates_alone_give_the_interval() -> None:
     assert result.estimate.half_width == pytest.approx(half)
 
 
-def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing() -> None:
+def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing():
     arrays = one(0, 1)
     arrays["A_wear_batches"] = arrays["A_wear_batches"][:0]
     arrays["wear_batch_cycles"] = np.zeros(0)
@@ -104,7 +104,7 @@ def test_a_wear_of_few_cycles_has_no_interval_and_what_did_not_run_is_missing() 
     assert failed.measured(BASE, Place(SETTING, 0, "A"), "force") is None
 
 
-def test_every_quantity_can_be_measured() -> None:
+def test_every_quantity_can_be_measured():
     for quantity in QUANTITIES:
         joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
         assert math.isfinite(
@@ -112,7 +112,7 @@ def test_every_quantity_can_be_measured() -> None:
         )
 
 
-def test_maps_that_turn_with_the_bodies_are_not_added_up_by_their_angles() -> None:
+def test_maps_that_turn_with_the_bodies_are_not_added_up_by_their_angles():
     arrays = one(0, 1)
     arrays["A_wear_batches"][:, 1] = np.roll(
         arrays["A_wear_batches"][:, 1], 30, axis=-1

@@ -11,7 +11,7 @@ from presswear.paper.settings import SENSITIVITIES, WEAR, base_scene
 from presswear.physics.wear import contact_area
 
 
-def test_half_the_chord_belongs_to_the_pin() -> None:
+def test_half_the_chord_belongs_to_the_pin():
     """Two circles: half their common chord is the height of the triangle e, R_i, R_j over e."""
     bearing = base_scene(WEAR).bearing("A")
     radius = bearing.bearing_radius
@@ -31,7 +31,7 @@ def test_half_the_chord_belongs_to_the_pin() -> None:
     assert errors.chord_ratio(base_scene(WEAR)) == pytest.approx(1.0563, abs=1e-4)
 
 
-def test_every_effect_is_computed() -> None:
+def test_every_effect_is_computed():
     """Depths are the same in all made-up runs, so that every computed effect is near zero."""
     ((_, rows),) = errors.error_table(every_evidence()).groups
     assert all(all(row) for row in rows)

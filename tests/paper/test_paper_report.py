@@ -3,7 +3,6 @@
 import html
 import math
 import re
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -32,7 +31,7 @@ def text_of(evidence: Evidence) -> str:
     return re.sub(r"\s+", " ", page)
 
 
-def test_every_printed_number_and_claim_is_on_the_page() -> None:
+def test_every_printed_number_and_claim_is_on_the_page():
     text = text_of(every_evidence())
     for item in PRINTED:
         assert re.sub(r"\s+", " ", printed_text(item)) in text
@@ -40,7 +39,7 @@ def test_every_printed_number_and_claim_is_on_the_page() -> None:
     assert all(claim.quote in text for claim in CLAIMS)
 
 
-def test_the_answer_counts_right_and_findings_follow_the_numbers() -> None:
+def test_the_answer_counts_right_and_findings_follow_the_numbers():
     evidence = every_evidence()
     counts = map(int, re.findall(r"\d+", report.headline(evidence, judge(evidence))))
     claims, held, part, failed, same, rest, _, peaks, inside, above, below = counts
@@ -61,7 +60,7 @@ def test_the_answer_counts_right_and_findings_follow_the_numbers() -> None:
         )
 
 
-def test_tables_show_ours_beside_the_paper() -> None:
+def test_tables_show_ours_beside_the_paper():
     """The depth at A is 20 um after each wear, so 40 um after two and a ratio of two."""
     rows = {
         row[0]: row
@@ -76,7 +75,7 @@ def test_tables_show_ours_beside_the_paper() -> None:
     assert float(ratios[0][2].split()[0]) == pytest.approx(2.0, rel=0.03)
 
 
-def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> None:
+def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ():
     evidence = every_evidence()
     factors = depth_factors(evidence, BASE)
     assert (len(factors), len(DOUBTFUL)) == (10, 2)
@@ -93,7 +92,7 @@ def test_a_fit_leaves_out_doubtful_prints_and_equal_cases_do_not_differ() -> Non
     assert [row[-1] for row in rows].count("no") <= 2
 
 
-def test_a_computed_sentence_holds_for_every_depth_of_its_table() -> None:
+def test_a_computed_sentence_holds_for_every_depth_of_its_table():
     """No printed depth is farther from ours than the largest factor that the sentence names."""
     evidence = every_evidence()
     factors = depth_factors(evidence, BASE)
@@ -110,13 +109,13 @@ def test_a_computed_sentence_holds_for_every_depth_of_its_table() -> None:
     assert "agree within" not in text
 
 
-def test_missing_runs_leave_the_rest() -> None:
+def test_missing_runs_leave_the_rest():
     first, *_ = every_result().items()
     assert "not computed" in text_of(Evidence(dict([first])))
     assert not [*drawings(Evidence({}))]
 
 
-def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
+def test_every_figure_has_its_counterpart_with_the_printed_values():
     before = dict(matplotlib.rcParams)
     figures = [*drawings(every_evidence())]
     assert dict(matplotlib.rcParams) == before
@@ -140,15 +139,13 @@ def test_every_figure_has_its_counterpart_with_the_printed_values() -> None:
     np.testing.assert_allclose(curve[is_worn], 1e6 * worn.mean[is_worn])
 
 
-def test_bad_input_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_input_is_one_line(tmp_path, capsys):
     assert main([str(tmp_path / "paper"), "--engine", "exudyntree"]) == 2
     assert "did you mean exudyn-tree" in capsys.readouterr().err
 
 
 @pytest.mark.slow
-def test_the_whole_study_runs_and_is_reported(tmp_path: Path) -> None:
+def test_the_whole_study_runs_and_is_reported(tmp_path):
     """Few cycles of everything: too few for many verdicts, enough for every path."""
     answer, page = run_paper(tmp_path / "paper", engine="dae", quick=True)
     assert answer.startswith("Of 49 claims on trends")

@@ -70,9 +70,7 @@ def assert_equal_motions(result: Motion, exact: Motion, speed: float) -> None:
     st.floats(0.1 * math.pi, 40.0 * math.pi),
     st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=50),
 )
-def test_the_press_moves_as_in_closed_form(
-    name: str, speed: float, cycles: list[float]
-) -> None:
+def test_the_press_moves_as_in_closed_form(name, speed, cycles):
     press = Press(geometry=GEOMETRIES[name], speed=speed)
     time = press.period * np.append(0.0, cycles)
     exact = press_motion(press, time)
@@ -85,9 +83,7 @@ def test_the_press_moves_as_in_closed_form(
 
 
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
-def test_the_slider_crank_moves_as_in_closed_form(
-    crank: float, ratio: float, speed: float
-) -> None:
+def test_the_slider_crank_moves_as_in_closed_form(crank, ratio, speed):
     rod = min(ratio * crank, 10.0)
     mechanism = SliderCrank(crank, rod, slide_angle=0.0, speed=speed)
     time = np.linspace(0.0, 2.0 * mechanism.period, 97)
@@ -95,7 +91,7 @@ def test_the_slider_crank_moves_as_in_closed_form(
     assert_equal_motions(motion_of(mechanism).at(time), exact, speed)
 
 
-def test_the_four_bar_moves_as_in_the_textbook() -> None:
+def test_the_four_bar_moves_as_in_the_textbook():
     """Freudenstein's equation for the rocker, and the coupler between crank and rocker.
 
     K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), with angles from the base.
@@ -112,7 +108,7 @@ def test_the_four_bar_moves_as_in_the_textbook() -> None:
     assert_allclose(tip, BASE + ROCKER * np.exp(1j * rocker), atol=1e-13)
 
 
-def test_rows_are_those_of_the_engines() -> None:
+def test_rows_are_those_of_the_engines():
     """Phi, its derivatives and its Jacobian, far from any assembled position."""
     generator = np.random.default_rng(2)
     slider_crank = SliderCrank(slide_angle=0.0).linkage()
@@ -135,7 +131,7 @@ def test_rows_are_those_of_the_engines() -> None:
             assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
-def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
+def test_a_chain_of_four_bars_moves_with_the_first_group_by_group():
     """The rockers after the first are turned by parallelograms, so all of them turn alike."""
     first = four_bar()
     bodies = []
@@ -172,7 +168,7 @@ def test_a_chain_of_four_bars_moves_with_the_first_group_by_group() -> None:
     assert_allclose(result, exact, atol=1e-9 * np.abs(exact).max())
 
 
-def test_the_guess_selects_the_assembly_branch() -> None:
+def test_the_guess_selects_the_assembly_branch():
     lower = four_bar().changed(guess={"coupler": -0.8, "rocker": -1.9})
     for linkage, side in ((four_bar(), 1.0), (lower, -1.0)):
         crank, _, rocker = assembled(linkage)[:, 2]
@@ -214,13 +210,13 @@ REFUSED = {
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("message", REFUSED)
-def test_a_linkage_without_motion_is_refused_by_name(message: str) -> None:
+def test_a_linkage_without_motion_is_refused_by_name(message):
     with pytest.raises(AssemblyError, match=message) as refusal:
         ideal_motion(REFUSED[message], PERIOD)
     assert "\n" not in str(refusal.value)
 
 
-def test_a_truss_stands_still_or_is_refused() -> None:
+def test_a_truss_stands_still_or_is_refused():
     """Two bars between two points of the frame: nothing drives them, and nothing has to."""
 
     def truss(base: float) -> Linkage:

@@ -85,7 +85,7 @@ def _arms(pair: Pair) -> Array:
 
 
 @given(pairs(st.floats(1e-9, 1e-4)))
-def test_force_acts_at_one_point_and_follows_the_laws(pair: Pair) -> None:
+def test_force_acts_at_one_point_and_follows_the_laws(pair: Pair):
     """Linear and angular momentum are conserved to round-off."""
     contact = pair.contact()
     load = pair.load(0.5)
@@ -113,10 +113,10 @@ def test_force_acts_at_one_point_and_follows_the_laws(pair: Pair) -> None:
 @given(joints, st.floats(-4e-4, 1e-4), directions, angle_pairs)
 def test_penetration_is_measured_from_the_worn_gap(
     joint: ClearanceJoint,
-    penetration: float,
-    direction: float,
-    angles: tuple[float, float],
-) -> None:
+    penetration,
+    direction,
+    angles,
+):
     contact = placed(joint, penetration, direction, angles=angles).contact()
     # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that
     # angle.
@@ -127,7 +127,7 @@ def test_penetration_is_measured_from_the_worn_gap(
 
 
 @given(pairs(st.floats(0.0, 1e-4)))
-def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
+def test_sliding_is_that_of_the_material_points(pair: Pair):
     contact = pair.contact()
     on_bearing, on_pin = _arms(pair)
     bearing = pair.v[:2] + pair.v[2] * np.array([-on_bearing[1], on_bearing[0]])
@@ -142,7 +142,7 @@ def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
 
 
 @given(pairs(st.floats(-1e-4, 1e-4), 0.05, 0.3))
-def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
+def test_rate_is_the_derivative_of_penetration(pair: Pair):
     step = 1e-7
     ahead = pair.after(step).contact().penetration
     behind = pair.after(-step).contact().penetration
@@ -167,9 +167,7 @@ def _knot_is_near(pair: Pair, span: float) -> bool:
 
 
 @given(pairs(st.floats(-5e-4, 1e-4), 0.1, 3.0), rates(1e2, 1e3))
-def test_penetration_acceleration_is_a_derivative(
-    pair: Pair, acceleration: Array
-) -> None:
+def test_penetration_acceleration_is_a_derivative(pair: Pair, acceleration):
     eccentricity = pair.contact().eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in
     # which the pin would cross the joint.
@@ -189,7 +187,7 @@ def test_penetration_acceleration_is_a_derivative(
 
 
 @pytest.mark.parametrize("joint", [JOINT, worn_joint("fixed"), worn_joint("body")])
-def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
+def test_centred_pin_touches_nothing(joint: ClearanceJoint):
     bearing, pin = (Attachment(body, 0.0, 0.0) for body in ("bearing", "pin"))
     q = np.array([0.3, 0.2, 0.7, 0.3, 0.2, -0.4])
     v = np.array([0.1, 0.2, 30.0, -0.3, 0.1, -20.0])
@@ -204,7 +202,7 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     assert placed(JOINT, -1e-9, 1.0, rates=v).load(0.7) == NO_LOAD
 
 
-def test_first_step_of_a_contact_is_damped_by_its_own_rate() -> None:
+def test_first_step_of_a_contact_is_damped_by_its_own_rate():
     """The rate takes the place of a closing speed at touchdown that is still 0."""
     pair = placed(JOINT, 1e-6, 0.0, rates=np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
     assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
@@ -221,9 +219,7 @@ def test_first_step_of_a_contact_is_damped_by_its_own_rate() -> None:
 
 
 @given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
-def test_a_bearing_on_the_frame_is_at_rest(
-    penetration: float, direction: float, v: Array
-) -> None:
+def test_a_bearing_on_the_frame_is_at_rest(penetration, direction, v):
     on_frame = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
     on_body = replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0))
     two_bodies = placed(on_body, penetration, direction)

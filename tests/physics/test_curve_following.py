@@ -54,7 +54,7 @@ ANGLE = PRESS.drives[1].angle
     ],
     ids=["rocking", "turning"],
 )
-def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed: float) -> None:
+def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed):
     """The slider's motion is followed, and returns the motion of crank 7."""
     follow = Follow("slider 6.centre", table=curve_of(servo(drive)))
     result = followed(servo(Drive("crank 7", speed, ANGLE, W, follow=follow))).drives[1]
@@ -77,9 +77,7 @@ amplitudes = st.floats(-0.25, 0.25)
     st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3),
     st.integers(0, 2),
 )
-def test_crank_follows_the_law_of_cosines(
-    waves: list[tuple[float, float]], run_up: int
-) -> None:
+def test_crank_follows_the_law_of_cosines(waves, run_up):
     """cos a = (x^2 + r^2 - l^2) / (2 r x) for a slider at x that swings about a = 90 deg."""
     scale = 0.3 * R
     harmonics = [
@@ -105,7 +103,7 @@ def test_crank_follows_the_law_of_cosines(
     assert solution.run_up == run_up
 
 
-def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly() -> None:
+def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly():
     """Two motions of the servo meet there; begun 1.6 degrees later, a step ends close behind."""
     uneven = replace(PRESS.drives[1], harmonics=[(0.0, 0.0), (0.0, 0.0), (0.0, 0.08)])
     later = math.radians(1.6) / W
@@ -144,18 +142,18 @@ REFUSED = {
 @pytest.mark.parametrize(
     "message", REFUSED, ids=["out of reach", "mean speed", "pieces"]
 )
-def test_a_curve_that_cannot_be_followed_is_refused(message: str) -> None:
+def test_a_curve_that_cannot_be_followed_is_refused(message):
     with pytest.raises(AssemblyError, match=message):
         followed(REFUSED[message])
 
 
-def test_nothing_runs_before_the_motion_is_found() -> None:
+def test_nothing_runs_before_the_motion_is_found():
     with pytest.raises(ValueError, match="drive of crank 7 follows a curve"):
         motions_of(DWELL)
     assert followed(PRESS) == PRESS
 
 
-def test_a_scene_holds_the_curve_and_runs_the_motion() -> None:
+def test_a_scene_holds_the_curve_and_runs_the_motion():
     scene = Scene(mechanism=DWELL, joints="A,C", wear_updates=0)
     again = Scene.from_dict(scene.as_dict())
     assert again == scene

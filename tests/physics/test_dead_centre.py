@@ -31,7 +31,7 @@ def bar(angle: float = 0.0, **changes: Any) -> Linkage:
 
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
-def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
+def test_press_is_lowest_where_the_closed_form_stands(geometry):
     press = Press(geometry=GEOMETRIES[geometry])
     linkage = press.linkage()
     result = bottom_of(motion_of(press))
@@ -58,9 +58,7 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
 @pytest.mark.parametrize(
     ("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)]
 )
-def test_slider_crank_is_lowest_in_line(
-    direction: float, part: float, sign: float
-) -> None:
+def test_slider_crank_is_lowest_in_line(direction, part, sign):
     """In the opposite direction the bottom falls on the boundary of two cycles."""
     mechanism = SliderCrank(slide_angle=0.0)
     linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))
@@ -80,9 +78,7 @@ def test_slider_crank_is_lowest_in_line(
     ("angle", "place"), [(0.0, 0.75), (0.4, 0.75 - 0.4 / math.tau)]
 )
 @pytest.mark.parametrize("run_up", [0, 2])
-def test_bar_is_lowest_at_three_quarters(
-    angle: float, place: float, run_up: int
-) -> None:
+def test_bar_is_lowest_at_three_quarters(angle, place, run_up):
     linkage = bar(angle, run_up=run_up)
     result = bottom_of(motion_of(linkage))
     assert result is not None
@@ -97,6 +93,6 @@ def test_bar_is_lowest_at_three_quarters(
     assert late[2] == pytest.approx((0.9 - place) * linkage.period, abs=1e-13)
 
 
-def test_what_stands_has_none() -> None:
+def test_what_stands_has_none():
     linkage = bar().changed(output=OutputPoint("bar", 0.5 * math.pi, x=-0.1))
     assert bottom_of(motion_of(linkage)) is None

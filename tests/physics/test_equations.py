@@ -277,7 +277,7 @@ def subject_of(name: str, seed: int = 0) -> Subject:
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("seed", range(3))
-def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
+def test_equations_agree_with_multipliers(name, seed):
     subject = subject_of(name, seed)
     close = partial(near, relative=WITHIN.get(name, 1e-11))
     subject.run()
@@ -311,9 +311,7 @@ def test_equations_agree_with_multipliers(name: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_forces_on_all_bodies_agree_with_vectors(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_forces_on_all_bodies_agree_with_vectors(name, monkeypatch):
     monkeypatch.setattr(body_forces, "function_of", lambda x: function_of(x).py_func)
     subject = subject_of(name)
     close = partial(near, relative=WITHIN.get(name, 1e-11))
@@ -334,7 +332,7 @@ def test_forces_on_all_bodies_agree_with_vectors(
 @pytest.mark.parametrize(
     "name", ["press", "lugre", "loads", "user laws", "worn foundation"]
 )
-def test_compiled_equations_agree_with_plain_python(name: str) -> None:
+def test_compiled_equations_agree_with_plain_python(name):
     subject = subject_of(name)
     expected = subject.run().copy()
     subject.out[:] = 0.0
@@ -342,8 +340,8 @@ def test_compiled_equations_agree_with_plain_python(name: str) -> None:
 
 
 def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """A pin 1e-19 m deep in a worn bearing moves as one that does not touch."""
     subject = subject_of("worn foundation")
     found = list[Array]()
@@ -362,7 +360,7 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
     np.testing.assert_array_equal(found[0], found[1])
 
 
-def test_equations_run_without_compilation(tmp_path: Path) -> None:
+def test_equations_run_without_compilation(tmp_path):
     """With NUMBA_DISABLE_JIT=1, so that a debugger steps into every kernel."""
     script = tmp_path / "plain.py"
     names = ["press", "pump", "lugre", "user laws", "worn foundation"]

@@ -6,7 +6,6 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from four_bar_linkage import FOUR_BAR
@@ -20,7 +19,7 @@ from presswear.physics.equations.writer import write_equations
 from presswear.physics.packed import pack
 
 
-def test_numbers_are_no_part_of_the_text() -> None:
+def test_numbers_are_no_part_of_the_text():
     """Another clearance, speed, mass or law parameter compiles nothing."""
     one = loose(FOUR_BAR, "B")
     fast = loose(
@@ -44,7 +43,7 @@ def test_numbers_are_no_part_of_the_text() -> None:
     } <= changed
 
 
-def test_names_of_bodies_and_joints_become_names_of_variables() -> None:
+def test_names_of_bodies_and_joints_become_names_of_variables():
     """Also names that begin with a digit, share a beginning, or differ by signs only."""
     bodies = [
         pw.Bar("2 arm", 0.2, 1.0),
@@ -67,7 +66,7 @@ def test_names_of_bodies_and_joints_become_names_of_variables() -> None:
     compile(text, "equations", "exec")
 
 
-def test_a_name_cannot_become_code() -> None:
+def test_a_name_cannot_become_code():
     """A result may come from anybody, and its equations are executed."""
     name = "arm\nraise SystemExit\r#\u2028raise SystemExit"
     text = Text()
@@ -94,14 +93,14 @@ def test_a_name_cannot_become_code() -> None:
     ],
 )
 def test_a_linkage_without_written_equations_is_named_with_its_reason(
-    linkage: Linkage, reason: str
-) -> None:
+    linkage: Linkage, reason
+):
     result = write_equations(linkage, pack(linkage))
     assert isinstance(result, str)
     assert re.search(reason, result)
 
 
-def test_numbers_stand_beside_their_names() -> None:
+def test_numbers_stand_beside_their_names():
     """A rod of 1 m and 3 kg has the inertia 1 kg m^2 about its end."""
     linkage = pw.assemble(
         [pw.Bar("rod", 1.0, 3.0), pw.Bar("crank", 0.1, 1.0)],
@@ -137,7 +136,7 @@ for kernel in kernels:
 """
 
 
-def test_equations_that_other_processes_stored_are_not_mistaken(tmp_path: Path) -> None:
+def test_equations_that_other_processes_stored_are_not_mistaken(tmp_path):
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
     for values in ("1.0",), ("2.0", "1.0"):
         command = [sys.executable, "-c", STORED, *values]

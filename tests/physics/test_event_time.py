@@ -14,9 +14,7 @@ from presswear.physics.event_time import crossing
     st.floats(-1.0, 3.0),
     st.floats(1e-7, 1.0),
 )
-def test_crossing_is_the_first_root(
-    root: float, length: float, factor: float, h: float
-) -> None:
+def test_crossing_is_the_first_root(root, length, factor, h):
     """A contact starts and ends within the step."""
     # The roots are root, root + length and -6 / factor, which lies outside of the step.
     quadratic = -np.poly1d([root, root + length], r=True)

@@ -27,7 +27,7 @@ BUSH = film_of(width=0.08, bearing_radius=0.045, clearance=5e-5, viscosity=0.1)
 
 
 @pytest.mark.parametrize("ratio", TABLE)
-def test_sommerfeld_numbers_are_those_of_tables(ratio: float) -> None:
+def test_sommerfeld_numbers_are_those_of_tables(ratio):
     for eccentricity, number in TABLE[ratio].items():
         computed = eccentricity * rotation_slope(1.0 - eccentricity, ratio)
         assert computed == pytest.approx(number, rel=0.07)
@@ -41,8 +41,8 @@ def test_sommerfeld_numbers_are_those_of_tables(ratio: float) -> None:
     ],
 )
 def test_steady_films_agree_with_an_independent_program(
-    load: float, wedge: float, eccentricity: float, angle: float
-) -> None:
+    load, wedge, eccentricity, angle
+):
     """The program solves the formulas of Butenschoen for the eccentricity under a load."""
 
     def excess(gap: float) -> float:
@@ -55,7 +55,7 @@ def test_steady_films_agree_with_an_independent_program(
     )
 
 
-def test_velocity_of_a_film_is_the_inverse_of_its_force() -> None:
+def test_velocity_of_a_film_is_the_inverse_of_its_force():
     random = np.random.default_rng(5)
     for _ in range(500):
         gap = 10.0 ** random.uniform(-9.0, 0.0)
@@ -66,7 +66,7 @@ def test_velocity_of_a_film_is_the_inverse_of_its_force() -> None:
         assert math.dist(same_force, force) < 1e-14 * math.hypot(*force)
 
 
-def test_film_and_parallel_dampers_add_up_to_the_force() -> None:
+def test_film_and_parallel_dampers_add_up_to_the_force():
     random = np.random.default_rng(6)
     for _ in range(100):
         gap = 10.0 ** random.uniform(-6.0, 0.0)
@@ -80,7 +80,7 @@ def test_film_and_parallel_dampers_add_up_to_the_force() -> None:
 
 
 @pytest.mark.parametrize("eccentricity", [0.1, 0.5, 0.85, 0.95])
-def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity: float) -> None:
+def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity):
     """Compare with Butenschoen's formula as printed, from which the kernel differs in form."""
     b = BUSH.width_ratio
     a8 = 0.70038 + 3.2415 * b - 12.2486 * b**2 + 18.895 * b**3 - 9.3561 * b**4
@@ -94,7 +94,7 @@ def test_squeeze_numbers_are_those_of_the_printed_formula(eccentricity: float) -
         assert number == pytest.approx(printed, rel=1e-11)
 
 
-def test_an_opening_film_resists_little_however_thin_it_is() -> None:
+def test_an_opening_film_resists_little_however_thin_it_is():
     """Near x = -1 the pressure term of the squeeze number goes as 2/15 (1 - x^2)^2.5.
 
     The number divides this term by (1 - x^2)^2.5, so that its limit is finite.

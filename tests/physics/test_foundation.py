@@ -145,7 +145,7 @@ def directly(
     ],
     ids=["smooth", "bearing only", "rough", "notch", "step"],
 )
-def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) -> None:
+def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above):
     places = (1.52, 1.71)
     here = float(bearing(np.array(places[:1]))[0] if bearing.is_worn else 0.0)
     here += float(pin(np.array(places[1:]))[0] if pin.is_worn else 0.0)
@@ -160,7 +160,7 @@ def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) ->
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.3, 0.7])
-def test_no_cubic_of_the_pin_is_below_its_least_depth(offset: float) -> None:
+def test_no_cubic_of_the_pin_is_below_its_least_depth(offset):
     pin = rough(3)
     rows = pack_rows(Surface(np.zeros(BINS)), pin, BINS)
     nodes = np.arange(BINS + 1)
@@ -174,9 +174,7 @@ def test_no_cubic_of_the_pin_is_below_its_least_depth(offset: float) -> None:
 
 @pytest.mark.parametrize("bins", [9, 63, 90, 720])
 @pytest.mark.parametrize("eccentricity", [1e-9, 4e-4, C + 2e-5])
-def test_the_nearest_place_of_a_worn_turn_is_found(
-    eccentricity: float, bins: int
-) -> None:
+def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity, bins):
     """However far round it lies: the pin is near the centre, or presses on a long arc."""
     bearing = rough(4, bins)
     pin = rough(5, bins)
@@ -194,7 +192,7 @@ def test_the_nearest_place_of_a_worn_turn_is_found(
 # The patch is narrower than one of 16 bins, and wider than one of 360.
 @pytest.mark.parametrize("bins", [16, BINS])
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
-def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) -> None:
+def test_a_round_joint_gives_back_the_normal_law(penetration, bins):
     """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
     flat = Surface(np.zeros(bins))
     force = (
@@ -209,7 +207,7 @@ def test_a_round_joint_gives_back_the_normal_law(penetration: float, bins: int) 
 
 @pytest.mark.parametrize("bins", [BINS, 97])
 @pytest.mark.parametrize("part", [1e-9, 1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 3.0, 30.0])
-def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
+def test_round_surfaces_have_the_closed_form(part, bins):
     """The sums over maps of no depth, and both formulas where they do not cancel."""
     flat = Surface(np.zeros(bins))
     penetration = part * C
@@ -233,9 +231,7 @@ def test_round_surfaces_have_the_closed_form(part: float, bins: int) -> None:
 
 
 @given(st.floats(-6.0, 2.0), st.floats(0.0, 6.0))
-def test_a_round_contact_is_that_of_maps_without_depth(
-    power: float, direction: float
-) -> None:
+def test_a_round_contact_is_that_of_maps_without_depth(power, direction):
     """Closed form and sums over the arc fill all numbers of a contact alike."""
     joint = replace(JOINT, contact="foundation", wear=WearLaw(1e-15))
     rates = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
@@ -275,7 +271,7 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
 
 @settings(max_examples=12)
 @given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
-def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
+def test_forces_are_the_gradient_of_the_energy(seed, bins):
     """At rest, without friction and damping, nothing but the elastic force is left."""
     pair = worn(
         Surface(1e-5 * np.random.default_rng(seed).random(bins)),
@@ -299,7 +295,7 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
         assert force[i] == pytest.approx((behind - ahead) / (2.0 * size), abs=allowed)
 
 
-def test_rates_of_overlap_and_energy_are_derivatives() -> None:
+def test_rates_of_overlap_and_energy_are_derivatives():
     pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
     acceleration = np.array([3.0, -20.0, 400.0, 50.0, 10.0, -300.0])
     contact = pair.contact()
@@ -328,9 +324,7 @@ def test_rates_of_overlap_and_energy_are_derivatives() -> None:
 )
 @example(direction=0.05, way=-0.055, turn=3.13)  # across the seams of both maps
 @example(direction=-0.05, way=0.055, turn=-3.13)
-def test_the_place_before_changes_nothing(
-    direction: float, way: float, turn: float
-) -> None:
+def test_the_place_before_changes_nothing(direction, way, turn):
     # So rough that the whole turn is searched
     case = rough(1), rough(2), C + 1e-6, direction, direction + turn
     near, far = (arc_of(*case, before=direction + angle) for angle in (way, 3.0))
@@ -340,7 +334,7 @@ def test_the_place_before_changes_nothing(
 @given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
 @example(seed=626, above=3e-6)
 @example(seed=1790, above=3e-6)
-def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
+def test_no_patch_hides_between_two_nodes(seed, above):
     """On coarse rough maps the overlap can rise and fall twice inside one segment."""
     random = np.random.default_rng(seed)
     bearing, pin = (Surface(3e-5 * random.random(24)) for _ in range(2))
@@ -359,7 +353,7 @@ def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
 
 @pytest.mark.parametrize("bins", [24, 90, BINS])
 @pytest.mark.parametrize("direction", [0.3, 2.7])
-def test_integrals_are_derivatives_of_the_energy(bins: int, direction: float) -> None:
+def test_integrals_are_derivatives_of_the_energy(bins, direction):
     """By differences of sixth order, in the eccentricity and in the angle between both maps."""
     bearing = groove(0.6, 2e-5, bins)
     pin = groove(0.4, 1e-5, bins)

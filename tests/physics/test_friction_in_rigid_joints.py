@@ -57,7 +57,7 @@ def slider_crank(speed: float = 10.0) -> Linkage:
 
 @pytest.mark.parametrize("speed", [5.0, -5.0])
 @pytest.mark.parametrize("is_swapped", [False, True])
-def test_a_pin_under_a_known_force_takes_mu_f_r(speed: float, is_swapped: bool) -> None:
+def test_a_pin_under_a_known_force_takes_mu_f_r(speed, is_swapped):
     """Weight and centripetal force; against the motion, pin and bearing in either place."""
     linkage = bar(speed)
     law = FrictionLaw(0.1)
@@ -77,7 +77,7 @@ def test_a_pin_under_a_known_force_takes_mu_f_r(speed: float, is_swapped: bool) 
 
 
 @pytest.mark.parametrize(("speed", "part"), [(0.01, 0.0), (0.11, 0.5), (1.0, 1.0)])
-def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
+def test_the_ramp_is_that_of_a_bearing(speed, part):
     """c_d of the sliding speed r w: v_0 = 0.1, v_1 = 1 mm/s."""
     linkage = bar(speed)
     motion = motion_of(bar(speed))
@@ -94,7 +94,7 @@ def test_the_ramp_is_that_of_a_bearing(speed: float, part: float) -> None:
     )
 
 
-def test_bristles_are_those_of_steady_sliding() -> None:
+def test_bristles_are_those_of_steady_sliding():
     linkage = bar(0.05)
     settings = LuGreSettings(static_friction=0.15, stribeck_speed=1e-3)
     law = FrictionLaw(0.1, name="lugre", settings=settings)
@@ -110,7 +110,7 @@ def test_bristles_are_those_of_steady_sliding() -> None:
 
 
 @pytest.mark.parametrize("coefficient", [0.01, 0.1, 0.3])
-def test_the_drive_pays_for_the_friction_at_every_instant(coefficient: float) -> None:
+def test_the_drive_pays_for_the_friction_at_every_instant(coefficient):
     """Extra power is the sum of mu F r times the relative spins, F the forces with friction."""
     linkage = slider_crank()
     law = FrictionLaw(coefficient)
@@ -141,7 +141,7 @@ def test_the_drive_pays_for_the_friction_at_every_instant(coefficient: float) ->
     )
 
 
-def test_friction_that_blocks_the_motion_is_said() -> None:
+def test_friction_that_blocks_the_motion_is_said():
     """A bearing as large as the crank, with a coefficient above one."""
     linkage = slider_crank()
     joints = bushings(linkage, "OAB", FrictionLaw(2.0), radius=0.3)
@@ -152,7 +152,7 @@ def test_friction_that_blocks_the_motion_is_said() -> None:
         constraint_forces(linkage, motion_of(linkage), time, joints)
 
 
-def test_a_torque_limit_holds_with_friction() -> None:
+def test_a_torque_limit_holds_with_friction():
     linkage = bar(5.0)
     joints = bushings(linkage, "O", FrictionLaw(0.1))
     time = np.linspace(0.0, linkage.period, 5000)
@@ -168,7 +168,7 @@ def test_a_torque_limit_holds_with_friction() -> None:
         check_drives(limited, motion_of(limited), joints)
 
 
-def test_friction_has_corners_where_joints_turn_back() -> None:
+def test_friction_has_corners_where_joints_turn_back():
     """The rod turns back twice in a cycle: four corners of the ramp each time."""
     linkage = slider_crank()
     joints = bushings(linkage, "B", FrictionLaw(0.1)) or bushings(

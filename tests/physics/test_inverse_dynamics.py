@@ -27,7 +27,7 @@ LIGHT = pw.Scene(
 )
 
 
-def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
+def test_corners_of_loads_are_where_their_tables_have_nodes():
     mechanism = LIGHT.mechanism
     assert isinstance(mechanism, pw.SliderCrank)
     crank = mechanism.crank_length
@@ -67,7 +67,7 @@ def test_corners_of_loads_are_where_their_tables_have_nodes() -> None:
 
 
 @pytest.mark.parametrize("run_up", [0, 1])
-def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
+def test_torques_of_the_press_are_those_of_virtual_work(run_up):
     """Under a stop and weights; behind a run-up the cycle is the same."""
     press = pw.Press(run_up=run_up)
     stop = OverPosition([(-0.6, 200.0), (-0.5, 0.0)], outside="hold")
@@ -81,7 +81,7 @@ def test_torques_of_the_press_are_those_of_virtual_work(run_up: int) -> None:
     np.testing.assert_allclose(result, expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_a_limit_is_that_of_the_greatest_torque() -> None:
+def test_a_limit_is_that_of_the_greatest_torque():
     """A bar on a pin at even speed bears its weight alone: m g r."""
     bar = pw.Bar("crank", length=0.4, mass=2.0)
     weight = 2.0 * 9.81 * 0.2

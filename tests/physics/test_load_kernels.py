@@ -58,9 +58,7 @@ def table_of(spaces: list[float], sizes: list[float]) -> NDArray[np.float64]:
 
 
 @given(SPACES, SIZES, WALK, st.booleans(), st.floats(-1.0, 1.0))
-def test_a_table_over_position_is_that_of_numpy(
-    spaces: list[float], sizes: list[float], walk: list[float], held: bool, zero: float
-) -> None:
+def test_a_table_over_position_is_that_of_numpy(spaces, sizes, walk, held, zero):
     """The mode has the piece of the table after each step of a random walk."""
     places, values = table_of(spaces, sizes)
     if not held:
@@ -81,9 +79,7 @@ def test_a_table_over_position_is_that_of_numpy(
 @given(
     SPACES, SIZES, st.lists(st.floats(0.0, 0.9), min_size=1, max_size=20), st.booleans()
 )
-def test_a_table_over_time_is_that_of_numpy(
-    spaces: list[float], sizes: list[float], steps: list[float], repeats: bool
-) -> None:
+def test_a_table_over_time_is_that_of_numpy(spaces, sizes, steps, repeats):
     """``next_break`` is always later than the last accepted state."""
     places, values = table_of(spaces, sizes)
     places += 1.0
@@ -100,7 +96,7 @@ def test_a_table_over_time_is_that_of_numpy(
         assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
-def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> None:
+def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series():
     packed = packed_of(OverTime([(0.5, 1.0), (1.0, 3.0)]))
     assert packed.records["period"].tolist() == [2.0]
     # The line from 3 N at 1 s to 1 N at 2.5 s has 5 / 3 N at the end of the cycle.
@@ -120,9 +116,7 @@ def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series() -> 
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_in_one_sense_a_load_grows_with_speed_and_never_drives(
-    sense: Sense, sign: float
-) -> None:
+def test_in_one_sense_a_load_grows_with_speed_and_never_drives(sense: Sense, sign):
     law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold")
     packed = packed_of(law, turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))
@@ -185,13 +179,13 @@ TURNS = st.lists(st.floats(-1.5, 12.0), min_size=1, max_size=12)
 
 @given(SPACES, SIZES, st.floats(1.0, 20.0), SENSES, st.booleans(), TURNS)
 def test_resistance_with_an_elastic_line_takes_work(
-    spaces: list[float],
-    sizes: list[float],
-    ratio: float,
+    spaces,
+    sizes,
+    ratio,
     sense: Sense,
-    release: bool,
-    turns: list[float],
-) -> None:
+    release,
+    turns,
+):
     """The motion turns at random places, and ends where it starts, before the table."""
     law = plastic(spaces, sizes, ratio, sense, release)
     sign = sign_of(sense)
@@ -219,9 +213,7 @@ def test_resistance_with_an_elastic_line_takes_work(
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_a_start_within_a_sheet_is_at_its_deepest_place(
-    sense: Sense, sign: float
-) -> None:
+def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign):
     """A motion out of the sheet unloads along the elastic line; a motion inwards does not."""
     table = sorted([(0.0, 0.0), (sign * 1.0, -sign * 6.0), (sign * 2.0, -sign * 6.0)])
     law = OverPosition(table, sense, "hold", unloading=12.0)
@@ -247,7 +239,7 @@ def test_a_start_within_a_sheet_is_at_its_deepest_place(
             assert result == pytest.approx(expected, abs=1e-12)
 
 
-def test_generalized_force_is_size_times_gradient_of_position() -> None:
+def test_generalized_force_is_size_times_gradient_of_position():
     """The position along the load gives speed, acceleration and gradient by differences."""
     linkage = linkage_of(OverPosition([(-9.0, 2.0), (9.0, 5.0)], outside="hold"))
     packed = pack(linkage)
@@ -278,7 +270,7 @@ def test_generalized_force_is_size_times_gradient_of_position() -> None:
     assert force == pytest.approx(load_force * np.array(gradient), rel=1e-6)
 
 
-def test_loads_with_a_law_are_no_weight() -> None:
+def test_loads_with_a_law_are_no_weight():
     linkage = assemble([BODY], loads=[Force("body", 0.0, 3.0)], cycle=1.0, gravity=0.0)
     assert not pack(linkage).weight.any()
     assert pack(linkage.changed(loads=[])).loads is None

@@ -45,7 +45,7 @@ fourier = st.builds(
 
 
 @given(fourier, st.floats(0.0, 10.0))
-def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> None:
+def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t):
     """Against its complex form, whose derivatives are exact."""
     k = 1.0 + np.arange(len(drive.harmonics))
     c = np.array([complex(a, -b) for a, b in drive.harmonics])
@@ -82,7 +82,7 @@ SWINGING = Drive("crank", angle=0.5, frequency=40.0, harmonics=[(0.0, 0.8)])
 ROCKING = CRANK.linkage().changed(drives=[SWINGING])
 
 
-def test_the_slider_follows_a_crank_that_rocks() -> None:
+def test_the_slider_follows_a_crank_that_rocks():
     time = np.linspace(0.0, ROCKING.period, 200)
     motion = ideal_of(ROCKING).at(time)
     turning = ROCKING.drives[0].motion(time)
@@ -123,9 +123,7 @@ STEADY = FOUR_BAR.changed(drives=[SERVO])
         ("exudyn-joints", "B", 1e-5),
     ],
 )
-def test_engines_follow_an_uneven_drive(
-    name: str, engine: str, joints: str, bound: float
-) -> None:
+def test_engines_follow_an_uneven_drive(name, engine, joints, bound):
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
     if (name, engine, joints) == ("table, run-up", "exudyn-joints", "B"):
         pytest.skip("three cycles of contact at equal steps take long")
@@ -152,7 +150,7 @@ def test_engines_follow_an_uneven_drive(
 
 
 @pytest.mark.parametrize("name", MOTIONS)
-def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> None:
+def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name):
     """All levels of what is watched, over the border of two cycles: nothing drifts or swings."""
     scene = Scene(mechanism=MOTIONS[name], joints="none", wear_updates=0)
     period = scene.mechanism.period
@@ -180,7 +178,7 @@ FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
 
 @pytest.mark.parametrize("joint", ["O", "B"])
 @pytest.mark.parametrize("is_far", [True, False], ids=["far", "near"])
-def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) -> None:
+def test_a_drive_turns_exactly_where_joints_are_loose(joint, is_far):
     """Its hinge, or a joint behind which the loop keeps freedom; with contacts and without."""
     clearance = FAR if is_far else {"clearance": "0.2 mm"}
     scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), clearance)
@@ -219,7 +217,7 @@ def flown(scene: Scene, engine: Engine, cycles: float = 1.37) -> Run:
     ],
     ids=["tree", "joints", "dae", "rk4"],
 )
-def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
+def test_steps_end_where_a_motion_breaks(engine: Engine):
     """Steps of 1 ms are rows of the series; each break, the end of the run-up too, is one."""
     scene = flying(MOTIONS["table, run-up"])
     run = flown(scene, engine, 2.4)
@@ -233,7 +231,7 @@ def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
         assert np.abs(time - item).min() < 1e-12
 
 
-def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
+def test_no_engine_loses_its_order_at_the_breaks_of_a_motion():
     """Steps of a given length against very fine ones; across the breaks errors were 1e-4 to 1e-5.
 
     Steps are as long as they may be: a tolerance that all of them pass.
@@ -261,7 +259,7 @@ def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
 @pytest.mark.parametrize(
     "scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"]
 )
-def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
+def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene):
     """No worse than it says, and no better than ``at`` is needed for."""
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
     near = scene.ideal.at(time, closed=False)
@@ -282,7 +280,7 @@ def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("engine", [ExudynTree(), ExudynJoints(), InHouse()])
-def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
+def test_no_cycle_holds_anything_of_the_run_up(engine: Engine):
     """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
     scene = flying(MOTIONS["table, run-up"])
     linkage = scene.linkage()
@@ -323,9 +321,7 @@ def in_pieces(draw: st.DrawFn) -> Drive:
 
 
 @given(in_pieces(), st.floats(0.0, 300.0), st.integers(0, 3))
-def test_kernels_see_the_pieces_that_are_written(
-    drive: Drive, t: float, run_up: int
-) -> None:
+def test_kernels_see_the_pieces_that_are_written(drive: Drive, t, run_up):
     """To round-off after hundreds of cycles, whose phase is known to 1e-12 rad."""
     linkage = FOUR_BAR.changed(drives=[drive], run_up=run_up, cycle=TURN / 7.0)
     motion = motions_of(linkage)[0]
@@ -341,7 +337,7 @@ def test_kernels_see_the_pieces_that_are_written(
 
 
 @given(in_pieces(), st.floats(0.0, 3.0), st.integers(0, 2))
-def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) -> None:
+def test_breaks_are_where_the_pieces_end(drive: Drive, t, run_up):
     """One after the other, each once: their phases are those at which pieces begin."""
     # Breaks are told apart from the turn's own end from 1e-9 of it on.
     assume(all(start == 0.0 or start > 1e-6 for start in drive.pieces.start))
@@ -364,9 +360,7 @@ def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) ->
 
 
 @given(st.floats(0.5, 500.0), st.integers(1, 10_000))
-def test_a_cycle_that_ends_at_a_break_has_the_next_one_ahead(
-    frequency: float, turns: int
-) -> None:
+def test_a_cycle_that_ends_at_a_break_has_the_next_one_ahead(frequency, turns):
     """A whole turn short by round-off: a step to a break of no length would never end."""
     table = [(0.0, 0.0), (1.5, 0.2), (4.0, -0.1)]
     linkage = FOUR_BAR.changed(

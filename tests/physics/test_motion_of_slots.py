@@ -55,7 +55,7 @@ def crank_pin() -> tuple[np.ndarray, np.ndarray]:
     return x, np.array([sine, SPEED * cosine, -(SPEED**2) * sine])
 
 
-def test_rocker_of_a_quick_return() -> None:
+def test_rocker_of_a_quick_return():
     """phi = atan2(d + r sin a, r cos a), with its derivatives."""
     x, y = crank_pin()
     y[0] += HEIGHT
@@ -70,7 +70,7 @@ def test_rocker_of_a_quick_return() -> None:
         assert_allclose(level[:, 5], expected, atol=1e-13 * scale)
 
 
-def test_ratio_of_times_of_a_quick_return() -> None:
+def test_ratio_of_times_of_a_quick_return():
     """The rocker goes back in (pi - 2 asin(r / d)) / (pi + 2 asin(r / d)) of its time forth."""
     time = np.linspace(0.0, TIME[-1], 100_001)
     linkage = quick_return()
@@ -81,7 +81,7 @@ def test_ratio_of_times_of_a_quick_return() -> None:
     assert forth / (1.0 - forth) == pytest.approx(back, abs=1e-4)
 
 
-def test_scotch_yoke() -> None:
+def test_scotch_yoke():
     """x = r cos w t; the torque is m w^2 r^2 sin cos, whatever the block weighs."""
     linkage = scotch_yoke()
     levels = motion(linkage)
@@ -98,7 +98,7 @@ def test_scotch_yoke() -> None:
     assert_allclose(torque, peak * sine * cosine, atol=1e-12 * peak)
 
 
-def test_force_of_a_slot() -> None:
+def test_force_of_a_slot():
     """The slot moves the yoke: m w^2 r cos w t across it, and no moment on the block."""
     linkage = scotch_yoke()
     ideal = ideal_motion(linkage, linkage.period)
@@ -110,7 +110,7 @@ def test_force_of_a_slot() -> None:
     assert_allclose(forces[:, first + 1], 0.0, atol=1e-12 * peak)
 
 
-def test_rod_in_a_swinging_block() -> None:
+def test_rod_in_a_swinging_block():
     """The rod points to the pivot of the block: phi = atan2(-r sin a, 0.4 - r cos a)."""
     x, y = crank_pin()
     to_pivot = np.array([0.4 - x[0], -x[1], -x[2]])
@@ -125,7 +125,7 @@ def test_rod_in_a_swinging_block() -> None:
 
 
 @pytest.mark.parametrize("linkage", [skew_quick_return(), shaper()], ids=str)
-def test_torque_has_the_power_of_the_motion(linkage: Linkage) -> None:
+def test_torque_has_the_power_of_the_motion(linkage: Linkage):
     """Torque times speed is the rate of the kinetic energy, less the power of the weights."""
     ideal = ideal_motion(linkage, linkage.period)
     levels = ideal.at(TIME)
@@ -143,7 +143,7 @@ def test_torque_has_the_power_of_the_motion(linkage: Linkage) -> None:
     assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
 
 
-def test_rows_of_kernels_are_those_of_numpy() -> None:
+def test_rows_of_kernels_are_those_of_numpy():
     linkage = skew_quick_return()
     rows = Rows(linkage)
     levels = motion(linkage)
@@ -159,7 +159,7 @@ def test_rows_of_kernels_are_those_of_numpy() -> None:
         assert_allclose(jacobian @ a, gamma, atol=1e-9)
 
 
-def test_an_imprecise_guess_of_the_rocker_turns_its_block() -> None:
+def test_an_imprecise_guess_of_the_rocker_turns_its_block():
     """The block has the angle of the rocker, in the same turn."""
     linkage = quick_return()
     for degrees in (20.0, 95.0, 430.0):
@@ -171,7 +171,7 @@ def test_an_imprecise_guess_of_the_rocker_turns_its_block() -> None:
         assert start[2, 2] == pytest.approx(angle, abs=1e-13)
 
 
-def test_a_guide_in_a_body_at_rest_is_one_on_the_frame() -> None:
+def test_a_guide_in_a_body_at_rest_is_one_on_the_frame():
     """Positions, velocities and accelerations of a slider on a bed that a drive holds."""
     crank = SliderCrank().linkage()
     (guide,) = crank.guides
@@ -196,7 +196,7 @@ def test_a_guide_in_a_body_at_rest_is_one_on_the_frame() -> None:
         assert_allclose(result, expected, atol=1e-12 * scale)
 
 
-def test_derivatives_off_the_constraints() -> None:
+def test_derivatives_off_the_constraints():
     """Phi' and Phi'' beside finite differences of Phi along a motion that violates it."""
     linkage = skew_quick_return().changed(drives=())
     rows = Rows(linkage)
@@ -218,7 +218,7 @@ def test_derivatives_off_the_constraints() -> None:
     assert_allclose(acceleration, curvature, atol=1e-5)
 
 
-def test_close_returns_to_the_slot() -> None:
+def test_close_returns_to_the_slot():
     linkage = skew_quick_return()
     rows = Rows(linkage)
     q = ideal_motion(linkage, linkage.period).position[:1]

@@ -52,7 +52,7 @@ def film_under(
     return complex(*run.y[:, -1]) / CLEARANCE, times[0] if times.size else math.inf
 
 
-def test_steady_rotation_and_squeeze() -> None:
+def test_steady_rotation_and_squeeze():
     place, _ = film_under(lambda _: -2440.0j, 6.28, 20.0)
     assert abs(place) == pytest.approx(0.4917858209, abs=1e-9)
     ahead = math.degrees(cmath.phase(place / -1.0j))
@@ -61,7 +61,7 @@ def test_steady_rotation_and_squeeze() -> None:
     assert time == pytest.approx(67.849038761e-3, rel=1e-9)
 
 
-def test_load_that_turns_with_the_bearing() -> None:
+def test_load_that_turns_with_the_bearing():
     duration = 20.0
     place, _ = film_under(lambda t: cmath.rect(5e3, 6.28 * t), 6.28, duration)
     assert abs(place) == pytest.approx(0.6578239676, abs=1e-8)
@@ -69,7 +69,7 @@ def test_load_that_turns_with_the_bearing() -> None:
     assert behind == pytest.approx(45.775299, abs=1e-5)
 
 
-def test_gap_of_a_long_dwell_falls_and_stays_open() -> None:
+def test_gap_of_a_long_dwell_falls_and_stays_open():
     """The load stands still and nothing turns; asperities bear it in the end."""
     rough = SMOOTH._replace(asperity_size=50e6 * 0.08 * 0.045, roughness=0.42e-6)
     smooth, _ = film_under(lambda _: 20e3, 0.0, 50.0)
@@ -86,9 +86,7 @@ def test_gap_of_a_long_dwell_falls_and_stays_open() -> None:
     st.floats(-math.pi, math.pi),
     st.floats(0.0, 1e5),
 )
-def test_velocity_inverts_the_force_of_the_film(
-    eccentricity: float, angle: float, size: float
-) -> None:
+def test_velocity_inverts_the_force_of_the_film(eccentricity, angle, size):
     place = CLEARANCE * eccentricity
     force = cmath.rect(size, angle)
     parts = force.real, force.imag
@@ -104,8 +102,8 @@ def test_velocity_inverts_the_force_of_the_film(
 @pytest.mark.parametrize("speed", [1e-3, 1.0])
 @pytest.mark.parametrize("restitution", [0.5, 0.8])
 def test_a_contact_without_film_has_its_restitution_at_any_speed(
-    restitution: float, speed: float, exponent: float
-) -> None:
+    restitution, speed, exponent
+):
     mass, stiffness = 20.0, 1e9
     ratio = damping_ratio(restitution)
 
@@ -134,7 +132,7 @@ def test_a_contact_without_film_has_its_restitution_at_any_speed(
     assert -run.y[1, -1] / speed == pytest.approx(restitution, rel=1e-4)
 
 
-def test_asperities_relax_as_slowly_as_the_contact() -> None:
+def test_asperities_relax_as_slowly_as_the_contact():
     """The film opens at F_a / (D + tau F_a / (kappa sigma)), because oil hardly resists."""
     thin = FILM._replace(size=1e-12)
     bearing = OiledBearing(thin, CLEARANCE, 1e9, 1e-6)

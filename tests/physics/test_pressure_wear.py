@@ -79,7 +79,7 @@ def _expected(pair: Pair, count: int, power: float) -> Array:
     [JOINT, worn_joint("fixed", 360, 2e-6), FOUNDATION],
     ids=["round", "worn", "foundation"],
 )
-def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power: float) -> None:
+def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power):
     joint = replace(joint, wear=_law(power))
     pair = placed(joint, 3e-6, 1.1, rates=SLIDING)
     expected = _expected(pair, 360, power)
@@ -92,7 +92,7 @@ def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power: float) -
 
 
 @pytest.mark.parametrize("joint", [JOINT, FOUNDATION], ids=["round", "worn"])
-def test_the_exponent_one_is_archards_law(joint: ClearanceJoint) -> None:
+def test_the_exponent_one_is_archards_law(joint: ClearanceJoint):
     pair = placed(replace(joint, wear=_law(1.0)), 3e-6, 1.1, rates=SLIDING)
     record, surfaces, contact = (
         pair.packed.joints[0],
@@ -108,7 +108,7 @@ def test_the_exponent_one_is_archards_law(joint: ClearanceJoint) -> None:
 
 
 @pytest.mark.parametrize("power", [0.3, 3.0])
-def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power: float) -> None:
+def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power):
     """The wear of a step that ends open, or next to it, has no jump."""
     joint = replace(JOINT, wear=_law(power))
     totals = []
@@ -124,7 +124,7 @@ def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power: float) -> None:
 
 
 @pytest.mark.parametrize("power", [0.5, 2.5])
-def test_one_bin_wears_by_the_mean_pressure(power: float) -> None:
+def test_one_bin_wears_by_the_mean_pressure(power):
     pair = placed(replace(JOINT, wear=_law(power, "bin")), 1e-5, 0.8, rates=SLIDING)
     archard = placed(replace(JOINT, wear=_law(1.0, "bin")), 1e-5, 0.8, rates=SLIDING)
     work, pressure_dose = archard.wear_rates()
@@ -135,7 +135,7 @@ def test_one_bin_wears_by_the_mean_pressure(power: float) -> None:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_a_bush_wears_by_the_square_of_the_pressure(engine: str) -> None:
+def test_a_bush_wears_by_the_square_of_the_pressure(engine):
     """Steady rotation under a load: K_d / p_ref times the integral of p^2, in every engine.
 
     Over the arc of round surfaces the overlap is e cos - c, and the pressure is that
@@ -163,7 +163,7 @@ def test_a_bush_wears_by_the_square_of_the_pressure(engine: str) -> None:
     assert gained == pytest.approx(expected, rel=5e-3)
 
 
-def test_settings_of_the_exponent() -> None:
+def test_settings_of_the_exponent():
     scene = pw.scenes.slider_crank(pressure_exponent=0.65)
     (joint,) = scene.linkage().clearances
     assert joint.wear is not None

@@ -61,7 +61,7 @@ def with_shoe(offset: float) -> Linkage:
     )
 
 
-def test_geared_cranks_share_the_load_of_a_guided_slide() -> None:
+def test_geared_cranks_share_the_load_of_a_guided_slide():
     press = pw.TwoPoint(speed=SLOW)
     linkage = press.linkage().changed(loads=[pw.Load("slider", y=FORCE)])
     ideal = ideal_motion(press.linkage(), press.period)
@@ -72,7 +72,7 @@ def test_geared_cranks_share_the_load_of_a_guided_slide() -> None:
     np.testing.assert_allclose(forces[:, first], forces[:, second], rtol=1e-9)
 
 
-def test_forces_of_repeated_constraints_balance_and_have_the_smallest_norm() -> None:
+def test_forces_of_repeated_constraints_balance_and_have_the_smallest_norm():
     linkage = parallel_cranks()
     ideal = ideal_motion(linkage, linkage.period)
     pushed = linkage.changed(loads=[pw.Load("rod", x=100.0, y=30.0, moment=7.0)])
@@ -88,7 +88,7 @@ def test_forces_of_repeated_constraints_balance_and_have_the_smallest_norm() -> 
         assert abs(force @ free) < 1e-9 * np.abs(force).max()
 
 
-def test_constraints_that_do_not_fit_are_refused_with_joint_and_distance() -> None:
+def test_constraints_that_do_not_fit_are_refused_with_joint_and_distance():
     linkage = parallel_cranks(third_length=0.0501)
     expected = r"overconstrained: .* 13, 1 too many, .* at crank angle .* is off by .* m or rad"
     with pytest.raises(pw.InputError, match=expected):
@@ -104,7 +104,7 @@ def simulated(scene: pw.Scene, duration: float) -> Run:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
-def test_joints_with_clearance_are_no_constraints_of_a_run(engine: str) -> None:
+def test_joints_with_clearance_are_no_constraints_of_a_run(engine):
     bearings = {"A2": BEARING, "A3": BEARING}
     scene = pw.Scene(
         parallel_cranks(), bearings=bearings, engine=engine, wear_updates=0
@@ -131,14 +131,14 @@ def settled_forces(linkage: Linkage, engine: str) -> list[float]:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-def test_rods_of_a_guided_slide_with_clearance_carry_the_load(engine: str) -> None:
+def test_rods_of_a_guided_slide_with_clearance_carry_the_load(engine):
     press = pw.TwoPoint(speed=SLOW).linkage()
     forces = settled_forces(press.changed(loads=[pw.Load("slider", y=FORCE)]), engine)
     assert sum(forces) == pytest.approx(FORCE - 500.0 * press.gravity, rel=1e-3)
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)
 
 
-def test_rods_of_a_turning_slide_share_an_off_centre_force_as_moments_say() -> None:
+def test_rods_of_a_turning_slide_share_an_off_centre_force_as_moments_say():
     forces = settled_forces(with_shoe(0.2), "dae")
     total = FORCE - 500.0 * 9.81
     assert max(forces) == pytest.approx(2.0 / 3.0 * total, rel=2e-3)

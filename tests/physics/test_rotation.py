@@ -13,7 +13,7 @@ def rotate(angle: Array, cosine: Array, sine: Array) -> None:
         cosine[i], sine[i] = cos_sin(angle[i])
 
 
-def test_cosine_and_sine_are_exact_to_round_off() -> None:
+def test_cosine_and_sine_are_exact_to_round_off():
     """Against 80 bits, over a million turns; on other processors long double has 64 bits."""
     generator = np.random.default_rng(5)
     for reach in (1.0, 1e3, 6e6):

@@ -19,9 +19,7 @@ NEW = np.zeros(1)
 @pytest.mark.parametrize(
     ("distance", "depth"), [(10.0, 7.186731925e-7), (1000.0, 1.230254423e-5)]
 )
-def test_depths_are_those_of_an_independent_program(
-    distance: float, depth: float
-) -> None:
+def test_depths_are_those_of_an_independent_program(distance, depth):
     """K_0 = 1e-14 1/Pa, K_inf = 1e-15 1/Pa, h_0 = 1 um, 10 MPa."""
     law = RunningIn(ratio=10.0, depth=1e-6)
     archard = np.array([1e-15 * 10e6 * distance])
@@ -31,8 +29,8 @@ def test_depths_are_those_of_an_independent_program(
 
 @pytest.mark.parametrize("ratio", [0.05, 0.5, 1.0, 3.0, 1000.0])
 def test_depth_is_the_solution_of_the_equation_in_any_number_of_blocks(
-    ratio: float,
-) -> None:
+    ratio,
+):
     law = RunningIn(ratio, 0.7e-6)
     archard = 2e-6
 
@@ -49,19 +47,19 @@ def test_depth_is_the_solution_of_the_equation_in_any_number_of_blocks(
         assert law.archard_depth(depth) == pytest.approx(archard, rel=1e-9)
 
 
-def test_late_wear_is_parallel_to_archards_law() -> None:
+def test_late_wear_is_parallel_to_archards_law():
     law = RunningIn(30.0, 1e-6)
     ahead = law.worn(NEW, np.array([1e-4])) - 1e-4
     assert ahead == pytest.approx(law.depth * np.log(30.0), rel=1e-12)
 
 
-def test_bumps_wear_as_new_surfaces() -> None:
+def test_bumps_wear_as_new_surfaces():
     law = RunningIn(0.2, 1e-6)
     added = np.array([1e-9])
     assert law.worn(np.array([-5e-6]), added) == pytest.approx(0.2e-9, rel=1e-3)
 
 
-def test_each_side_of_each_joint_runs_in_by_its_depth() -> None:
+def test_each_side_of_each_joint_runs_in_by_its_depth():
     law = RunningIn(10.0, 1e-6)
     depth = np.zeros((2, 2, 3))
     depth[0, 1] = [0.0, 1e-6, 1e-3]
@@ -75,7 +73,7 @@ def test_each_side_of_each_joint_runs_in_by_its_depth() -> None:
     assert archard_depth((None, None), depth) is depth
 
 
-def test_settings_of_running_in() -> None:
+def test_settings_of_running_in():
     """Its depth is the roughness where none is given, and is read only with a ratio."""
     (joint,) = pw.scenes.slider_crank().linkage().clearances
     assert depth_laws_of([joint]) == (None,)
@@ -103,6 +101,6 @@ def test_settings_of_running_in() -> None:
         ("running_in_depth", "2 s", "running_in_depth"),
     ],
 )
-def test_bad_settings_are_refused(key: str, value: float | str, message: str) -> None:
+def test_bad_settings_are_refused(key, value, message):
     with pytest.raises(InputError, match=message):
         pw.scenes.slider_crank(**{"running_in": 10.0} | {key: value})

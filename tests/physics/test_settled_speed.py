@@ -35,7 +35,7 @@ def rate_of(scene: pw.Scene, speed: float = TURN) -> float:
 
 
 @pytest.mark.parametrize("speed", [TURN, -TURN])
-def test_a_line_motor_under_a_constant_moment(speed: float) -> None:
+def test_a_line_motor_under_a_constant_moment(speed):
     """The weight of the crank does no work in a turn."""
     motor = pw.Motor(**LINE, ratio=RATIO)
     slip = SLIP * 200.0 / (RATIO * RATED)
@@ -44,12 +44,12 @@ def test_a_line_motor_under_a_constant_moment(speed: float) -> None:
     )
 
 
-def test_a_no_load_speed_of_its_own() -> None:
+def test_a_no_load_speed_of_its_own():
     motor = pw.Motor(**LINE, ratio=RATIO, no_load_speed=1.1 * RATIO * TURN)
     assert rate_of(braked(480.0, motor)) == pytest.approx(1.1 * (1.0 - SLIP), abs=1e-12)
 
 
-def test_an_induction_motor_under_a_constant_moment() -> None:
+def test_an_induction_motor_under_a_constant_moment():
     """Kloss's equation gives the moment back at the slip of the start, below breakdown."""
     motor = pw.Motor(RATED, slip=SLIP, breakdown=2.75, ratio=RATIO)
     peak = motor.breakdown_slip or 0.0
@@ -65,7 +65,7 @@ def push(time: float) -> float:
     return 1.0
 
 
-def test_free_cranks_user_laws_and_runs_from_rest_do_not_settle() -> None:
+def test_free_cranks_user_laws_and_runs_from_rest_do_not_settle():
     for motor in (pw.Motor(0), pw.Motor(law=push)):
         assert rate_of(braked(1e5, motor)) == 1.0
     scene = braked(100.0, pw.Motor(**LINE, ratio=RATIO))
@@ -73,7 +73,7 @@ def test_free_cranks_user_laws_and_runs_from_rest_do_not_settle() -> None:
     assert not start_of(at_rest).velocity.any()
 
 
-def test_a_motor_that_is_too_weak_is_refused() -> None:
+def test_a_motor_that_is_too_weak_is_refused():
     for motor, greatest in (
         (pw.Motor(**LINE, ratio=RATIO), "6 kN m"),
         (pw.Motor(RATED, breakdown=2.75, ratio=RATIO), "1.32 kN m"),

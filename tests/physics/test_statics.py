@@ -50,8 +50,8 @@ def play(joint: ClearanceJoint, force: float, worn: float = 0.0) -> float:
     st.sampled_from([1.5, 1.0, 2.2]),
 )
 def test_slider_crank_in_line_has_the_play_of_its_joints(
-    force: float, first: float, second: float, exponent: float
-) -> None:
+    force, first, second, exponent
+):
     """At bottom dead centre crank and rod are in line with the pull: both plays, twice."""
     pins = (pw.Bearing(clearance=play, exponent=exponent) for play in (first, second))
     linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
@@ -63,9 +63,7 @@ def test_slider_crank_in_line_has_the_play_of_its_joints(
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 @pytest.mark.parametrize("force", [20.0, 1000.0, -1000.0])
-def test_press_stands_as_one_with_longer_and_shorter_rods(
-    geometry: str, force: float
-) -> None:
+def test_press_stands_as_one_with_longer_and_shorter_rods(geometry, force):
     """Pins go to the end of their clearance along rods 3 and 5, which bear two forces each.
 
     A rod that is pulled is longer by its play, one that is pressed shorter; the forces
@@ -99,7 +97,7 @@ def test_press_stands_as_one_with_longer_and_shorter_rods(
 
 
 @pytest.mark.parametrize("conventions", ["paper", "refined"])
-def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
+def test_evenly_worn_surfaces_are_a_larger_clearance(conventions):
     """Closed form of a radial contact; a foundation bears what the law of the round joint does.
 
     It does so to some part of the penetration over the clearance.
@@ -134,7 +132,7 @@ def held(force: float) -> Linkage:
 @pytest.mark.parametrize(
     ("conventions", "force"), [("paper", 50.0), ("refined", -50.0)]
 )
-def test_engine_that_starts_at_rest_stays_there(conventions: str, force: float) -> None:
+def test_engine_that_starts_at_rest_stays_there(conventions, force):
     """On uneven surfaces, with weight, over some periods of the contacts."""
     angle = np.radians(np.arange(360) + 0.5)
     worn = 2e-5 * (1.0 + np.cos(angle - 0.3)), 1e-5 * (1.0 + np.sin(2.0 * angle))
@@ -161,7 +159,7 @@ def test_engine_that_starts_at_rest_stays_there(conventions: str, force: float) 
     np.testing.assert_allclose(pulled.position, result.position, rtol=0.0, atol=1e-12)
 
 
-def test_weight_acts_and_loads_with_a_law_do_not() -> None:
+def test_weight_acts_and_loads_with_a_law_do_not():
     linkage = pw.scenes.wear_times().linkage()
     hanging = heights_at_bottom(linkage, [0.0])[0]
     down, up = heights_at_bottom(linkage, [-100.0, 100.0])
@@ -188,7 +186,7 @@ def test_weight_acts_and_loads_with_a_law_do_not() -> None:
     )
 
 
-def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
+def test_no_clearance_is_no_deflection_and_bad_forces_are_refused():
     ideal = pw.Press().linkage()
     linkage = LIGHT.linkage()
     assert (
@@ -205,7 +203,7 @@ def test_no_clearance_is_no_deflection_and_bad_forces_are_refused() -> None:
         pw.statics.total_clearance(replace(held(1.0), loads=()))
 
 
-def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
+def test_a_pull_must_lift_the_weight_off_the_joints():
     """At bottom dead centre B carries the slider, and A slider and rod."""
     mechanism = pw.SliderCrank(
         slide_angle=-0.5 * math.pi, slider_mass=100.0, rod_mass=2.0
@@ -221,7 +219,7 @@ def test_a_pull_must_lift_the_weight_off_the_joints() -> None:
     assert pw.statics.total_clearance(linkage) > plays
 
 
-def test_oil_is_squeezed_out_at_rest() -> None:
+def test_oil_is_squeezed_out_at_rest():
     oil = {"viscosity": "0.1 Pa s", "film": "run"}
     dry, oiled = (
         total_clearance(
@@ -232,7 +230,7 @@ def test_oil_is_squeezed_out_at_rest() -> None:
     assert oiled == dry > 6e-5
 
 
-def test_a_pin_rests_where_its_groove_lies_beside_the_pull() -> None:
+def test_a_pin_rests_where_its_groove_lies_beside_the_pull():
     """The offset across the pull begins at zero; a stable linkage rises with each pull."""
     angle = np.radians(np.arange(360) + 0.5)
     above, below = (

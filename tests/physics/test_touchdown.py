@@ -55,8 +55,8 @@ LINE = replace(
     st.floats(1.0, 2.5),
 )
 def test_contact_step_divides_half_a_period_at_the_deepest_point(
-    depth: float, speed: float, sign: float, exponent: float
-) -> None:
+    depth, speed, sign, exponent
+):
     """The step depends on the energy alone.
 
     It is exact for a spring, and 1.5 % longer than that of an impact by Hertz's law.
@@ -74,7 +74,7 @@ def test_contact_step_divides_half_a_period_at_the_deepest_point(
     assert step == pytest.approx(half_period / STEPS_PER_CONTACT, rel=1e-9)
 
 
-def test_effective_mass_has_the_coordinates_that_are_free() -> None:
+def test_effective_mass_has_the_coordinates_that_are_free():
     """A driven body cannot turn, and a prescribed body cannot move."""
 
     def mobility(linkage: Linkage) -> float:
@@ -166,9 +166,7 @@ class _Line:
 @pytest.mark.parametrize("push", [-2000.0, 0.0, 2000.0])
 @pytest.mark.parametrize("speed", [0.5, 3.0])
 @pytest.mark.parametrize("gap", [1e-9, 1e-6, 2e-5])
-def test_step_ends_just_after_a_touchdown(
-    gap: float, speed: float, push: float
-) -> None:
+def test_step_ends_just_after_a_touchdown(gap, speed, push):
     line = _Line(push).start(LINE.clearance - gap, speed)
     h = line.next_step()
     x, end_speed = line.free_flight(h)
@@ -179,7 +177,7 @@ def test_step_ends_just_after_a_touchdown(
     assert line.shorter_step(h, x, end_speed) == -1.0
 
 
-def test_a_step_past_a_touchdown_is_repeated_up_to_it() -> None:
+def test_a_step_past_a_touchdown_is_repeated_up_to_it():
     speed = 1.0
     gap = 2e-5
     push = 500.0
@@ -193,7 +191,7 @@ def test_a_step_past_a_touchdown_is_repeated_up_to_it() -> None:
     assert line.shorter_step(shorter, *line.free_flight(shorter)) == -1.0
 
 
-def test_a_step_over_a_whole_contact_is_repeated_into_it() -> None:
+def test_a_step_over_a_whole_contact_is_repeated_into_it():
     deceleration = 4e4
     gap = 1e-5
     # The pin goes 1.25e-6 m beyond the surface of the bearing and back within the step.
@@ -212,9 +210,7 @@ def test_a_step_over_a_whole_contact_is_repeated_into_it() -> None:
 @pytest.mark.parametrize(
     ("push", "closing"), [(-1e4, 1e-2), (-1e4, 1e-4), (-100.0, 1e-6)]
 )
-def test_a_step_is_not_repeated_up_to_the_same_time_again(
-    push: float, closing: float
-) -> None:
+def test_a_step_is_not_repeated_up_to_the_same_time_again(push, closing):
     """A slow contact may end before the time after its touchdown at which the step ends."""
     gap = 1e-5
     speed = math.sqrt(closing**2 - 2.0 * push * gap)
@@ -237,8 +233,8 @@ def test_a_step_is_not_repeated_up_to_the_same_time_again(
     ],
 )
 def test_a_contact_that_ends_after_a_few_steps_is_divided(
-    h: float, steps: int, started_closed: bool, accepted: bool
-) -> None:
+    h, steps, started_closed, accepted
+):
     """A pin that leaves at constant speed and is open after half a step."""
     line = _Line().start(LINE.clearance + 0.5 * h * 0.1, -0.1)
     line.memory["steps"] = steps
@@ -252,7 +248,7 @@ def test_a_contact_that_ends_after_a_few_steps_is_divided(
         assert line.memory["longest_step"][0] == shorter
 
 
-def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
+def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero():
     line = _Line().start(0.0, 0.0)
     line.packed.joints["always_closed"] = True
     line.steps["free"] = 1.0
@@ -264,7 +260,7 @@ def test_step_of_an_oiled_joint_stays_short_where_its_force_is_zero() -> None:
 
 
 @pytest.mark.parametrize("h", [1e-6, 1e-9, 1e-12])
-def test_round_off_of_a_position_makes_no_peak(h: float) -> None:
+def test_round_off_of_a_position_makes_no_peak(h):
     """The pin turns back within a step; far from the origin a position is off by 1e-13 m."""
     joint = _Line().packed.joints[0]
     last = np.zeros(1, MEMORY)
@@ -283,9 +279,7 @@ def test_round_off_of_a_position_makes_no_peak(h: float) -> None:
 
 
 @pytest.mark.parametrize(("power", "is_found"), [(1.5, True), (12.0, False)])
-def test_a_peak_on_a_foundation_is_not_extrapolated_far(
-    power: float, is_found: bool
-) -> None:
+def test_a_peak_on_a_foundation_is_not_extrapolated_far(power, is_found):
     """Penetrations that rise and fall again within a step, under forces of a steep power."""
     worn = replace(LINE, pin_surface=Surface(np.full(90, 1e-6)), contact="foundation")
     joint = Pair(worn, np.zeros(3), np.zeros(3)).packed.joints[0]

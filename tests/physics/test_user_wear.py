@@ -1,7 +1,6 @@
 """User wear laws: against Archard's law, the built-in laws and an independent integrator."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -76,7 +75,7 @@ def both_sides(*depths: float) -> Array:
     return np.array([depths, depths])
 
 
-def test_a_constant_law_is_archards_to_the_bit() -> None:
+def test_a_constant_law_is_archards_to_the_bit():
     archard = np.random.default_rng(1).uniform(0.0, 1e-4, (3, 2, 50))
     depth = np.random.default_rng(2).uniform(-1e-6, 1e-4, archard.shape)
     for name in ("constant", "steady"):
@@ -84,7 +83,7 @@ def test_a_constant_law_is_archards_to_the_bit() -> None:
         assert_array_equal(user_wear(name).archard_depth(depth), depth)
 
 
-def test_a_law_of_the_depth_is_the_built_in_one() -> None:
+def test_a_law_of_the_depth_is_the_built_in_one():
     built_in = RunningIn(30.0, 0.7e-6)
     ours = user_wear("fading")
     archard = both_sides(*np.geomspace(1e-12, 1e-3, 20))
@@ -102,7 +101,7 @@ def test_a_law_of_the_depth_is_the_built_in_one() -> None:
 
 @pytest.mark.parametrize("name", ["fading", "aged", "both", "jumps"])
 @pytest.mark.parametrize("share", [0.5, 0.2])
-def test_depth_is_the_solution_in_any_number_of_blocks(name: str, share: float) -> None:
+def test_depth_is_the_solution_in_any_number_of_blocks(name, share):
     ours = user_wear(name, share)
     function = law(name).in_python()
     used = law(name).parameters("law", ("depth", "load_distance", "coefficient"))
@@ -131,7 +130,7 @@ def test_depth_is_the_solution_in_any_number_of_blocks(name: str, share: float) 
         assert_allclose(ours.archard_depth(depth), archard, rtol=1e-9)
 
 
-def test_a_law_that_jumps_has_its_closed_form() -> None:
+def test_a_law_that_jumps_has_its_closed_form():
     """Twice as fast to 1 um, then half as fast."""
     depth = user_wear("jumps").worn(np.zeros((2, 1)), both_sides(3e-6))
     assert_allclose(depth, 1e-6 + 0.5 * 2.5e-6, rtol=1e-10)
@@ -140,8 +139,8 @@ def test_a_law_that_jumps_has_its_closed_form() -> None:
 @pytest.mark.parametrize("joint", [JOINT, worn_joint("body", 360, 2e-6)])
 @pytest.mark.parametrize("penetration", [3e-6, -1e-9], ids=["closed", "opened"])
 def test_a_law_of_the_pressure_visits_the_bins_in_contact(
-    joint: ClearanceJoint, penetration: float
-) -> None:
+    joint: ClearanceJoint, penetration
+):
     wear = WearLaw(COEFFICIENT, "sliding", "arc", 0.7, user_law=law("steady"))
     pair = placed(replace(joint, wear=wear), penetration, 2.0)
     record = pair.packed.joints[0]
@@ -161,7 +160,7 @@ def test_a_law_of_the_pressure_visits_the_bins_in_contact(
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_a_bush_wears_by_a_law_of_the_pressure(engine: str) -> None:
+def test_a_bush_wears_by_a_law_of_the_pressure(engine):
     """A constant law gives Archard's map to round-off, and a power the map of the built-in one."""
     scene = bush(engine=engine)
     pair = Materials(wear_coefficient=COEFFICIENT, bearing_share=0.7)
@@ -188,7 +187,7 @@ def test_a_bush_wears_by_a_law_of_the_pressure(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_sliding_distance_of_a_bush_is_its_circumference(engine: str) -> None:
+def test_sliding_distance_of_a_bush_is_its_circumference(engine):
     """A pin that turns once in a cycle, always in contact, and its mean force.
 
     The contact is half of the penetration inside the radius of the pin, 19 mm.
@@ -221,9 +220,7 @@ def test_sliding_distance_of_a_bush_is_its_circumference(engine: str) -> None:
         ({"wear_law": "rusty"}, "unknown function in wear_law 'rusty'"),
     ],
 )
-def test_laws_that_are_refused(
-    settings: dict[str, Any], words: str, tmp_path: Path
-) -> None:
+def test_laws_that_are_refused(settings, words, tmp_path):
     file = tmp_path / "laws.py"
     file.write_text(LAWS)
     settings = {**settings, "wear_law": f"{file}:{settings['wear_law']}"}
@@ -231,7 +228,7 @@ def test_laws_that_are_refused(
         pw.scenes.slider_crank(**settings).check_user_laws()
 
 
-def test_settings_that_a_user_law_does_not_read() -> None:
+def test_settings_that_a_user_law_does_not_read():
     bearing = pw.scenes.slider_crank(wear_law=law("fading")).bearing("B")
     unread = {"running_in", "running_in_depth", "pressure_exponent"}
     assert unread <= {*bearing.unread}

@@ -46,9 +46,7 @@ def wedge(place: Array) -> Array:
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
 @pytest.mark.parametrize("part", [0.5, 1.0])
-def test_a_slide_follows_a_wall_with_a_constant_slope(
-    engine: Engine, part: float
-) -> None:
+def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine, part):
     """Both corners of a side touch, so that the tilt is that of the wall at every place."""
     linkage, sink = on_wall(wedge(bin_centres_of(WALL)))
 
@@ -65,7 +63,7 @@ def test_a_slide_follows_a_wall_with_a_constant_slope(
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
-def test_a_worn_wall_creates_no_energy(engine: Engine) -> None:
+def test_a_worn_wall_creates_no_energy(engine: Engine):
     """Waves of 5 um over 100 mm throw the slide about, without a loss."""
     place = bin_centres_of(WALL)
     linkage, sink = on_wall(2.5e-6 * (1.0 - np.cos(2.0 * math.pi * place / 0.1)))
@@ -82,7 +80,7 @@ def test_a_worn_wall_creates_no_energy(engine: Engine) -> None:
     assert residual < within * energy
 
 
-def test_a_flat_map_changes_no_digit() -> None:
+def test_a_flat_map_changes_no_digit():
     """A run whose walls may wear has a map of depth 0, and the same numbers as without one."""
     linkage, start = swinging_slide()
     engine = InHouse().for_cycle(PERIOD)
@@ -95,7 +93,7 @@ def test_a_flat_map_changes_no_digit() -> None:
     assert flat.diagnostics["steps"] == worn.diagnostics["steps"]
 
 
-def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends() -> None:
+def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends():
     place = bin_centres_of(WALL)
     linkage, _ = on_wall(1e-5 * np.exp(-((place / 0.03) ** 2)))
     packed = pack(linkage)
@@ -115,7 +113,7 @@ def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends() -> None:
     assert wall_profile(joint, surfaces, math.nan)[1:] == (0.0, 0.0)
 
 
-def test_the_walls_of_a_scene_are_the_surfaces_of_its_guide() -> None:
+def test_the_walls_of_a_scene_are_the_surfaces_of_its_guide():
     scene = pw.scenes.press_off_centre()
     left, right = Surface(np.full(WALL_BINS, 1e-6)), Surface()
     for corner in scene.linkage({"guide": (left, right)}).corners:

@@ -36,9 +36,7 @@ from presswear.physics.wall_wear import (
         (ExudynJoints(), 1e-3),
     ],
 )
-def test_a_constant_force_wears_both_ends_of_the_way_evenly(
-    engine: Engine, within: float
-) -> None:
+def test_a_constant_force_wears_both_ends_of_the_way_evenly(engine: Engine, within):
     """Each corner bears F / 2 and passes each place twice a period: h = K F / b there."""
     linkage, start = swinging_slide()
     run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
@@ -62,7 +60,7 @@ def test_a_constant_force_wears_both_ends_of_the_way_evenly(
     assert worn == pytest.approx(COEFFICIENT * load, rel=1e-12)
 
 
-def test_the_way_of_a_step_is_that_of_the_corner() -> None:
+def test_the_way_of_a_step_is_that_of_the_corner():
     """The sense of the sliding speed of each corner gives its speed along the guide."""
     linkage, start = swinging_slide()
     start = replace(start, velocity=np.array([0.0, 0.7, 0.0]))
@@ -84,9 +82,7 @@ def test_the_way_of_a_step_is_that_of_the_corner() -> None:
         (ExudynJoints(), 1e-2),
     ],
 )
-def test_the_slide_sinks_into_the_wall_that_it_wears(
-    engine: Engine, within: float
-) -> None:
+def test_the_slide_sinks_into_the_wall_that_it_wears(engine: Engine, within):
     """Each of four cycles stands for 5: the depth is the wear rate times 20 cycles."""
     linkage, start = swinging_slide()
     speed = 2.0 * math.pi / PERIOD * AMPLITUDE
@@ -125,9 +121,7 @@ def test_the_slide_sinks_into_the_wall_that_it_wears(
         (3.5, 8.0, {3: 0.5, 4: 1.0}),
     ],
 )
-def test_a_depth_is_spread_over_the_bins_of_a_way(
-    start: float, end: float, parts: dict[int, float]
-) -> None:
+def test_a_depth_is_spread_over_the_bins_of_a_way(start, end, parts):
     depth = np.zeros(5)
     spread_along(depth, start, end, 6.0)
     wanted = np.zeros(5)
@@ -136,7 +130,7 @@ def test_a_depth_is_spread_over_the_bins_of_a_way(
     assert depth == pytest.approx(wanted, rel=1e-14)
 
 
-def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide() -> None:
+def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide():
     scene = pw.scenes.press_off_centre()
     reach = scene.stroke + 0.4
     walls = [corner.wall for corner in scene.linkage().corners]
@@ -147,7 +141,7 @@ def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide() -> None:
     assert scene.linkage().worn_guides == scene.worn_guides == scene.loose_guides
 
 
-def test_walls_without_wear_or_clearance_have_no_map() -> None:
+def test_walls_without_wear_or_clearance_have_no_map():
     press = pw.scenes.press_off_centre()
     materials = replace(press.bearings.materials, wear_coefficient=0.0)
     hard = replace(press, bearings=replace(press.bearings, materials=materials))

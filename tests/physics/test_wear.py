@@ -67,9 +67,7 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         (3.0, 40.0, {8: 1.0}),  # more than a turn: where it ends
     ],
 )
-def test_a_dose_is_spread_over_the_bins_that_are_crossed(
-    start: float, end: float, expected: dict[int, float]
-) -> None:
+def test_a_dose_is_spread_over_the_bins_that_are_crossed(start, end, expected):
     """Angles in bins of a map of sixteen."""
     depth = np.zeros(16)
     width = TURN / 16
@@ -96,9 +94,7 @@ def _area_as_printed(
     st.floats(0.005, 0.03),
     st.floats(0.001, 0.1),
 )
-def test_area_is_equations_25_to_27(
-    penetration: float, clearance: float, radius: float, width: float
-) -> None:
+def test_area_is_equations_25_to_27(penetration, clearance, radius, width):
     bearing = Decimal(radius)
     pin = Decimal(radius) - Decimal(clearance)
     e = bearing - pin + Decimal(penetration)
@@ -111,9 +107,7 @@ def test_area_is_equations_25_to_27(
 @pytest.mark.parametrize("worn", [False, True])
 @pytest.mark.parametrize("frame", ["fixed", "body"])
 @pytest.mark.parametrize("count", [16, 360, 997])
-def test_one_bin_gets_all_of_equation_29(
-    frame: MapFrame, worn: bool, count: int
-) -> None:
+def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn, count):
     joint = worn_joint(frame)
     if not worn:
         joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
@@ -136,7 +130,7 @@ def test_one_bin_gets_all_of_equation_29(
     assert_allclose(_deposited(pair, count, load_distance), expected, rtol=1e-12)
 
 
-def test_wear_rates_follow_the_law_of_slip() -> None:
+def test_wear_rates_follow_the_law_of_slip():
     pair = placed(
         replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING
     )
@@ -168,12 +162,12 @@ STEEP = worn_joint("body", 360, 3e-3)
 @example(worn_joint("fixed"), 360, 1e-16, 0.1, 0.5, 1.0)
 def test_volume_identity(
     joint: ClearanceJoint,
-    count: int,
-    penetration: float,
-    direction: float,
-    share: float,
-    load_distance: float,
-) -> None:
+    count,
+    penetration,
+    direction,
+    share,
+    load_distance,
+):
     wearing = replace(joint, wear=_law("arc", share))
     depth = _deposited(placed(wearing, penetration, direction), count, load_distance)
     assert depth.min() >= 0.0
@@ -210,8 +204,8 @@ def _fine(pair: Pair, count: int) -> Array:
 @pytest.mark.parametrize("deepest", [0.0, 2e-6, 5e-5], ids=["round", "worn", "rough"])
 @pytest.mark.parametrize("count", [360, 97])
 def test_bins_hold_the_integral_of_the_overlap(
-    contact: SurfaceContact, frame: MapFrame, deepest: float, count: int
-) -> None:
+    contact: SurfaceContact, frame: MapFrame, deepest, count
+):
     """All of its patches, each where its map lives, at any number of bins."""
     joint = replace(
         worn_joint(frame, 360, deepest), contact=contact, wear=_law("arc", 0.4)
@@ -227,9 +221,7 @@ def test_bins_hold_the_integral_of_the_overlap(
 
 @pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
 @pytest.mark.parametrize("direction", [0.0, 2.0, -3.1])
-def test_bins_beyond_the_arc_are_not_visited(
-    joint: ClearanceJoint, direction: float
-) -> None:
+def test_bins_beyond_the_arc_are_not_visited(joint: ClearanceJoint, direction):
     """A step costs as much as the few bins in contact, however many a map has."""
     pair = placed(replace(joint, wear=_law("arc")), 3e-6, direction, angles=(0.4, -2.1))
     contact = pair.contact()
@@ -249,9 +241,7 @@ def test_bins_beyond_the_arc_are_not_visited(
 
 @given(st.floats(-1e-6, 0.0), st.integers(16, 5000))
 @pytest.mark.parametrize("joint", [JOINT, WORN], ids=["round", "worn"])
-def test_wear_of_a_step_that_ends_open_is_not_lost(
-    joint: ClearanceJoint, gap: float, count: int
-) -> None:
+def test_wear_of_a_step_that_ends_open_is_not_lost(joint: ClearanceJoint, gap, count):
     pair = placed(replace(joint, wear=_law("arc")), gap, 1.0)
     depth = _deposited(pair, count, 2.0)
     assert worn_volume(joint, depth) == pytest.approx(COEFFICIENT * 2.0, rel=1e-12)
@@ -262,7 +252,7 @@ def test_wear_of_a_step_that_ends_open_is_not_lost(
 
 
 @pytest.mark.parametrize("eccentricity", [8e16, 1e300, math.inf, math.nan])
-def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
+def test_a_state_far_off_is_no_endless_arc(eccentricity):
     """Error control looks at such states before it shortens a step."""
     pair = placed(WORN, 0.0, 0.0)
     joint = pair.packed.joints[0]
@@ -274,7 +264,7 @@ def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
 
 
 @pytest.mark.parametrize("count", [360, 97])
-def test_play_is_what_a_dial_gauge_measures(count: int) -> None:
+def test_play_is_what_a_dial_gauge_measures(count):
     """Across a lens of two circles, over a groove that the pin bridges, and all around."""
     c = JOINT.clearance
     angle = (np.arange(count) + 0.5) * TURN / count

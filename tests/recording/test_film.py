@@ -26,7 +26,7 @@ def rattling(request: pytest.FixtureRequest) -> Run:
     return run_cycles(scene, 1)
 
 
-def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
+def test_frames_of_the_ideal_press_lie_on_its_closed_form():
     scene = scene_named("ideal")
     film = run_cycles(scene, 1).recorder.film
     error = film.position - scene.ideal.at(film.time).position
@@ -37,7 +37,7 @@ def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
 
 def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
     rattling: Run,
-) -> None:
+):
     recorder = rattling.recorder
     film = recorder.film
     # A frame is the first state in its interval: two frames may be close to each other,
@@ -64,8 +64,8 @@ def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
 
 
 def test_a_full_film_stores_only_the_last_frame_anew(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
     scene = changed(scene_named("wear-times"), {"engine": "dae"})
     recorder = run_cycles(scene, 2).recorder

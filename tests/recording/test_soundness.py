@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -144,9 +143,7 @@ SLIDER = 3 * LINKAGE.index("slider 6") + 1
         ),
     ],
 )
-def test_worthless_numbers_are_found(
-    change: Change, kind: str, joint: str, says: str
-) -> None:
+def test_worthless_numbers_are_found(change: Change, kind, joint, says):
     finding = examined(change)
     assert finding is not None
     assert (finding.kind, finding.joint) == (kind, joint)
@@ -155,7 +152,7 @@ def test_worthless_numbers_are_found(
     assert says in finding.words
 
 
-def test_sound_runs_continue() -> None:
+def test_sound_runs_continue():
     for change in (
         energies(),
         energies(drive_work=0.5019),
@@ -167,7 +164,7 @@ def test_sound_runs_continue() -> None:
         assert examined(change) is None
 
 
-def test_missing_energy_of_a_vibrating_pin() -> None:
+def test_missing_energy_of_a_vibrating_pin():
     """A crank pin that locks by friction passes 70 J to and fro, and 2 J are lost.
 
     At 20 steps in a contact 4 % of the losses are missing, below 0.1 % of what was
@@ -199,9 +196,7 @@ def test_missing_energy_of_a_vibrating_pin() -> None:
     ("depth", "contact", "is_steep"),
     [(0.0, "radial", False), (1e-4, "radial", True), (1e-4, "foundation", False)],
 )
-def test_steep_radial_surfaces_are_named(
-    depth: float, contact: str, is_steep: bool
-) -> None:
+def test_steep_radial_surfaces_are_named(depth, contact, is_steep):
     scene = changed(SCENE, {"contact": contact})
     notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
     linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))
@@ -232,9 +227,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_run_ends_with_time_joint_and_remedy(
-    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_run_ends_with_time_joint_and_remedy(kind, tmp_path, capsys):
     time, joint, settings = CASES[kind]
     out = tmp_path / kind
     options = f"--engine dae --cycles 1 --wear-updates 1 --no-report --out {out}"
@@ -266,9 +259,7 @@ def test_run_ends_with_time_joint_and_remedy(
         (1000, 2e-9, 3600.0, True),
     ],
 )
-def test_a_run_ends_where_time_stands_still(
-    steps: int, advanced: float, cycle: float, is_stalled: bool
-) -> None:
+def test_a_run_ends_where_time_stands_still(steps, advanced, cycle, is_stalled):
     progress = Progress(cycle)
     assert progress.judge(5000, 1.0) is None
     finding = progress.judge(5000 + steps, 1.0 + advanced)
@@ -282,9 +273,7 @@ def test_a_run_ends_where_time_stands_still(
 @pytest.mark.parametrize(
     "engine", [InHouse(), ExudynTree(), ExudynJoints(50, 10, free_step=1e-6)]
 )
-def test_every_engine_ends_a_run_whose_time_stands_still(
-    engine: Engine, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_engine_ends_a_run_whose_time_stands_still(engine: Engine, monkeypatch):
     monkeypatch.setattr(soundness, "STALL", 1.0)  # no run advances by a second a step
     run = engine.simulate(*twins(), Plan(1.0, 1, recorded_cycles=1))
     assert run.status == "failed"
@@ -295,8 +284,8 @@ def test_every_engine_ends_a_run_whose_time_stands_still(
     ("damping", "expected"), [(1e8, "less viscous_damping at C"), (0.0, "x")]
 )
 def test_steps_that_vanish_by_viscous_damping_do_not_advise_a_tolerance(
-    damping: float, expected: str
-) -> None:
+    damping, expected
+):
     """No tolerance makes the steps of a damper longer: D / m of the press is up to 4e9 1/s."""
     settings = {"normal_law": KELVIN_VOIGT, "C.viscous_damping": damping}
     linkage = changed(SCENE, settings).linkage()

@@ -1,7 +1,6 @@
 """Statistics of cycles: means, batches, wear maps, bootstrap intervals and their coverage."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from presswear.recording.statistics.estimate import weighted_sum
 from presswear.tools.arrays import Array
 
 
-def test_interval_of_a_mean_over_cycles() -> None:
+def test_interval_of_a_mean_over_cycles():
     """Student's interval of 2, 6, 4 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
     found = statistics.pooled([np.array([100.0, 50.0, 2.0, 6.0, 4.0])])[0]
     assert (found.mean, found.half_width) == pytest.approx(
@@ -57,9 +56,7 @@ def moving_average(
         (moving_average, -0.6, 1.0),  # negative correlation does not narrow an interval
     ],
 )
-def test_inefficiency_is_the_sum_of_all_autocorrelations(
-    make: Callable[..., Array], number: float, share: float
-) -> None:
+def test_inefficiency_is_the_sum_of_all_autocorrelations(make, number, share):
     """(1 + phi) / (1 - phi) of an autoregressive series, (1 + b)^2 / (1 + b^2) of an average."""
     series = list(make(np.random.default_rng(8), number, 4, 20_000))
     assert statistics.inefficiency(series) == pytest.approx(share, rel=0.15)
@@ -78,9 +75,7 @@ def test_inefficiency_is_the_sum_of_all_autocorrelations(
         (autoregressive, 0.8, 1, 1600, 0.7),
     ],
 )
-def test_means_of_correlated_cycles_are_covered(
-    make: Callable[..., Array], number: float, runs: int, count: int, plain: float
-) -> None:
+def test_means_of_correlated_cycles_are_covered(make, number, runs, count, plain):
     """Of correlated series Student's interval of the cycles is too narrow; that of runs is not."""
     generator = np.random.default_rng(3)
     tries = 600
@@ -100,7 +95,7 @@ def test_means_of_correlated_cycles_are_covered(
     assert inside_plain / tries <= plain
 
 
-def test_few_or_equal_samples_have_no_correlation() -> None:
+def test_few_or_equal_samples_have_no_correlation():
     assert statistics.inefficiency([np.ones(5), np.ones(5)]) == 1.0
     assert statistics.half_width_of_runs([np.ones(5)]) == 0.0
     assert statistics.half_width_of_runs([np.array([1.0])]) is None
@@ -138,9 +133,7 @@ def skewed(series: Array) -> Array:
         (0.8, 1, 1600, as_it_is, 0.0),
     ],
 )
-def test_intervals_of_scatter_cover_it(
-    phi: float, runs: int, count: int, shape: Callable[[Array], Array], far: float
-) -> None:
+def test_intervals_of_scatter_cover_it(phi, runs, count, shape, far):
     """Standard deviation and range of samples that hang together, of runs far apart."""
     generator = np.random.default_rng(11)
     size = min(10, count - statistics.STARTUP_CYCLES)
@@ -170,7 +163,7 @@ def test_intervals_of_scatter_cover_it(
         assert plain / draws < 0.85
 
 
-def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
+def test_scatter_is_that_of_each_run_about_its_own_mean():
     first = np.array([9.0, 9.0, 1.0, 2.0, 3.0])
     second = np.array([9.0, 9.0, 14.0, 12.0, 10.0])
     found = statistics.spread([first, second])
@@ -189,7 +182,7 @@ def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
 
 
 @given(st.integers(1, 200), st.integers(0, 2**31))
-def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
+def test_map_batches_keep_sums_means_and_scatter(count, seed):
     maps = np.random.default_rng(seed).gamma(1.0, size=(count, 2, 2, 5))
     found = statistics.MapBatches((2, 2, 5))
     for depth in maps:
@@ -215,7 +208,7 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])
-def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> None:
+def test_intervals_of_the_deepest_place_cover_it(count, width):
     """The deepest of noisy bins is too deep on average; the interval must know that."""
     generator = np.random.default_rng(7)
     truth = np.exp(-0.5 * ((np.arange(360) - 90.0) / width) ** 2)
@@ -240,9 +233,7 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
     assert turned / draws > 0.9
 
 
-def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_distance() -> (
-    None
-):
+def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_distance():
     """The map of a wear update differs from the mean of the maps of its samples."""
     groove = np.exp(-0.5 * ((np.arange(90) - 30.0) / 5.0) ** 2)
     maps = groove * np.random.default_rng(2).gamma(20.0, 0.05, (8, 1))
@@ -260,7 +251,7 @@ def test_interval_of_the_deepest_place_moves_to_the_mean_and_widens_by_the_dista
     assert ends_of(depth) == pytest.approx((depth.mean - below, depth.mean + above))
 
 
-def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
+def test_a_smoothed_map_keeps_volume_and_nears_the_true_map():
     """A known map with known noise: error, flattening of its peak, and width by its samples."""
     generator = np.random.default_rng(3)
     bins = (360, 90)
@@ -298,7 +289,7 @@ def test_a_smoothed_map_keeps_volume_and_nears_the_true_map() -> None:
     assert widths[0] > widths[1] > widths[2]
 
 
-def test_a_map_without_noise_or_with_one_sample_stays_as_it_is() -> None:
+def test_a_map_without_noise_or_with_one_sample_stays_as_it_is():
     depth = np.random.default_rng(1).random((1, 2, 30))
     for count in (1, 5):
         maps = np.repeat(depth[np.newaxis], count, axis=0)
@@ -307,7 +298,7 @@ def test_a_map_without_noise_or_with_one_sample_stays_as_it_is() -> None:
 
 
 @pytest.mark.parametrize("count", [3, 5, 20])
-def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
+def test_bootstrap_intervals_of_a_mean_are_those_of_student(count):
     """Draws of the mean of normal samples are normal, with their standard deviation over root n.
 
     The standard deviation of a bootstrap is that without Bessel's correction.
@@ -335,7 +326,7 @@ def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
     assert (angle.low, angle.high) == pytest.approx(expected, abs=10.0 * turn / bins)
 
 
-def test_an_angle_near_zero_keeps_its_interval_together() -> None:
+def test_an_angle_near_zero_keeps_its_interval_together():
     generator = np.random.default_rng(5)
     around = (np.arange(360) + 180) % 360 - 180
     maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
@@ -346,7 +337,7 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     assert 0.0 < high - low < math.radians(40.0)
 
 
-def test_runs_that_differ_are_single_samples() -> None:
+def test_runs_that_differ_are_single_samples():
     generator = np.random.default_rng(0)
     alike = [generator.normal(10.0, 1.0, 30) for _ in range(3)]
     apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
@@ -361,7 +352,7 @@ def test_runs_that_differ_are_single_samples() -> None:
     assert (wide.half_width or 0.0) > 2.0
 
 
-def test_quantiles_and_variances_are_those_of_scipy() -> None:
+def test_quantiles_and_variances_are_those_of_scipy():
     draw = np.random.default_rng(5)
     for count in (2, 3, 8, 33, 200):
         some = draw.normal(size=count)
@@ -380,7 +371,7 @@ def test_quantiles_and_variances_are_those_of_scipy() -> None:
     assert found == {True, False}
 
 
-def test_runs_of_correlated_cycles_seldom_seem_to_differ() -> None:
+def test_runs_of_correlated_cycles_seldom_seem_to_differ():
     draw = np.random.default_rng(8)
     alarms = sum(
         statistics.differ([*autoregressive(draw, 0.3, 4, 50)]) for _ in range(400)
@@ -388,18 +379,18 @@ def test_runs_of_correlated_cycles_seldom_seem_to_differ() -> None:
     assert alarms < 0.05 * 400  # 0.1 where cycles count as independent, 0.02 here
 
 
-def test_an_estimate_without_interval_says_so() -> None:
+def test_an_estimate_without_interval_says_so():
     assert f"{statistics.Estimate(21.0, samples=100)}" == "21.0 (no interval)"
     assert f"{statistics.Estimate(21.0, samples=2)}" == "21.0 (too few cycles)"
 
 
-def test_an_interval_over_a_factor_of_a_hundred_is_not_written() -> None:
+def test_an_interval_over_a_factor_of_a_hundred_is_not_written():
     assert f"{statistics.Estimate(21.0, 0.012, 1.1e6, 6)}" == "21.0 (too few cycles)"
     assert f"{statistics.Estimate(21.0, 3.0, 290.0, 6)}" == "21 (3.0 to 290)"
     assert f"{statistics.Estimate(21.0, -1.0, 1.1e6, 6)}" == "21 (−1.0 to 1.1·10⁶)"
 
 
-def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others() -> None:
+def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others():
     runs = [statistics.MapBatches((1, 2, 36)) for _ in range(3)]
     draw = np.random.default_rng(1)
     for run in runs[1:]:
@@ -411,9 +402,7 @@ def test_a_run_that_failed_in_its_first_cycle_leaves_the_maps_of_others() -> Non
 
 
 @pytest.mark.parametrize(("count", "first"), [(20, 5), (100, 33), (1000, 90)])
-def test_maps_without_the_first_cycles_are_those_of_the_others(
-    count: int, first: int
-) -> None:
+def test_maps_without_the_first_cycles_are_those_of_the_others(count, first):
     """The batch in which the samples begin is left out as a whole."""
     depth = np.random.default_rng(1).random((count, 1, 2, 6))
     maps = statistics.MapBatches((1, 2, 6))
@@ -428,7 +417,7 @@ def test_maps_without_the_first_cycles_are_those_of_the_others(
     assert maps.since(0).sampled == pytest.approx(maps.sampled)
 
 
-def test_a_weighted_sum_of_independent_estimates_has_the_root_of_the_squares() -> None:
+def test_a_weighted_sum_of_independent_estimates_has_the_root_of_the_squares():
     first = statistics.Estimate.symmetric(3.0, 1.5)
     second = statistics.Estimate.symmetric(5.0, 4.0)
     result = weighted_sum((first, second), (2.0, -1.0))

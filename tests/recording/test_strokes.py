@@ -32,9 +32,7 @@ def swing(time: float, bottom: float) -> Level:
 
 
 @given(st.floats(1e-7, 3e-3), st.floats(0.0, 1.0))
-def test_lowest_place_in_a_step_is_that_of_the_motion(
-    length: float, part: float
-) -> None:
+def test_lowest_place_in_a_step_is_that_of_the_motion(length, part):
     """A sine, closed form: within the stated bound, and far below 1e-10 m at usual steps."""
     begin = -part * length
     place, since = lowest_between(length, swing(begin, 0.0), swing(begin + length, 0.0))
@@ -67,7 +65,7 @@ def recorded(
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-0.249, 0.75), st.floats(-1e-3, 1e-3), st.integers(0, 1000))
-def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> None:
+def test_every_stroke_has_one_bottom(place, off, seed):
     """The window is about the ideal's bottom, by which the motion's is off, and ends in a cycle."""
     at = PERIOD * place
     rows = recorded(
@@ -79,13 +77,13 @@ def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> Non
     assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
 
 
-def test_stroke_that_ends_with_a_cycle_is_of_that_cycle() -> None:
+def test_stroke_that_ends_with_a_cycle_is_of_that_cycle():
     rows = recorded(-1e-3 * PERIOD, (0.0, PERIOD), 6, 1)
     assert rows[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn"])
-def test_highest_place_of_a_rigid_four_bar_lies_between_steps(engine: str) -> None:
+def test_highest_place_of_a_rigid_four_bar_lies_between_steps(engine):
     scene = pw.Scene(
         pw.FourBar(), joints="none", engine=engine, wear_updates=0, cycles=4
     )

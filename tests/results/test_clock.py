@@ -44,7 +44,7 @@ def numbers(value: object) -> list[float]:
 
 def test_statistics_are_those_without_a_leader(
     results: tuple[pw.Result, pw.Result],
-) -> None:
+):
     plain, led = (result.stages[0] for result in results)
     period = results[0].scene.mechanism.period
     assert led.each_cycle("duration") == pytest.approx(period, rel=1e-12)
@@ -63,7 +63,7 @@ def test_statistics_are_those_without_a_leader(
 
 def test_places_in_the_cycle_and_durations(
     results: tuple[pw.Result, pw.Result],
-) -> None:
+):
     """A clock that runs half as fast moves durations and frequencies, and no place."""
     scene = results[1].scene
     stage = results[1].stages[0]
@@ -111,7 +111,7 @@ def resonance_lines(result: pw.Result) -> list[Line2D]:
 
 def test_shares_of_contact_modes_are_of_the_clock(
     results: tuple[pw.Result, pw.Result],
-) -> None:
+):
     """A crank that is slow while its pin flies makes the free flight longer."""
     stage = results[1].stages[0]
     period = results[1].scene.mechanism.period
@@ -142,7 +142,7 @@ def test_shares_of_contact_modes_are_of_the_clock(
     assert abs(clock - nominal) > 0.5
 
 
-def test_tables_hold_the_clock(results: tuple[pw.Result, pw.Result]) -> None:
+def test_tables_hold_the_clock(results: tuple[pw.Result, pw.Result]):
     assert "clock" not in table_of(results[0], 0)
     table = table_of(results[1], 0)
     assert np.array_equal(table["clock"], results[1].stages[0].clock)

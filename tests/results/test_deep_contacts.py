@@ -42,7 +42,7 @@ def deep_stage() -> pw.results.StageResult:
 
 
 @pytest.mark.parametrize("law", [{"elasticity": "power"}, {"exponent": 1.4}])
-def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any]) -> None:
+def test_a_deep_pin_touches_a_third_of_the_turn(law):
     """Half the arc is 60 degrees."""
     scene = replace(SCENE, bearings=replace(SCENE.bearings, **law))
     stage = deep_stage()
@@ -50,7 +50,7 @@ def test_a_deep_pin_touches_a_third_of_the_turn(law: dict[str, Any]) -> None:
     assert deep_contacts(scene, [replace(stage, status="failed")]) == []
 
 
-def test_a_foundation_of_conforming_pins_is_for_deep_contacts() -> None:
+def test_a_foundation_of_conforming_pins_is_for_deep_contacts():
     """A given contact stiffness takes the place of that of conforming pins."""
     scene = pw.changed(SCENE, {"contact": "foundation", "stiffness": "conforming"})
     stage = deep_stage()
@@ -61,7 +61,7 @@ def test_a_foundation_of_conforming_pins_is_for_deep_contacts() -> None:
 
 @pytest.mark.parametrize("used", ["power", "liu", "foundation"])
 @pytest.mark.parametrize("part", [1e-4, 0.3, 2.0])
-def test_peak_forces_of_the_laws_store_the_same_energy(used: str, part: float) -> None:
+def test_peak_forces_of_the_laws_store_the_same_energy(used, part):
     """Forces and energies by quadrature of each law as printed, with K of small contacts."""
     c = 5e-5
     stiffness = 2e11
@@ -108,7 +108,7 @@ def test_peak_forces_of_the_laws_store_the_same_energy(used: str, part: float) -
     assert [*all_by_load.values()] == pytest.approx([1e5] * 3, rel=1e-9)
 
 
-def test_the_range_of_the_laws_has_the_stiffness_of_each() -> None:
+def test_the_range_of_the_laws_has_the_stiffness_of_each():
     """Without a contact stiffness Liu's law has that of the width; others have no range."""
     scene = pw.changed(SCENE, {"conventions": "refined", "width": "0.1 mm"})
     forces = forces_by_law(scene, "C", 1000.0)
@@ -119,7 +119,7 @@ def test_the_range_of_the_laws_has_the_stiffness_of_each() -> None:
 
 
 @pytest.mark.slow
-def test_runs_lie_between_the_ranges_of_the_laws() -> None:
+def test_runs_lie_between_the_ranges_of_the_laws():
     """The load prescribes the peak at C; pins strike at A of a press of 250 kN."""
     file = Path(__file__).parents[2] / "scenarios" / "press-250kN.toml"
     settings = {"wear_updates": 0, "cycles": 6, "replicates": 1}
@@ -146,7 +146,7 @@ def test_runs_lie_between_the_ranges_of_the_laws() -> None:
     assert pressed["A"]["power"] < peaks["power"]["A"] < impact["A"]["power"]
 
 
-def test_a_press_that_gives_way_does_not_break_its_sheet() -> None:
+def test_a_press_that_gives_way_does_not_break_its_sheet():
     """A frame of 1 MN/m bends by 1 mm under 1 kN, so that a sheet is touched 1 mm longer.
 
     It breaks 0.4 mm + 0.1 mm deep: with 1.3 mm the press stops 0.3 mm deep in it, and
@@ -186,9 +186,7 @@ STATISTICS: Any = type("Statistics", (), {"joints": {}})
     ("force", "joints", "struck"),
     [("500 N", 0, ""), ("50 kN", 2, ""), ("5 kN", 2, "A")],
 )
-def test_a_result_names_joints_whose_pins_sink_in_deep(
-    force: str, joints: int, struck: str
-) -> None:
+def test_a_result_names_joints_whose_pins_sink_in_deep(force, joints, struck):
     """Laws differ where pins strike; at 50 kN the load prescribes both peaks, at 5 kN that at C."""
     scene = pw.changed(SCENE, {"process.force": force, "replicates": 2})
     result = pw.run(scene)

@@ -32,7 +32,7 @@ def turned(linkage: pw.linkage.Linkage, cycles: int, engine: str = "dae") -> pw.
 
 
 @pytest.mark.parametrize("run_up", [0, 1])
-def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
+def test_a_bar_that_is_turned_bears_its_weight(run_up):
     """M = m g r cos a + J a'': closed form, run-up included."""
     scene = turned(replace(PENDULUM, run_up=run_up), cycles=3)
     result = pw.run(scene)
@@ -71,8 +71,8 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     [("dae", [100, 3000]), ("exudyn-tree", [100, 3000]), ("exudyn-joints", [100])],
 )
 def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
-    engine: str, counts: list[int]
-) -> None:
+    engine, counts
+):
     duties = []
     for rows in counts:
         scene: Any = pw.Scene(FOUR_BAR, joints="B", wear_updates=0, engine=engine)
@@ -90,7 +90,7 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
-def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) -> None:
+def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine):
     """A wheel whose speed is w + a cos(w t): M = -J a w sin(w t), in closed form."""
     speed = 5.0
     part = 2.0
@@ -113,7 +113,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
     assert abs(duty.torque.peak) == pytest.approx(inertia * part * speed, rel=1e-4)
 
 
-def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
+def test_a_run_that_ends_in_its_run_up_has_no_duties():
     """A stage that failed before its first cycle: nothing is whole, and nothing breaks."""
     scene = turned(replace(PENDULUM, run_up=2), cycles=1)
     result = pw.run(scene)

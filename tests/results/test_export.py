@@ -2,7 +2,6 @@
 
 import csv
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,9 +30,7 @@ from presswear.show.report import render_report
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
 @pytest.mark.parametrize("rows", [1, 5])
-def test_what_is_written_is_read_to_the_last_bit(
-    suffix: str, rows: int, tmp_path: Path
-) -> None:
+def test_what_is_written_is_read_to_the_last_bit(suffix, rows, tmp_path):
     numbers = np.array([-1e308, -0.0, 5e-324, 0.1, np.pi])
     table = {
         "time": np.sort(numbers),
@@ -50,7 +47,7 @@ def test_what_is_written_is_read_to_the_last_bit(
     ]
 
 
-def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
+def test_numpy_reads_the_names_and_skips_the_units(tmp_path):
     path = tmp_path / "table.csv"
     write_table(
         path, {"time": np.array([0.0, 0.1]), "A_normal_force": np.array([1.0, 2.0])}
@@ -83,16 +80,14 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
         ("time,velocity\n0,1\n2,1\n2,1\n", "time does not increase from row 2 to 3"),
     ],
 )
-def test_a_wrong_table_is_refused_in_one_line(
-    text: str, word: str, tmp_path: Path
-) -> None:
+def test_a_wrong_table_is_refused_in_one_line(text, word, tmp_path):
     path = tmp_path / "theirs.csv"
     path.write_text(text)
     with pytest.raises(pw.InputError, match=f"theirs.csv.*{word}"):
         read_table(path)
 
 
-def test_ours_is_interpolated_at_their_times() -> None:
+def test_ours_is_interpolated_at_their_times():
     time = np.linspace(0.0, 1.0, 101)
     ours = {"time": time, "displacement": np.sin(time), "velocity": np.cos(time)}
     between = np.linspace(0.005, 2.0, 333)
@@ -131,9 +126,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz"])
-def test_an_exported_run_agrees_with_itself(
-    suffix: str, folder: Path, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_an_exported_run_agrees_with_itself(suffix, folder, tmp_path, command):
     file = tmp_path / f"run{suffix}"
     theirs = tmp_path / f"theirs{suffix}"
     command(f"export {folder} {file}")
@@ -162,9 +155,7 @@ def test_an_exported_run_agrees_with_itself(
         ("new.csv --stage 7", "no stage 7"),
     ],
 )
-def test_export_refuses_in_one_line(
-    words: str, message: str, folder: Path, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_export_refuses_in_one_line(words, message, folder, tmp_path, command):
     kept = tmp_path / "run.csv"
     kept.write_text("mine")
     assert message in command(f"export {folder} {tmp_path}/{words}", 2)
@@ -172,7 +163,7 @@ def test_export_refuses_in_one_line(
     assert list(tmp_path.iterdir()) == [kept]
 
 
-def test_moments_of_strokes_are_exported(folder: Path) -> None:
+def test_moments_of_strokes_are_exported(folder):
     scene = pw.scenes.press_blanking(
         engine="dae", cycles=1, wear_updates=0, replicates=1
     )
@@ -195,7 +186,7 @@ def test_moments_of_strokes_are_exported(folder: Path) -> None:
         strokes_table(pw.load(folder), 0)
 
 
-def test_numbers_of_each_cycle_are_exported_with_units(folder: Path) -> None:
+def test_numbers_of_each_cycle_are_exported_with_units(folder):
     stage = pw.load(folder).stages[0]
     table = cycles_table(pw.load(folder), 0)
     assert len(table) == 1 + len(CYCLE) + len(JOINT_CYCLE) * len(stage.joints)
@@ -208,7 +199,7 @@ def test_numbers_of_each_cycle_are_exported_with_units(folder: Path) -> None:
     assert_array_equal(table["replicate"], stage.arrays["cycle_start"])
 
 
-def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
+def test_a_life_is_exported_with_units(tmp_path):
     """Every followed number with both ends of its band, as the curves have them."""
     strokes = np.array([4.0, 1e6])
     depth = np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
@@ -243,7 +234,7 @@ def named(*names: str) -> pw.linkage.Linkage:
 @pytest.mark.parametrize(
     "names", [("main_pin", "time"), ("all",), ("Bolzen Ø 20", "2", "depth_pin")]
 )
-def test_names_are_carried_to_the_table(names: tuple[str, ...], tmp_path: Path) -> None:
+def test_names_are_carried_to_the_table(names, tmp_path):
     settings = {
         "engine": "dae",
         "integration_tolerance": "1e-6",
@@ -265,12 +256,12 @@ def test_names_are_carried_to_the_table(names: tuple[str, ...], tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none"])
-def test_a_name_that_files_or_lists_cannot_hold_is_refused(name: str) -> None:
+def test_a_name_that_files_or_lists_cannot_hold_is_refused(name):
     with pytest.raises(pw.InputError, match="name"):
         named(name)
 
 
-def test_two_joints_whose_arrays_could_be_mixed_up_are_refused() -> None:
+def test_two_joints_whose_arrays_could_be_mixed_up_are_refused():
     with pytest.raises(
         pw.InputError, match="must not begin with B_, because B is a joint too"
     ):
@@ -280,7 +271,7 @@ def test_two_joints_whose_arrays_could_be_mixed_up_are_refused() -> None:
 LIFE = LifeResult("limit", "", 1e6, 0.04, 0.0, 0.9, (), (), ())
 
 
-def test_a_ratio_has_the_errors_of_both_lives() -> None:
+def test_a_ratio_has_the_errors_of_both_lives():
     longer = replace(LIFE, strokes=2e6, sampling=0.03)
     low = 2.0 * math.exp(-0.05)
     high = 2.0 * math.exp(0.05)
@@ -290,21 +281,19 @@ def test_a_ratio_has_the_errors_of_both_lives() -> None:
     )
 
 
-def test_half_a_standard_deviation_has_the_probability_of_the_normal_distribution() -> (
-    None
-):
+def test_half_a_standard_deviation_has_the_probability_of_the_normal_distribution():
     half = 0.1
     exact = replace(LIFE, sampling=0.0)
     beside = replace(LIFE, strokes=1e6 * math.exp(0.5 * half / 1.959964), sampling=half)
     assert float(life_ratio(beside, exact)[1]) == pytest.approx(0.691462, abs=0.005)
 
 
-def test_a_life_without_limit_or_interval_is_not_compared() -> None:
+def test_a_life_without_limit_or_interval_is_not_compared():
     for other in (replace(LIFE, ended="at_most"), replace(LIFE, sampling=None)):
         assert life_ratio(LIFE, other) == ("", "")
 
 
-def test_a_table_with_semicolons_is_read(tmp_path: Path) -> None:
+def test_a_table_with_semicolons_is_read(tmp_path):
     file = tmp_path / "a.csv"
     file.write_text("time;height\n0;1\n0.5;2\n")
     assert {name: list(row) for name, row in read_table(file).items()} == {

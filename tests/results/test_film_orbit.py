@@ -48,14 +48,14 @@ def orbit_from_the_centre(
     return float(solution.t[-1]), -math.expm1(-abs(state)) * state / abs(state)
 
 
-def test_steady_rotation_under_a_constant_load() -> None:
+def test_steady_rotation_under_a_constant_load():
     _, place = orbit_from_the_centre(lambda time: -2440.0j, 6.28, 20.0)
     assert abs(place) == pytest.approx(0.4917858209, abs=1e-10)
     ahead = math.degrees(cmath.phase(place / -1.0j))
     assert ahead == pytest.approx(58.0543735, abs=1e-7)
 
 
-def test_a_load_that_turns_with_the_bearing_has_the_wedge_behind_it() -> None:
+def test_a_load_that_turns_with_the_bearing_has_the_wedge_behind_it():
     speed = 6.28
     end, place = orbit_from_the_centre(
         lambda time: 5000.0 * cmath.exp(1j * speed * time), speed, 20.0
@@ -68,7 +68,7 @@ def test_a_load_that_turns_with_the_bearing_has_the_wedge_behind_it() -> None:
 @pytest.mark.parametrize(
     ("eccentricity", "time"), [(0.5, 67.849038761e-3), (0.9, 560.63531771e-3)]
 )
-def test_squeeze_without_rotation(eccentricity: float, time: float) -> None:
+def test_squeeze_without_rotation(eccentricity, time):
     def reached(_: float, state: Array) -> float:
         return math.hypot(*state) + math.log(1.0 - eccentricity)
 
@@ -84,7 +84,7 @@ def repeated(force: Array, speed_sum: float = 0.0) -> FilmOrbit:
     return periodic_orbit(load, BUSH)
 
 
-def test_a_load_at_half_the_speed_has_no_wedge() -> None:
+def test_a_load_at_half_the_speed_has_no_wedge():
     """The film falls from cycle to cycle as under a load that rests, and never closes."""
     turns = np.exp(2j * math.pi * np.linspace(0.0, 1.0, 721))
     turning = repeated(2000.0 * turns, 4.0 * math.pi)
@@ -97,7 +97,7 @@ def test_a_load_at_half_the_speed_has_no_wedge() -> None:
     assert full_speed.gap.min() > 50.0 * turning.gap.min()
 
 
-def test_a_load_through_zero_squeezes_from_both_sides() -> None:
+def test_a_load_through_zero_squeezes_from_both_sides():
     phase = 2.0 * math.pi * np.linspace(0.0, 1.0, 721)
     orbit = repeated(np.asarray(20e3 * np.cos(phase) + 0.0j))
     assert orbit.is_closed
@@ -105,13 +105,13 @@ def test_a_load_through_zero_squeezes_from_both_sides() -> None:
     assert np.abs(orbit.place.imag).max() < 1e-6
 
 
-def test_without_a_load_the_pin_stays_in_the_centre() -> None:
+def test_without_a_load_the_pin_stays_in_the_centre():
     orbit = repeated(np.zeros(10), 5.0)
     assert orbit.is_closed
     assert orbit.gap == pytest.approx(np.ones(10))
 
 
-def test_a_film_under_a_long_dwell_has_no_end_at_zero() -> None:
+def test_a_film_under_a_long_dwell_has_no_end_at_zero():
     orbit = repeated(np.full(50, 1e9 + 0.0j))
     assert np.isfinite(orbit.place).all()
     assert 0.0 < orbit.gap.min() < 2e-5

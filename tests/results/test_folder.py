@@ -100,7 +100,7 @@ def halted(stopped: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(stopped, tmp_path / "halted"))
 
 
-def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) -> None:
+def test_a_campaign_goes_on_from_wherever_it_stood(whole, tmp_path):
     """Stopped again and again, each time one place further: every place is one to go on from."""
     steps = pw.load(whole).stages[0].wear_steps
     assert len(steps) > 1
@@ -131,9 +131,7 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
         ({"packages": {}}, "exudyn is missing there"),
     ],
 )
-def test_other_program_is_refused(
-    change: dict[str, Any] | None, words: str, halted: Path
-) -> None:
+def test_other_program_is_refused(change, words, halted):
     scene = SCENE
     if change is None:
         scene = replace(SCENE, cycles=3, bearings=replace(SCENE.bearings, friction=0.3))
@@ -147,7 +145,7 @@ def test_other_program_is_refused(
     assert {file.name: file.read_bytes() for file in halted.iterdir()} == before
 
 
-def test_a_wrong_checkpoint_is_named_and_left(halted: Path, tmp_path: Path) -> None:
+def test_a_wrong_checkpoint_is_named_and_left(halted, tmp_path):
     with pytest.raises(Stop):
         run(tmp_path / "other", stop=3)
     file, other = (
@@ -160,7 +158,7 @@ def test_a_wrong_checkpoint_is_named_and_left(halted: Path, tmp_path: Path) -> N
         assert file.read_bytes() == data
 
 
-def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
+def test_damaged_results_are_named(whole, tmp_path):
     for name in ("stage-1.npz", "film-0.npz"):
         path = tmp_path / name
         shutil.copytree(whole, path)
@@ -175,8 +173,8 @@ def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
         with pytest.raises(
@@ -193,9 +191,7 @@ def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(
     assert [item.name for item in tmp_path.iterdir()] == ["precious"]
 
 
-def test_a_full_disk_ends_the_run_with_one_line(
-    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_ends_the_run_with_one_line(whole, tmp_path, monkeypatch):
     sync = os.fsync
     calls = iter(range(1000))
 
@@ -216,7 +212,7 @@ def test_a_full_disk_ends_the_run_with_one_line(
     assert folder_differences(whole, path) == []
 
 
-def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
+def test_a_folder_that_is_gone_ends_the_run(tmp_path):
     path = tmp_path / "out"
     removing = Acting(1, lambda: shutil.rmtree(path))
     with pytest.raises(pw.RunFailed, match=f"{path} was removed or replaced"):
@@ -224,9 +220,7 @@ def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     assert not path.exists()
 
 
-def test_no_finished_stage_no_report(
-    tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_no_finished_stage_no_report(tmp_path, command):
     path = tmp_path / "out"
     with pytest.raises(Stop):
         run(path, stop=1)
@@ -234,9 +228,7 @@ def test_no_finished_stage_no_report(
     assert command(f"report {path}", 2).endswith(f"continue with: presswear {line}\n")
 
 
-def test_the_command_goes_on_and_ends_as_if_never_stopped(
-    halted: Path, whole: Path, command: Callable[..., str]
-) -> None:
+def test_the_command_goes_on_and_ends_as_if_never_stopped(halted, whole, command):
     resume = f"--resume --out {halted} --no-report"
     refused = command(f"run friction {resume}", 2)
     assert "it holds a run of wear-times, not of friction" in refused
@@ -250,7 +242,7 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     assert json.loads(before)["status"] == "completed"
 
 
-def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
+def test_maps_of_different_bins_are_stored_and_shown(whole):
     """Each joint's arrays, statistics, figures and report are over its own angles."""
     result = pw.load(whole)
     data = result.stages[1].arrays
@@ -294,9 +286,7 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> str:
     return json.dumps(document)
 
 
-def test_a_document_is_read_and_written_unchanged(
-    document: str, tmp_path: Path
-) -> None:
+def test_a_document_is_read_and_written_unchanged(document, tmp_path):
     (tmp_path / FILE).write_text(document)
     read_stored(tmp_path).write(tmp_path)
     assert json.loads((tmp_path / FILE).read_text()) == json.loads(document)
@@ -322,9 +312,7 @@ def test_a_document_is_read_and_written_unchanged(
         ("schema", 9, f"has schema 9; this version reads {SCHEMA}"),
     ],
 )
-def test_wrong_parts(
-    document: str, tmp_path: Path, place: str, value: object, says: str
-) -> None:
+def test_wrong_parts(document, tmp_path, place, value, says):
     changed = json.loads(document)
     owner: Any = changed
     *keys, last = place.split()
@@ -345,7 +333,7 @@ NO_SCENE = json.dumps(
     "text",
     ["", "[]", '{"schema": 99}', f'{{"schema": {SCHEMA}}}', "\x00\xff", NO_SCENE],
 )
-def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> None:
+def test_a_folder_that_holds_no_result_is_refused(tmp_path, text):
     (tmp_path / FILE).write_text(text, encoding="latin-1")
     with pytest.raises(pw.InputError, match=FILE):
         pw.load(tmp_path)
@@ -376,13 +364,13 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_a_link_is_refused_in_one_line(
-    stored: Path,
-    tmp_path: Path,
-    command: Callable[..., str],
-    kind: str,
-    link: str,
-    line: str,
-) -> None:
+    stored,
+    tmp_path,
+    command,
+    kind,
+    link,
+    line,
+):
     folder = tmp_path / "copy"
     outside = tmp_path / "outside"
     shutil.copytree(stored / kind, folder)
@@ -399,7 +387,7 @@ def test_a_link_is_refused_in_one_line(
     assert (outside / "file").read_text() == "nothing may be written here\n"
 
 
-def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> None:
+def test_a_link_in_place_of_a_file_is_replaced(stored, tmp_path):
     folder = tmp_path / "copy"
     outside = tmp_path / "outside.html"
     shutil.copytree(stored / RESULT, folder)
@@ -411,8 +399,8 @@ def test_a_link_in_place_of_a_file_is_replaced(stored: Path, tmp_path: Path) -> 
 
 
 def test_the_revision_is_that_of_the_repository_that_tracks_the_program(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     """An environment within the repository of another project is not part of it."""
     package = tmp_path / ".venv" / "presswear"
     package.mkdir(parents=True)

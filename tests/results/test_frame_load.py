@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,7 +34,7 @@ def on_frame(process: Any, damping: float) -> pw.Result:
     return pressed(process, **frame)
 
 
-def test_a_stop_stretches_the_frame() -> None:
+def test_a_stop_stretches_the_frame():
     """Within the inertia of the slide at the bottom, 0.6 kN, and what the frame swings."""
     result = on_frame(pw.Coining(stiffness=STOP, height=2e-4), damping=0.5)
     (load,) = frame_loads(result.scene, result.stages[0]).values()
@@ -51,7 +50,7 @@ def test_a_stop_stretches_the_frame() -> None:
     assert bottom.error.mean == pytest.approx(error, rel=0.05)
 
 
-def test_the_frame_swings_back_after_a_fracture() -> None:
+def test_the_frame_swings_back_after_a_fracture():
     """To the other side by the force at the fracture, less half a period of damping."""
     result = on_frame(SNAPPING, damping=0.05)
     stage = result.stages[0]
@@ -76,9 +75,7 @@ def test_the_frame_swings_back_after_a_fracture() -> None:
 
 
 @pytest.mark.parametrize(("damping", "excessive"), [(0.6, False), (0.57, True)])
-def test_a_reverse_force_above_10_percent_is_warned_of(
-    damping: float, excessive: bool
-) -> None:
+def test_a_reverse_force_above_10_percent_is_warned_of(damping, excessive):
     """The force of the spring is the greatest where the frame has it most stretched."""
     result = on_frame(SNAPPING, damping)
     stage = result.stages[0]
@@ -95,7 +92,7 @@ def test_a_reverse_force_above_10_percent_is_warned_of(
     assert (line.verdict.word == "above the limit") == excessive == (part > 0.1)
 
 
-def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
+def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide():
     """F - m (g + a), with the acceleration of the slide; the damper takes little."""
     pin = pw.Bearing(clearance=0.0, stiffness=FRAME, damping_ratio=0.02)
     result = pressed(SHEET, bearings={"B": pin})
@@ -118,7 +115,7 @@ def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide() -> None:
     )
 
 
-def test_a_report_without_work_has_the_force_of_an_elastic_pin(tmp_path: Path) -> None:
+def test_a_report_without_work_has_the_force_of_an_elastic_pin(tmp_path):
     pin = pw.Bearing(clearance=0.0, stiffness=FRAME)
     result = pw.run(pw.Scene(upright_crank(), cycles=2, bearings={"B": pin}), tmp_path)
     text = write_report(result, has_all_figures=False).read_text()
@@ -128,7 +125,7 @@ def test_a_report_without_work_has_the_force_of_an_elastic_pin(tmp_path: Path) -
     assert "Tonnage and shock" not in text
 
 
-def test_a_rigid_frame_has_no_load() -> None:
+def test_a_rigid_frame_has_no_load():
     result = pressed(pw.Coining(stiffness=STOP, height=2e-4))
     assert frame_loads(result.scene, result.stages[0]) == {}
     assert "stretch" not in result.stages[0].arrays

@@ -24,7 +24,7 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> pw.Sweep:
     return pw.sweep(scene, values, folder, ["C.force_max"], jobs=1)
 
 
-def test_a_stage_is_a_data_frame_over_the_time(result: pw.Result) -> None:
+def test_a_stage_is_a_data_frame_over_the_time(result: pw.Result):
     stage = result.stages[0]
     table = stage.to_pandas()
     assert table.index.name == "time"
@@ -35,7 +35,7 @@ def test_a_stage_is_a_data_frame_over_the_time(result: pw.Result) -> None:
     assert table.attrs["units"].keys() == {"time", *table.columns}
 
 
-def test_a_stage_is_a_data_set_with_units(result: pw.Result) -> None:
+def test_a_stage_is_a_data_set_with_units(result: pw.Result):
     pytest.importorskip("xarray")
     data = result.stages[0].to_xarray()
     assert data["velocity"].dims == ("time",)
@@ -46,14 +46,14 @@ def test_a_stage_is_a_data_set_with_units(result: pw.Result) -> None:
     )
 
 
-def test_statistics_have_a_row_for_each_stage(result: pw.Result) -> None:
+def test_statistics_have_a_row_for_each_stage(result: pw.Result):
     table = result.to_pandas()
     assert list(table.index) == ["no wear"]
     peak = result.stages[0].joints["C"].statistics.peak_force
     assert table.loc["no wear", "joints.C.peak_force"] == peak
 
 
-def test_a_sweep_is_a_data_frame_and_a_grid(sweep: pw.Sweep) -> None:
+def test_a_sweep_is_a_data_frame_and_a_grid(sweep: pw.Sweep):
     table = sweep.to_pandas()
     assert table.equals(sweep.table.to_pandas())
     assert isinstance(table, pandas.DataFrame)
@@ -68,7 +68,7 @@ def test_a_sweep_is_a_data_frame_and_a_grid(sweep: pw.Sweep) -> None:
     assert data["C.force_max"].attrs["units"] == "N"
 
 
-def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep) -> None:
+def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep):
     pytest.importorskip("xarray")
     points = sweep.table.points.copy()
     points[0] = 0.45e-3, 0.05  # no grid any more
@@ -78,7 +78,7 @@ def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep) -> None:
     assert "clearance" in data.coords
 
 
-def test_texts_of_results_are_short(result: pw.Result, sweep: pw.Sweep) -> None:
+def test_texts_of_results_are_short(result: pw.Result, sweep: pw.Sweep):
     assert repr(result).startswith("<Result: clearance-c, changed: ")
     assert len(repr(result)) < 200
     assert len(repr(sweep)) < 400
@@ -86,7 +86,7 @@ def test_texts_of_results_are_short(result: pw.Result, sweep: pw.Sweep) -> None:
 
 def test_a_notebook_shows_headline_numbers_and_a_picture(
     result: pw.Result, sweep: pw.Sweep
-) -> None:
+):
     html = result._repr_html_()
     assert "The press with clearance at C alone" in html
     assert "Peak joint force" in html

@@ -61,7 +61,7 @@ def tilt(result: pw.Result) -> GuideTilt:
 
 def test_two_opposite_corners_hold_the_work_at_the_fracture(
     result: pw.Result, tilt: GuideTilt
-) -> None:
+):
     """Each corner sinks in by F a / (L K), which adds to the clearance: 2 (c + d) / L."""
     (corner, *_) = result.scene.linkage().corners
     depth = FORCE * OFFSET / L / corner.normal.stiffness
@@ -69,7 +69,7 @@ def test_two_opposite_corners_hold_the_work_at_the_fracture(
     assert tilt.fracture.mean == pytest.approx(2.0 * (C + depth) / L, rel=5e-3)
 
 
-def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None:
+def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt):
     """The film has the angle of the slide, 500 times in a cycle."""
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
@@ -93,7 +93,7 @@ def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt) -> None
     assert tilt.greatest.mean >= np.abs(angle[whole]).max() - 1e-7
 
 
-def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> None:
+def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result):
     """Touch and fracture end a step of the engine; the energies are those of the run."""
     stage = result.stages[0]
     strokes = result.strokes(0)
@@ -110,7 +110,7 @@ def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result) -> N
 
 def test_the_friction_loss_is_that_of_the_energy_balance(
     result: pw.Result, tilt: GuideTilt
-) -> None:
+):
     """The second of two cycles is the sample; without wear the series alone has the loss."""
     stage = result.stages[0]
     corners = [stage.joints[f"guide {corner}"] for corner in CORNERS]
@@ -122,9 +122,7 @@ def test_the_friction_loss_is_that_of_the_energy_balance(
     assert tilt.friction_loss.mean == pytest.approx(second, rel=0.01)
 
 
-def test_shares_and_corner_force_by_the_rows(
-    result: pw.Result, tilt: GuideTilt
-) -> None:
+def test_shares_and_corner_force_by_the_rows(result: pw.Result, tilt: GuideTilt):
     stage = result.stages[0]
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     assert sum(one.mean for one in tilt.time_shares.values()) == pytest.approx(1.0)
@@ -144,7 +142,7 @@ def test_shares_and_corner_force_by_the_rows(
     assert tilt.corner_force.mean == pytest.approx(np.max(peaks, axis=0)[-1])
 
 
-def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) -> None:
+def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt):
     assert result.guide_tilts(0) == {"guide": tilt}
     names = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
     assert set(names) <= set(available(result.scene))
@@ -162,7 +160,7 @@ def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt) 
         assert response.value == estimate.mean
 
 
-def test_the_report_has_the_tilt(result: pw.Result) -> None:
+def test_the_report_has_the_tilt(result: pw.Result):
     (line,) = [
         one
         for one in limit_lines(result.scene, result.stages[0])
@@ -176,7 +174,7 @@ def test_the_report_has_the_tilt(result: pw.Result) -> None:
 
 def test_the_walls_wear_by_the_load_distance_of_their_corners(
     result: pw.Result,
-) -> None:
+):
     """Worn volume is K_d times the load distance; the slide tilts to one side."""
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
@@ -199,7 +197,7 @@ def test_the_walls_wear_by_the_load_distance_of_their_corners(
     assert walls["right"].place == pytest.approx(bottom - 0.5 * L, abs=0.01)
 
 
-def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result) -> None:
+def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result):
     stage = result.stages[0]
     walls = stage.statistics.walls["guide"]
     console = Console(file=io.StringIO(), width=200)
@@ -212,7 +210,7 @@ def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result) -> None:
     assert "guide left front" not in line
 
 
-def test_the_report_has_the_wear_of_the_walls(result: pw.Result) -> None:
+def test_the_report_has_the_wear_of_the_walls(result: pw.Result):
     table = f"{stage_tables(result)['guide']}"
     assert "deepest wear of the left wall per million strokes" in table
     place, depth = result.stages[0].wall_wear("guide")
@@ -226,7 +224,7 @@ def test_the_report_has_the_wear_of_the_walls(result: pw.Result) -> None:
 
 def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     result: pw.Result,
-) -> None:
+):
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
     assert largest_tilt(guide, C) == pytest.approx(2.500234445e-4, rel=1e-9)
@@ -250,7 +248,7 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(
         ideal.plot("tilt")
 
 
-def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:
+def test_a_tilt_from_the_places_of_corners(result: pw.Result):
     """Corners placed by geometry: the middle of the slide 12 um to the left, tilted."""
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
@@ -269,7 +267,7 @@ def test_a_tilt_from_the_places_of_corners(result: pw.Result) -> None:
     assert total[0] == pytest.approx(4.0 * way, rel=1e-9)
 
 
-def test_self_locking_from_half_the_length_over_the_offset() -> None:
+def test_self_locking_from_half_the_length_over_the_offset():
     assert self_locking(press()) == {}
     assert self_locking(press(offset=1.0, friction=0.19)) == {}
     limits = self_locking(press(offset=-1.0, friction=0.21))

@@ -40,7 +40,7 @@ def both() -> list[pw.Result]:
 
 def test_the_highest_place_is_bottom_dead_centre_everywhere(
     both: list[pw.Result],
-) -> None:
+):
     scenes = [result.scene for result in both]
     # Rod and crank in line, farthest from the axis.
     for scene in scenes:
@@ -76,7 +76,7 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(
         assert end(heights[0]) == pytest.approx(end(heights[1]), abs=1e-6)
 
 
-def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]) -> None:
+def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]):
     loose = [result.scene.linkage() for result in both]
     total = [pw.statics.total_clearance(linkage, force=100.0) for linkage in loose]
     rise = [pw.statics.deflection(linkage, force=50.0, idle=-10.0) for linkage in loose]

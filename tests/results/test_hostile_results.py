@@ -72,7 +72,7 @@ def arrays_of(folder: Path, name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", [STAGE, FILM, FILE])
 @pytest.mark.parametrize("target", ["pipe", "/dev/zero"])
-def test_pipes_and_devices_are_not_read(received: Path, name: str, target: str) -> None:
+def test_pipes_and_devices_are_not_read(received, name, target):
     (received / name).unlink()
     if target == "pipe":
         os.mkfifo(received / name)
@@ -85,9 +85,7 @@ def test_pipes_and_devices_are_not_read(received: Path, name: str, target: str) 
 
 
 @pytest.mark.parametrize("name", [STAGE, FILM])
-def test_arrays_larger_than_a_run_writes_are_not_unpacked(
-    received: Path, name: str
-) -> None:
+def test_arrays_larger_than_a_run_writes_are_not_unpacked(received, name):
     data = bomb()
     plant(received, name, data)
     assert len(data) < 2**18
@@ -95,7 +93,7 @@ def test_arrays_larger_than_a_run_writes_are_not_unpacked(
         print(pw.load(received).stages[0].film)
 
 
-def test_methods_without_a_limit_of_size_are_refused(received: Path) -> None:
+def test_methods_without_a_limit_of_size_are_refused(received):
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_BZIP2) as archive:
         archive.writestr("time.npy", b"")
@@ -104,7 +102,7 @@ def test_methods_without_a_limit_of_size_are_refused(received: Path) -> None:
         pw.load(received)
 
 
-def test_a_file_that_is_too_long_is_not_read(received: Path) -> None:
+def test_a_file_that_is_too_long_is_not_read(received):
     with (received / FILM).open("r+b") as film:
         film.truncate(2**32)  # on the disk it takes nothing
     with pytest.raises(pw.InputError, match="at most"):
@@ -120,8 +118,8 @@ def test_a_file_that_is_too_long_is_not_read(received: Path) -> None:
     ],
 )
 def test_a_document_of_many_lists_is_refused_at_once(
-    item: str, megabytes: int, message: str, received: Path
-) -> None:
+    item, megabytes, message, received
+):
     """180 MB of empty lists took minutes and gigabytes."""
     document = (received / FILE).read_text().rstrip()
     items = item * (1_000_000 * megabytes // len(item))
@@ -136,7 +134,7 @@ def test_a_document_of_many_lists_is_refused_at_once(
     assert time.process_time() - began < 10.0
 
 
-def test_members_that_are_no_arrays_are_named(received: Path) -> None:
+def test_members_that_are_no_arrays_are_named(received):
     data = io.BytesIO((received / STAGE).read_bytes())
     with zipfile.ZipFile(data, "a") as archive:
         archive.writestr("note", "text")
@@ -157,7 +155,7 @@ def single(array: Any) -> Any:
     return np.float64(1.0)
 
 
-def test_misshapen_arrays_are_named(received: Path) -> None:
+def test_misshapen_arrays_are_named(received):
     for name in (STAGE, FILM):
         arrays = arrays_of(received, name)
         original = (received / name).read_bytes()
@@ -174,7 +172,7 @@ def test_misshapen_arrays_are_named(received: Path) -> None:
         plant(received, name, original)
 
 
-def test_missing_arrays_are_named(received: Path) -> None:
+def test_missing_arrays_are_named(received):
     """A figure or a table may be left out; whatever fails does so with the name."""
     for name in (STAGE, FILM):
         arrays = arrays_of(received, name)
@@ -202,7 +200,7 @@ def test_missing_arrays_are_named(received: Path) -> None:
         plant(received, name, packed(arrays))
 
 
-def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received: Path) -> None:
+def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received):
     document = json.loads((received / FILE).read_text())
     for stage in document["stages"]:
         stage["statistics"]["cycles"] = 10**12
@@ -213,8 +211,8 @@ def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received: Path) -> None:
 
 
 def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(
-    received: Path,
-) -> None:
+    received,
+):
     """A cycle takes memory, so that a late time would take all of it."""
     arrays = arrays_of(received, STAGE)
     for name, value, message in (
@@ -230,7 +228,7 @@ def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(
             pw.load(received)
 
 
-def test_control_characters_are_printed_as_escapes(received: Path) -> None:
+def test_control_characters_are_printed_as_escapes(received):
     document = json.loads((received / FILE).read_text())
     document["message"] = document["stages"][0]["message"] = "\x1b]0;title\x07"
     (received / FILE).write_text(json.dumps(document))
@@ -240,7 +238,7 @@ def test_control_characters_are_printed_as_escapes(received: Path) -> None:
         assert "\x1b" not in text
 
 
-def test_an_empty_checkpoint_is_refused(received: Path) -> None:
+def test_an_empty_checkpoint_is_refused(received):
     document = json.loads((received / FILE).read_text())
     data = io.BytesIO()
     np.savez(data, document=np.frombuffer(b"\x80", np.uint8))  # an empty mapping
@@ -259,7 +257,7 @@ def test_an_empty_checkpoint_is_refused(received: Path) -> None:
         pw.run(stored_scene(received)[0], received)
 
 
-def test_row_of_a_sweep_that_is_a_pipe_is_no_row(tmp_path: Path) -> None:
+def test_row_of_a_sweep_that_is_a_pipe_is_no_row(tmp_path):
     (tmp_path / ROWS).mkdir()
     os.mkfifo(tmp_path / ROWS / "1.json")
     assert read_row(tmp_path, "1") is None

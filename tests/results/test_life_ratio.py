@@ -39,7 +39,7 @@ def ends_of(life: LifeResult, reference: LifeResult) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("shared", [0.0, 0.5, 0.9])
-def test_intervals_of_the_ratio_hold(shared: float) -> None:
+def test_intervals_of_the_ratio_hold(shared):
     """``shared`` is the part of the variance that two replicates of one number share."""
     random = np.random.default_rng(7)
     held = 0
@@ -61,14 +61,14 @@ def test_intervals_of_the_ratio_hold(shared: float) -> None:
     assert np.mean(widths) == pytest.approx(2.0 * 2.1 * deviation, rel=0.05)
 
 
-def test_lives_with_equal_replicates_have_an_exact_ratio() -> None:
+def test_lives_with_equal_replicates_have_an_exact_ratio():
     logarithms = 0.1 * np.random.default_rng(1).normal(size=(3, REPLICATES))
     life = life_of(1e6, logarithms)
     longer = life_of(2e6, logarithms)
     assert life_ratio(longer, life) == ("2.00 (2.00 to 2.00)", "1")
 
 
-def test_a_refinement_that_one_life_has_not_counts_alone() -> None:
+def test_a_refinement_that_one_life_has_not_counts_alone():
     logarithms = 0.1 * np.random.default_rng(1).normal(size=(3, REPLICATES))
     life = life_of(2e6, logarithms)
     shorter = replace(life, refinements=life.refinements[:2])

@@ -63,7 +63,7 @@ def drop_on_the_line(result: pw.Result) -> float:
     return float(np.mean(drops))
 
 
-def test_loads_are_those_of_the_stored_series() -> None:
+def test_loads_are_those_of_the_stored_series():
     result = press(0.25, breakdown=None)
     scene = result.scene
     stage = result.stages[0]
@@ -122,7 +122,7 @@ def test_loads_are_those_of_the_stored_series() -> None:
     assert nominal == pytest.approx(60.0)
 
 
-def test_a_light_flywheel_is_slowed_too_much() -> None:
+def test_a_light_flywheel_is_slowed_too_much():
     result = press(0.01)
     (load,) = motor_loads(result.scene, result.stages[0]).values()
     speed = leader_speed(result.scene, result.stages[0])
@@ -135,7 +135,7 @@ def test_a_light_flywheel_is_slowed_too_much() -> None:
 
 
 @pytest.mark.parametrize(("inertia", "excessive"), [(0.0181, False), (0.0178, True)])
-def test_a_drop_above_20_percent_is_warned_of(inertia: float, excessive: bool) -> None:
+def test_a_drop_above_20_percent_is_warned_of(inertia, excessive):
     result = press(inertia, breakdown=None)
     drop = drop_on_the_line(result)
     assert drop == pytest.approx(0.201 if excessive else 0.199, abs=5e-4)
@@ -144,9 +144,7 @@ def test_a_drop_above_20_percent_is_warned_of(inertia: float, excessive: bool) -
 
 
 @pytest.mark.parametrize(("torque", "overloaded"), [(0.84, False), (0.82, True)])
-def test_a_torque_above_the_rated_one_is_warned_of(
-    torque: float, overloaded: bool
-) -> None:
+def test_a_torque_above_the_rated_one_is_warned_of(torque, overloaded):
     result = press(0.25, torque=torque, breakdown=None)
     stage = result.stages[0]
     rows = stage.time >= 2.0 - 1e-9
@@ -159,7 +157,7 @@ def test_a_torque_above_the_rated_one_is_warned_of(
     assert warned == overloaded == (rms > 1.0)
 
 
-def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
+def test_the_work_stretches_the_frame_while_the_motor_slows():
     """The work lasts by the clock, which lags behind the nominal time."""
     result = press(0.02, on_frame=True)
     (load,) = frame_loads(result.scene, result.stages[0]).values()
@@ -187,7 +185,7 @@ def test_the_work_stretches_the_frame_while_the_motor_slows() -> None:
 
 
 @pytest.mark.parametrize(("limit", "saturates"), [(0.74, False), (0.72, True)])
-def test_a_servo_that_saturates_is_warned_of(limit: float, saturates: bool) -> None:
+def test_a_servo_that_saturates_is_warned_of(limit, saturates):
     """The weight of its crank needs 0.49 N m, and 0.73 N m at the start."""
     bodies = [pw.Bar("even", 0.1, 1.0, 0.5), pw.Bar("servo", 0.1, 1.0, 0.5)]
     joints = [
@@ -217,7 +215,7 @@ def test_a_servo_that_saturates_is_warned_of(limit: float, saturates: bool) -> N
     assert warned == saturates
 
 
-def test_a_linkage_without_a_motor_has_no_load() -> None:
+def test_a_linkage_without_a_motor_has_no_load():
     scene = pw.Scene(pw.SliderCrank(), joints="none", cycles=1)
     result = pw.run(scene, engine="dae")
     assert motor_loads(result.scene, result.stages[0]) == {}

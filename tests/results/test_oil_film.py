@@ -18,9 +18,7 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 BUSH = Bearing(clearance=5e-5, bearing_radius=0.045, width=0.08, viscosity=0.1)
 
 
-def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearance() -> (
-    None
-):
+def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearance():
     def oiled(clearance: str, viscosity: str) -> pw.Scene:
         return pw.scenes.slider_crank(clearance=clearance, viscosity=viscosity)
 
@@ -35,7 +33,7 @@ def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearan
     assert oil_films(oiled("51 um", "0.1 Pa s")) == {}
 
 
-def test_roughness_of_a_film_is_that_of_both_surfaces() -> None:
+def test_roughness_of_a_film_is_that_of_both_surfaces():
     """Variances of the heights of two equally rough surfaces add up."""
     scene = pw.scenes.slider_crank(
         clearance="20 um", viscosity="0.1 Pa s", roughness="0.4 um"
@@ -44,7 +42,7 @@ def test_roughness_of_a_film_is_that_of_both_surfaces() -> None:
     assert film.roughness == pytest.approx(math.hypot(0.4e-6, 0.4e-6), rel=1e-12)
 
 
-def test_least_film_of_the_press_of_250_kn() -> None:
+def test_least_film_of_the_press_of_250_kn():
     """An independent computation has 20.0 and 12.1 um, and 5.4 and 2.3 um in thinner oil."""
     file = pw.scene_from(SCENARIOS / "press-250kN.toml")
     prescribed = {"motor": "none", "servo": "none", "frame_stiffness": "none"}
@@ -61,7 +59,7 @@ def test_least_film_of_the_press_of_250_kn() -> None:
         assert f"the least film of the cycle is {readable(least[0])} µm" in text
 
 
-def test_shares_of_time_and_load() -> None:
+def test_shares_of_time_and_load():
     """A film of 4, 2 and 0.5 roughnesses for 120 degrees each, under forces 1, 2 and 5."""
     angle = np.linspace(0.0, 360.0, 3601)
     part = np.minimum(angle // 120.0, 2.0).astype(int)
@@ -73,7 +71,7 @@ def test_shares_of_time_and_load() -> None:
     assert film.load_shares == pytest.approx((1 / 8, 2 / 8, 5 / 8), abs=1e-3)
 
 
-def test_a_weight_on_a_turning_pin_has_the_film_of_steady_rotation() -> None:
+def test_a_weight_on_a_turning_pin_has_the_film_of_steady_rotation():
     """Rates of pin and bearing add up: eps and attitude are those of 15 rad/s."""
     weight = pw.assemble(
         bodies=[
@@ -120,14 +118,12 @@ def test_a_weight_on_a_turning_pin_has_the_film_of_steady_rotation() -> None:
         ),
     ],
 )
-def test_sentences_say_where_dry_contact_holds(
-    values: dict[str, str], words: str
-) -> None:
+def test_sentences_say_where_dry_contact_holds(values, words):
     (sentence,) = dry_contact(pw.scenes.slider_crank(**values))
     assert words in sentence
 
 
-def test_a_wide_bearing_and_oil_without_a_film_are_named() -> None:
+def test_a_wide_bearing_and_oil_without_a_film_are_named():
     wide = pw.scenes.slider_crank(clearance="20 um", viscosity="0.1 Pa s", width="6 cm")
     assert (
         "The width over the diameter is 3.00; the film is that of 1"

@@ -3,7 +3,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -75,9 +74,7 @@ def history(
     ("count", "error", "has_error"),
     [(1, 2e-6, True), (4, 2e-6, True), (8, 5e-6, False)],
 )
-def test_intervals_hold_the_remaining_life(
-    count: int, error: float, has_error: bool
-) -> None:
+def test_intervals_hold_the_remaining_life(count, error, has_error):
     """About 95 % of 40 histories whose coefficient scatters as the materials say."""
     draw = np.random.default_rng(count)
     covered = 0
@@ -101,8 +98,8 @@ EVEN = Shape.of(np.linspace(0.0, 8e6, 9)[1:], RATE * np.linspace(0.0, 8e6, 9)[1:
 
 @pytest.mark.parametrize("error", [3e-6, None], ids=["known", "unknown"])
 def test_posterior_is_the_integral_over_prior_and_likelihood(
-    error: float | None,
-) -> None:
+    error,
+):
     """Even wear, whose readings are linear in the coefficient; errors integrated over."""
     values = np.array([6e-6, 9e-6, 17e-6])
     strokes = np.array([1e6, 2e6, 3e6])
@@ -118,7 +115,7 @@ def test_posterior_is_the_integral_over_prior_and_likelihood(
     assert posterior.quantiles(levels) == pytest.approx(exact, rel=2e-3)
 
 
-def test_a_joint_without_readings_keeps_the_scatter_of_its_materials() -> None:
+def test_a_joint_without_readings_keeps_the_scatter_of_its_materials():
     """The first of two limits is that of the minimum of independent lives."""
     scene = pw.scenes.press_blanking(life=pw.Life(until="depth > 50 um"))
     result = result_with(scene, {"A.depth": DEPTH, "C.depth": DEPTH})
@@ -134,7 +131,7 @@ def test_a_joint_without_readings_keeps_the_scatter_of_its_materials() -> None:
     assert [joint.joint for joint in left.joints] == ["A"]
 
 
-def test_the_walls_of_a_guide_wear_beside_a_pin() -> None:
+def test_the_walls_of_a_guide_wear_beside_a_pin():
     """Depth of B was read; the walls keep the scatter of their materials, or are read too."""
     scene = scene_with(
         "depth > 50 um", joints="B, guide", guide_length=0.06, guide_width=0.04
@@ -156,7 +153,7 @@ def test_the_walls_of_a_guide_wear_beside_a_pin() -> None:
         remaining_life(result, [gap])
 
 
-def test_a_tilt_between_worn_walls_is_predicted() -> None:
+def test_a_tilt_between_worn_walls_is_predicted():
     """It grows from that of the new guide as the depth, at a tenth of it."""
     scene = pw.scenes.press_off_centre(
         wear_updates=1, life=pw.Life(until="guide.tilt > 300 um/m")
@@ -171,7 +168,7 @@ def test_a_tilt_between_worn_walls_is_predicted() -> None:
     assert left.each["guide"].mean == pytest.approx(until, rel=2e-3)
 
 
-def test_readings_far_from_the_prior_are_used_alone() -> None:
+def test_readings_far_from_the_prior_are_used_alone():
     """An oiled joint that wears a ten-thousandth of the coefficient of the scene."""
     strokes = np.array([1e9, 4e9, 8e9])
     readings = readings_of(strokes, depth_after(1e-4 * strokes), 1e-7)
@@ -182,7 +179,7 @@ def test_readings_far_from_the_prior_are_used_alone() -> None:
     assert left.remaining.low < 1e4 * LIFE - 8e9 < left.remaining.high
 
 
-def test_clearance_when_new_is_taken_from_the_readings() -> None:
+def test_clearance_when_new_is_taken_from_the_readings():
     """A joint made with more clearance than in the scene reaches the limit sooner."""
     scene = scene_with("B.diametral_clearance > 3 x new")
     new = 2.0 * scene.bearing("B").clearance
@@ -204,7 +201,7 @@ def test_clearance_when_new_is_taken_from_the_readings() -> None:
     assert wrong.remaining.mean < 0.99 * left.remaining.mean
 
 
-def test_a_line_of_diametral_readings_ends_at_a_radial_limit() -> None:
+def test_a_line_of_diametral_readings_ends_at_a_radial_limit():
     scene = scene_with("B.clearance > 3 x new")
     new = scene.bearing("B").clearance
     course = new + 20.0 * DEPTH
@@ -219,7 +216,7 @@ def test_a_line_of_diametral_readings_ends_at_a_radial_limit() -> None:
     assert line.until.mean == pytest.approx(4.0 * new / 2e-10, rel=1e-6)
 
 
-def test_readings_of_another_course_are_told() -> None:
+def test_readings_of_another_course_are_told():
     """Residuals widen the interval, and the exponent is that of the readings."""
     strokes = np.linspace(0.5e6, 4e6, 8)
     values = depth_after(1e6 * (strokes / 1e6) ** 0.6)
@@ -237,7 +234,7 @@ def test_readings_of_another_course_are_told() -> None:
     assert widths[0] > 3.0 * widths[1]
 
 
-def test_straight_line_is_that_of_least_squares() -> None:
+def test_straight_line_is_that_of_least_squares():
     """Its life ends where the limit leaves the band of the line."""
     strokes = np.array([1e6, 2e6, 3e6, 4e6, 5e6])
     values = np.array([9e-6, 12e-6, 18e-6, 21e-6, 27e-6])
@@ -259,13 +256,13 @@ def test_straight_line_is_that_of_least_squares() -> None:
     assert line.until.low < line.until.mean < line.until.high
 
 
-def test_a_line_without_wear_has_no_last_stroke() -> None:
+def test_a_line_without_wear_has_no_last_stroke():
     line = steady_wear(observed([9e-6, 8e-6, 10e-6], error=None), 0.0, LIMIT)
     assert math.isinf(line.until.high)
     assert steady_wear(observed([1e-6, 2e-6], (1e6, 2e6)), 0.0, LIMIT) is None
 
 
-def test_a_limit_that_is_exceeded_leaves_no_strokes() -> None:
+def test_a_limit_that_is_exceeded_leaves_no_strokes():
     left = remaining_life(RESULT, [Reading("B", 4e6, "depth", 60e-6, 1e-6)])
     assert left.remaining.high == 0.0
     assert left.exceeded > 0.99
@@ -273,7 +270,7 @@ def test_a_limit_that_is_exceeded_leaves_no_strokes() -> None:
 
 
 @pytest.mark.parametrize("strokes", [3e6, 6e6])
-def test_error_of_the_computed_life_widens_the_interval(strokes: float) -> None:
+def test_error_of_the_computed_life_widens_the_interval(strokes):
     """It grows as the root of the strokes from an early reading on."""
     value = float(depth_after(strokes))
     readings = [Reading("B", strokes, "depth", value, 1e-9)]
@@ -285,7 +282,7 @@ def test_error_of_the_computed_life_widens_the_interval(strokes: float) -> None:
 TABLE = "joint,strokes,depth (um),error (um)"
 
 
-def test_table_of_readings(tmp_path: Path) -> None:
+def test_table_of_readings(tmp_path):
     file = tmp_path / "readings.csv"
     file.write_text(
         "# gauge 7\nstrokes;joint;clearance (mm);error\n1e6;B;0.11;\n2e6;A;12;4 um\n"
@@ -314,7 +311,7 @@ def test_table_of_readings(tmp_path: Path) -> None:
         ("joint,strokes,clearance (mm),error (mm)\nB,1,2,1\n", "does not follow"),
     ],
 )
-def test_wrong_tables_are_refused(text: str, words: str, tmp_path: Path) -> None:
+def test_wrong_tables_are_refused(text, words, tmp_path):
     file = tmp_path / "readings.csv"
     file.write_text(text)
     with pytest.raises(pw.InputError) as caught:
@@ -322,7 +319,7 @@ def test_wrong_tables_are_refused(text: str, words: str, tmp_path: Path) -> None
     assert words in str(caught.value)
 
 
-def test_lives_that_readings_do_not_fit_are_refused() -> None:
+def test_lives_that_readings_do_not_fit_are_refused():
     reading = [Reading("B", 1e6, "depth", 1e-5, 1e-6)]
     cases = {
         "bushings that are serviced": pw.changed(SCENE, {"life.replaced": "B@1e6"}),

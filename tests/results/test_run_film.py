@@ -25,7 +25,7 @@ def oiled() -> pw.Result:
     return pw.run(pw.changed(press, values))
 
 
-def test_least_film_of_a_run_is_near_that_under_ideal_forces(oiled: pw.Result) -> None:
+def test_least_film_of_a_run_is_near_that_under_ideal_forces(oiled: pw.Result):
     """An independent orbit under the forces of rigid links has 5.4 and 2.3 um.
 
     The elastic contact takes part of the way of the pin.
@@ -39,7 +39,7 @@ def test_least_film_of_a_run_is_near_that_under_ideal_forces(oiled: pw.Result) -
         assert film.roughness == pytest.approx(both, rel=1e-12)
 
 
-def test_films_of_each_cycle_are_those_of_series_and_ledger(oiled: pw.Result) -> None:
+def test_films_of_each_cycle_are_those_of_series_and_ledger(oiled: pw.Result):
     (stage,) = oiled.stages
     lost = 0.0
     for name, film in run_films(oiled.scene, stage).items():
@@ -56,7 +56,7 @@ def test_films_of_each_cycle_are_those_of_series_and_ledger(oiled: pw.Result) ->
     assert lost == pytest.approx(ledger, rel=1e-3)
 
 
-def test_loss_of_a_film_beside_a_motor_is_by_the_clock() -> None:
+def test_loss_of_a_film_beside_a_motor_is_by_the_clock():
     """The motor makes 59 of 60 strokes a minute, and turns slower in the work."""
     press = pw.scene_from(SCENARIOS / "press-250kN.toml")
     oil = {"viscosity": "0.1 Pa s", "film": "run", "frame_stiffness": "none"}
@@ -69,7 +69,7 @@ def test_loss_of_a_film_beside_a_motor_is_by_the_clock() -> None:
         assert film.loss * seconds == pytest.approx(loss, rel=0.01)
 
 
-def test_asperities_far_below_the_film_do_not_wear() -> None:
+def test_asperities_far_below_the_film_do_not_wear():
     """Their load distance is 1e-45 N m, of which 1e46 strokes would wear something."""
     oil = {"clearance": "30 um", "viscosity": "0.1 Pa s", "film": "run"}
     result = pw.run(pw.scenes.slider_crank(**oil, joints="B", cycles=3))
@@ -87,7 +87,7 @@ def test_asperities_far_below_the_film_do_not_wear() -> None:
     assert "while the oil film is that between rigid ones" in str(result)
 
 
-def test_the_working_zone_stands_beside_the_film_of_a_cycle(oiled: pw.Result) -> None:
+def test_the_working_zone_stands_beside_the_film_of_a_cycle(oiled: pw.Result):
     """From the touch of the work to 20 ms after its fracture, with a seventh on both sides."""
     strokes = oiled.strokes(0)
     assert strokes is not None
@@ -110,6 +110,6 @@ def test_the_working_zone_stands_beside_the_film_of_a_cycle(oiled: pw.Result) ->
         assert np.asarray(y)[inside].min() == pytest.approx(1e6 * film.thickness.min())
 
 
-def test_report_states_the_film_of_the_run(oiled: pw.Result) -> None:
+def test_report_states_the_film_of_the_run(oiled: pw.Result):
     report = render_report(oiled)
     assert "Joint C: the oil film acts in the run" in report

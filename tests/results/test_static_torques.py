@@ -31,7 +31,7 @@ def _stop_force(scene: Scene, height: Array) -> Array:
     return STIFFNESS * np.maximum(scene.bottom + HEIGHT - height, 0.0)
 
 
-def test_force_of_a_cylinder_under_the_work() -> None:
+def test_force_of_a_cylinder_under_the_work():
     """F dx/dphi dphi/dL, with dphi/dL = L / (r d sin phi) by the law of cosines."""
     scene = Scene(boom(), joints="none", process=STOP, cycles=2)
     time = np.linspace(0.0, scene.mechanism.period, 721)
@@ -48,7 +48,7 @@ def test_force_of_a_cylinder_under_the_work() -> None:
     assert dict(force.compared)[STATIC] == numbers.quantity_text(expected, "N")
 
 
-def test_forces_of_two_cylinders_under_the_work() -> None:
+def test_forces_of_two_cylinders_under_the_work():
     """Each moves the table along its own guide: its force is F cos of the angle to the work."""
     linkage = table().changed(output="table", direction=0.9)
     scene = Scene(linkage, joints="none", process=STOP)
@@ -63,7 +63,7 @@ def test_forces_of_two_cylinders_under_the_work() -> None:
     assert torques["arm"] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_torques_of_a_hybrid_press_under_the_work() -> None:
+def test_torques_of_a_hybrid_press_under_the_work():
     """The way of the slide for a small turn of each crank alone, from assembled positions."""
     scene = pw.scenes.press_hybrid(process=pw.Coining(stiffness=1e6, height=3e-4))
     linkage = scene.base_linkage
@@ -103,7 +103,7 @@ def _height_with(linkage: Linkage, position: Array, turns: dict[str, float]) -> 
 
 
 @pytest.mark.parametrize("is_geared", [False, True])
-def test_drives_of_a_two_point_press_share_the_work(is_geared: bool) -> None:
+def test_drives_of_a_two_point_press_share_the_work(is_geared):
     """Each bears half of force times way; the leader of gears bears all of it."""
     linkage = pw.TwoPoint().linkage()
     first, second = linkage.drives
@@ -126,5 +126,5 @@ def test_drives_of_a_two_point_press_share_the_work(is_geared: bool) -> None:
     assert torques[second.body] == pytest.approx(0.5 * work, rel=allowed)
 
 
-def test_no_torque_without_work() -> None:
+def test_no_torque_without_work():
     assert static_torques(Scene(boom(), joints="none")) == {}

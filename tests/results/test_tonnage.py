@@ -66,7 +66,7 @@ def force_at(depth: Array, velocity: Array) -> Array:
     )
 
 
-def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> None:
+def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result):
     stage = ideal.stages[0]
     height = ideal.height(0)
     force = np.asarray(ideal.process_force(0))
@@ -93,7 +93,7 @@ def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result) -> No
     assert tonnage.vibration_after.mean < 1e-6 * stage.acceleration.std()
 
 
-def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
+def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result):
     """Numbers of each drive by Simpson's rule over the smooth pieces of the closed form."""
 
     def passes(height: float, begin: float, end: float) -> float:
@@ -138,7 +138,7 @@ def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
         assert abs(found.duty.torque.peak) == pytest.approx(peaks[k], rel=1e-4)
 
 
-def test_ideal_peaks_include_work_that_is_shorter_than_a_piece() -> None:
+def test_ideal_peaks_include_work_that_is_shorter_than_a_piece():
     """A foil is cut within 60 µs; the ideal motion is followed in pieces of 0.8 ms."""
     foil = pw.Blanking(
         height=15e-3, thickness=20e-6, rise=15e-6, plateau=0.5, snap=5e-6
@@ -167,8 +167,8 @@ def test_ideal_peaks_include_work_that_is_shorter_than_a_piece() -> None:
 
 @pytest.mark.parametrize("run_up", [0, 2])
 def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(
-    run_up: int,
-) -> None:
+    run_up,
+):
     """The work of the first cycle may start within its stroke."""
     scene = replace(IDEAL, mechanism=replace(PRESS, run_up=run_up))
     time, forces = ideal_forces(scene)
@@ -180,7 +180,7 @@ def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(
 
 def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
     ideal: pw.Result,
-) -> None:
+):
     strokes = sampled_strokes(IDEAL, ideal.stages[0])
     moments = ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk /
@@ -196,8 +196,8 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(
-    engine: str,
-) -> None:
+    engine,
+):
     """The force over the recorded height, and the work that the engine summed step by step."""
     short: dict[str, Any] = {
         "engine": engine,
@@ -229,7 +229,7 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(
         assert (own.reversal_time is None) == (own.reversed_force.mean == 0.0)
 
 
-def test_without_work_there_are_approach_and_return_alone() -> None:
+def test_without_work_there_are_approach_and_return_alone():
     scene = replace(
         pw.scenes.wear_times(), engine="dae", wear_updates=0, replicates=1, cycles=3
     )
@@ -262,9 +262,7 @@ STROKE = SampledStroke(
         (1.0, 90.0, 0.03),
     ],
 )
-def test_a_reversal_is_along_the_force_that_worked(
-    angle: float, back: float, delay: float
-) -> None:
+def test_a_reversal_is_along_the_force_that_worked(angle, back, delay):
     """Half a sine one way up to the fracture, and one of 4 ms the other way after a delay."""
     time = np.linspace(1.0, 2.0, 20_001)
     pressed = 100.0
@@ -296,7 +294,7 @@ def test_a_reversal_is_along_the_force_that_worked(
         assert delay - 1e-9 <= tonnage.reversal_time.mean <= delay + 1.1e-4
 
 
-def test_a_reversed_force_counts_the_friction_on_the_bearing() -> None:
+def test_a_reversed_force_counts_the_friction_on_the_bearing():
     """(3, -4) N works where the pin presses along x with friction; 5 N along y has 4 N against."""
     time = np.linspace(1.0, 2.0, 20_001)
     works = (time > 1.41) & (time < 1.44)
@@ -309,7 +307,7 @@ def test_a_reversed_force_counts_the_friction_on_the_bearing() -> None:
     assert found.reversed_force.mean == pytest.approx(4.0)
 
 
-def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
+def test_peaks_between_rows_are_those_of_contacts_in_the_phase():
     """A contact lies in the approach, a second ends in the work, a third is in no stroke."""
     time = np.linspace(1.0, 2.0, 101)
     contacts = np.zeros((3, len(CONTACT_COLUMNS)))
@@ -332,7 +330,7 @@ def test_peaks_between_rows_are_those_of_contacts_in_the_phase() -> None:
     }
 
 
-def test_peaks_are_told_by_phase_with_their_scatter() -> None:
+def test_peaks_are_told_by_phase_with_their_scatter():
     """Three strokes with planted peaks; Student's interval from scipy."""
     strokes = [SampledStroke(*(moment + k for moment in STROKE)) for k in range(3)]
     time = np.linspace(1.0, 4.0, 6001)

@@ -84,7 +84,7 @@ for compute in (
 """
 
 
-def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
+def test_reading_a_result_does_not_execute_its_laws(received):
     """Report, export, replay and Python; what needs a law is refused or left out in a sentence."""
     # In a process that trusts nothing yet.
     done = python("-c", READING, cwd=received)
@@ -98,7 +98,7 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     assert "total clearance" not in page
 
 
-def test_a_run_goes_on_only_if_its_laws_are_trusted(received: Path) -> None:
+def test_a_run_goes_on_only_if_its_laws_are_trusted(received):
     for line in ("sweep mine --resume --out sweep", "run mine --resume --out halted"):
         command = ["-m", "presswear", *line.split()]
         refused = python(*command, cwd=received)
@@ -117,7 +117,7 @@ def test_a_run_goes_on_only_if_its_laws_are_trusted(received: Path) -> None:
     assert "total clearance" in (received / "halted" / "report.html").read_text()
 
 
-def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path: Path) -> None:
+def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path):
     """A function, or a file, of the same text; another text, and a file named in a result, not."""
     text = f"# {tmp_path}\ndef soft(penetration):\n    return 1e7 * penetration\n"
     stored = UserFunction.read("law", {"name": "soft", "source": text})

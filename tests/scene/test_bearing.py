@@ -1,7 +1,6 @@
 """Bearings with other materials, and bearings of rigid joints."""
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -18,7 +17,7 @@ from presswear.tools.errors import InputError
 BASE = replace(wear_times(), name="base", title="a scene")
 
 
-def test_wear_law_stays_with_other_materials() -> None:
+def test_wear_law_stays_with_other_materials():
     """Named materials have no running-in and no pressure exponent: those of the scene stay."""
     law = {
         "running_in": 30.0,
@@ -39,7 +38,7 @@ def test_wear_law_stays_with_other_materials() -> None:
     assert reset.bearing("C").materials.running_in == 1.0
 
 
-def test_materials_set_the_wear_of_both_sides() -> None:
+def test_materials_set_the_wear_of_both_sides():
     scene = changed(BASE, {"materials": "nitrided-304L", "C.materials": "paper"})
     law = scene.bearing("A").materials
     assert law.wear_coefficient == pytest.approx(70.1e-15)
@@ -53,7 +52,7 @@ def test_materials_set_the_wear_of_both_sides() -> None:
     assert chromed.wear_coefficient == pytest.approx(50.1e-15)
 
 
-def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
+def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs():
     rigid = Bearing(clearance=0, friction=0.1, bearing_radius=0.03)
     loose = Bearing()
     scene = Scene(SliderCrank(), bearings={"B": loose, "O": rigid})
@@ -88,6 +87,6 @@ def test_a_bearing_without_clearance_is_a_rigid_joint_that_rubs() -> None:
         ),
     ],
 )
-def test_a_bearing_has_clearance_or_none(values: dict[str, Any], message: str) -> None:
+def test_a_bearing_has_clearance_or_none(values, message):
     with pytest.raises(InputError, match=message):
         Bearing(**values)

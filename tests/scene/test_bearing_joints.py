@@ -16,7 +16,7 @@ from presswear.tools.errors import InputError
 BASE = replace(wear_times(), name="base", title="a scene")
 
 
-def test_joints_are_those_of_the_mechanism() -> None:
+def test_joints_are_those_of_the_mechanism():
     spelled = {"A": "A", "C": "C", "AC": "AC", "A,C": "AC", "CA": "AC", "none": ""}
     for text, names in spelled.items():
         scene = Scene(joints=text)
@@ -29,7 +29,7 @@ def test_joints_are_those_of_the_mechanism() -> None:
     assert Scene(named, joints="pin P").joints == "pin P"
 
 
-def test_a_mechanism_has_default_joints_with_clearance() -> None:
+def test_a_mechanism_has_default_joints_with_clearance():
     """A user linkage has none; a bearing without a joint is refused."""
     for mechanism, joints in (
         (Press(), "AC"),
@@ -50,7 +50,7 @@ def test_a_mechanism_has_default_joints_with_clearance() -> None:
         Scene.from_dict({**BASE.as_dict(), "joints": None})
 
 
-def test_bearings_by_joint_open_those_joints() -> None:
+def test_bearings_by_joint_open_those_joints():
     """A mapping is the same scene as joints, a common bearing and exceptions."""
     one = Bearing(clearance=0.2e-3)
     other = Bearing(clearance=0.3e-3, friction=0.1)
@@ -64,7 +64,7 @@ def test_bearings_by_joint_open_those_joints() -> None:
         Scene(bearings={"F": one})
 
 
-def test_wear_updates_need_a_joint_that_wears() -> None:
+def test_wear_updates_need_a_joint_that_wears():
     scene = changed(BASE, {"wear_coefficient": "0/Pa"})
     with pytest.raises(InputError, match="wear_coefficient = 0: with wear_updates"):
         scene.check()

@@ -1,8 +1,6 @@
 """Changes against a named scene, and titles of changed scenes."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 from four_bar_linkage import FOUR_BAR
@@ -22,7 +20,7 @@ def described(scene: pw.Scene) -> dict[str, tuple[str, str, str]]:
 
 
 @pytest.mark.parametrize("name", pw.scenes.SCENES)
-def test_a_named_scene_keeps_its_title(name: str) -> None:
+def test_a_named_scene_keeps_its_title(name):
     scene = pw.scenes.SCENES[name].make()
     assert changes_of(scene) == ()
     assert (title_of(scene), name_of(scene), short_name_of(scene)) == (
@@ -32,13 +30,13 @@ def test_a_named_scene_keeps_its_title(name: str) -> None:
     )
 
 
-def test_a_scene_without_a_name_has_that_of_its_mechanism() -> None:
+def test_a_scene_without_a_name_has_that_of_its_mechanism():
     scene = pw.Scene(pw.FourBar())
     assert (title_of(scene), name_of(scene)) == ("four-bar", "four-bar")
     assert short_name_of(scene) == "four-bar"
 
 
-def test_the_title_lists_changes_and_counts_the_last() -> None:
+def test_the_title_lists_changes_and_counts_the_last():
     scene = pw.scenes.wear_times(clearance="0.5 mm", wear_updates=1)
     assert described(scene) == {
         "clearance": ("0.5", "0.8", "mm"),
@@ -81,13 +79,11 @@ def test_the_title_lists_changes_and_counts_the_last() -> None:
         ),
     ],
 )
-def test_changes_that_follow_are_omitted(
-    scene: pw.Scene, expected: dict[str, Any]
-) -> None:
+def test_changes_that_follow_are_omitted(scene: pw.Scene, expected):
     assert described(scene) == expected
 
 
-def test_a_scene_of_a_file_lists_changes_from_the_defaults(tmp_path: Path) -> None:
+def test_a_scene_of_a_file_lists_changes_from_the_defaults(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(example_file("four-bar"))
     scene = scene_from(file)

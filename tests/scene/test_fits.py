@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,7 +39,7 @@ def middle(place: int) -> float:
 
 
 @pytest.mark.parametrize("place", range(len(_SIZES)))
-def test_tables_are_the_rounded_formulas_of_the_standard(place: int) -> None:
+def test_tables_are_the_rounded_formulas_of_the_standard(place):
     size = middle(place)
     is_small = _SIZES[place] <= 500
     unit = 0.45 * size ** (1 / 3) + 0.001 * size if is_small else 0.004 * size + 2.1
@@ -67,7 +66,7 @@ def test_tables_are_the_rounded_formulas_of_the_standard(place: int) -> None:
         ("25 mm H7/h6", 0, 21 + 13),
     ],
 )
-def test_printed_deviations(text: str, least: float, largest: float) -> None:
+def test_printed_deviations(text, least, largest):
     fit = fit_of(text)
     assert fit is not None
     assert fit.diameter is not None
@@ -75,7 +74,7 @@ def test_printed_deviations(text: str, least: float, largest: float) -> None:
     assert [2e6 * end for end in ends] == pytest.approx([least, largest])
 
 
-def test_a_clearance_is_the_middle_of_a_fit() -> None:
+def test_a_clearance_is_the_middle_of_a_fit():
     fit: Any = "110 H8/f7"
     short: Any = "H8/f7"
     drawn: Any = "Ø110H8/f7"
@@ -95,7 +94,7 @@ def test_a_clearance_is_the_middle_of_a_fit() -> None:
     assert origin.origin == "set by the user: middle of 90 H9/f7, 0.018 to 0.079 mm"
 
 
-def test_a_file_has_diameters_and_fits(tmp_path: Path) -> None:
+def test_a_file_has_diameters_and_fits(tmp_path):
     file = tmp_path / "press.toml"
     file.write_text(
         '[mechanism]\nkind = "press"\n[bearings]\ndiameter = "90 mm"\nclearance = "H9/f7"\n'
@@ -105,12 +104,12 @@ def test_a_file_has_diameters_and_fits(tmp_path: Path) -> None:
     assert bearing.clearance == pytest.approx(48.5e-6)
 
 
-def test_a_sweep_goes_over_a_fit() -> None:
+def test_a_sweep_goes_over_a_fit():
     values = values_of("clearance", "110 H8/f7:3", Quantity("m"))
     assert values == pytest.approx([18e-6, 40.25e-6, 62.5e-6])
 
 
-def test_a_sample_of_a_fit_goes_over_its_field() -> None:
+def test_a_sample_of_a_fit_goes_over_its_field():
     field = parse_distribution("110 H8/f7", "clearance", Quantity("m"))
     ends = field.ppf(np.array([0.0, 0.5, 1.0]))
     np.testing.assert_allclose(ends, [18e-6, 40.25e-6, 62.5e-6], rtol=1e-9)
@@ -135,16 +134,14 @@ def test_a_sample_of_a_fit_goes_over_its_field() -> None:
         ({"R_i": "9 mm", "diameter": "9 mm"}, "R_i and diameter are the same setting"),
     ],
 )
-def test_a_fit_that_does_not_fit_is_refused(
-    settings: dict[str, str], message: str
-) -> None:
+def test_a_fit_that_does_not_fit_is_refused(settings, message):
     with pytest.raises(pw.InputError, match=re.escape(message)):
         pw.changed(pw.scenes.wear_times(), settings)
     with pytest.raises(pw.InputError, match="such as 110 H8/f7:5"):
         values_of("clearance", "H8/f7:3", Quantity("m"))
 
 
-def test_a_fit_in_a_file_is_no_change_of_it(tmp_path: Path) -> None:
+def test_a_fit_in_a_file_is_no_change_of_it(tmp_path):
     file = tmp_path / "own.toml"
     file.write_text("mechanism = 'press'\n[bearings]\nclearance = 'H8/f7'\n")
     scene = scene_from(file)

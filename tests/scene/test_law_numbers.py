@@ -59,7 +59,7 @@ def values_of(scene: Scene) -> dict[str, Any]:
     return {one.key: one.value for one in settings_of(scene) if "_law." in one.key}
 
 
-def test_a_file_sets_numbers_of_laws(scene: Scene) -> None:
+def test_a_file_sets_numbers_of_laws(scene: Scene):
     bearing = scene.bearing("B")
     assert isinstance(bearing.wear_law, UserFunction)
     assert bearing.wear_law.values == (("fade", 3e-6),)
@@ -75,7 +75,7 @@ def test_a_file_sets_numbers_of_laws(scene: Scene) -> None:
     scene.check_user_laws()
 
 
-def test_a_value_reaches_the_law_in_python_and_compiled(scene: Scene) -> None:
+def test_a_value_reaches_the_law_in_python_and_compiled(scene: Scene):
     """The numbers stand between the parameters."""
     scene = changed(scene, {"B.wear_law.ratio": "7", "B.wear_law.fade": "5 um"})
     law = scene.bearing("B").wear_law
@@ -88,7 +88,7 @@ def test_a_value_reaches_the_law_in_python_and_compiled(scene: Scene) -> None:
     assert values_of(fresh)["B.wear_law.ratio"] == 30.0
 
 
-def test_a_sweep_varies_a_number(scene: Scene) -> None:
+def test_a_sweep_varies_a_number(scene: Scene):
     group = parse_group(scene, "B.wear_law.fade=1um,2um")
     assert group.values.ravel().tolist() == pytest.approx([1e-6, 2e-6])
     (column,) = group.columns
@@ -128,9 +128,7 @@ def test_a_sweep_varies_a_number(scene: Scene) -> None:
         ("B.wear_law", "computed", r"wear_law.fade = 2.0 \* 3.0: a default must be"),
     ],
 )
-def test_numbers_that_are_refused(
-    scene: Scene, key: str, value: str, words: str, tmp_path: Path
-) -> None:
+def test_numbers_that_are_refused(scene: Scene, key, value, words, tmp_path):
     if f"def {value}(" in LAWS:
         value = f"{tmp_path / 'laws.py'}:{value}"
     with pytest.raises(InputError, match=words):

@@ -15,7 +15,7 @@ from presswear.scene.settings import changed
 BASE = replace(wear_times(), name="base", title="a scene")
 
 
-def test_scene_makes_the_linkage_it_describes() -> None:
+def test_scene_makes_the_linkage_it_describes():
     scene = changed(BASE, {"joints": "A", "friction": "0.05", "restitution": "0.8"})
     linkage = scene.linkage()
     closed = scene.mechanism.linkage()
@@ -40,9 +40,7 @@ def test_scene_makes_the_linkage_it_describes() -> None:
         ("refined", ("body", "foundation", "sliding", "arc")),
     ],
 )
-def test_conventions_reach_the_joint(
-    conventions: str, expected: tuple[str, ...]
-) -> None:
+def test_conventions_reach_the_joint(conventions, expected):
     joint = replace(BASE, conventions=CONVENTIONS[conventions]).linkage().clearances[0]
     assert joint.wear is not None
     wear = joint.wear
@@ -60,9 +58,7 @@ def test_conventions_reach_the_joint(
 @pytest.mark.parametrize(
     ("degrees", "bottom"), [(0, 0.07), (-90, -0.17), (90, 0.07), (-30, -0.17)]
 )
-def test_bottom_dead_centre_of_a_slider_crank_is_its_lowest_place(
-    degrees: float, bottom: float
-) -> None:
+def test_bottom_dead_centre_of_a_slider_crank_is_its_lowest_place(degrees, bottom):
     """Rod less crank from O where the slider is beside O or above it, and rod and crank below."""
     scene = Scene(SliderCrank(slide_angle=math.radians(degrees)))
     assert scene.stroke == pytest.approx(0.1, rel=1e-9)

@@ -17,14 +17,14 @@ NARROW_BEARING: dict[str, Any] = {**OILED, "clearance": "50 um"}
 NARROW: dict[str, Any] = {**NARROW_BEARING, "wear_coefficient": 1e-16}
 
 
-def test_guide_has_no_film() -> None:
+def test_guide_has_no_film():
     sizes: dict[str, Any] = {"guide_length": "0.3 m", "guide_width": "0.2 m"}
     bearings = {"guide": pw.Bearing(**NARROW_BEARING)}
     with pytest.raises(InputError, match="a guide has no oil film; allowed is report"):
         pw.Scene(pw.SliderCrank(**sizes), bearings=bearings)
 
 
-def test_oil_of_a_joint() -> None:
+def test_oil_of_a_joint():
     press = pw.scene_from(SCENARIOS / "press-250kN.toml")
     assert all(joint.oil is None for joint in press.linkage().clearances)
     joint = pw.changed(press, OILED).linkage().clearances[0]
@@ -36,7 +36,7 @@ def test_oil_of_a_joint() -> None:
     assert joint.deepest_wear == pytest.approx(1e-5)
 
 
-def test_wear_beyond_the_deepest_wear_of_a_film_is_refused() -> None:
+def test_wear_beyond_the_deepest_wear_of_a_film_is_refused():
     bearing = [0.0] * 359 + [2e-5]
     with pytest.raises(InputError, match=r"allowed is 0 to 0\.01 mm"):
         pw.scenes.slider_crank(**NARROW, surfaces={"B": [bearing, None]})

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -13,7 +12,7 @@ from presswear.scene.settings import changed
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
+def test_scenes_of_the_catalog_are_plausible(name):
     lines = doubts(scene_named(name))
     if name == "two-point":  # its guide and its rods hold the angle of the slide
         assert "1 of the constraints of joints and drives repeats others" in lines.pop()
@@ -38,9 +37,7 @@ def test_scenes_of_the_catalog_are_plausible(name: str) -> None:
         ({"mass": 0.5}, 30.0, []),
     ],
 )
-def test_masses_inertias_and_speeds(
-    body: dict[str, Any], speed: float, words: list[str]
-) -> None:
+def test_masses_inertias_and_speeds(body, speed, words):
     linkage = pw.assemble(
         bodies=[
             pw.Bar("crank", length=0.05, mass=0.025),
@@ -61,7 +58,7 @@ def test_masses_inertias_and_speeds(
     assert [re.split(", divided by |;", text)[0] for text in doubts(scene)] == words
 
 
-def test_clearances_and_process_forces() -> None:
+def test_clearances_and_process_forces():
     scene = changed(scene_named("press-blanking"), {"clearance": "1.6 mm"})
     assert [text.partition(" is ")[0] for text in doubts(scene)] == [
         "the clearance of joints A and C, divided by the radius of the bearing,"
@@ -82,14 +79,14 @@ def test_clearances_and_process_forces() -> None:
         ({}, ""),
     ],
 )
-def test_oil_for_which_no_film_is_known(values: dict[str, str], words: str) -> None:
+def test_oil_for_which_no_film_is_known(values, words):
     oiled = {"clearance": "30 um", "viscosity": "0.1 Pa s", **values}
     lines = doubts(pw.scenes.slider_crank(**oiled))
     assert len(lines) == bool(words)
     assert all(words in line for line in lines)
 
 
-def test_a_torque_limit_beside_a_motor_has_no_effect() -> None:
+def test_a_torque_limit_beside_a_motor_has_no_effect():
     motor = pw.Motor(2.0, inertia=0.01)
     alone = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0)))
     beside = doubts(pw.Scene(pw.SliderCrank(torque_limit=5.0, motor=motor)))

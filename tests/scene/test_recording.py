@@ -1,7 +1,6 @@
 """The recording plan of a scene: requested series are stored, and nothing else changes."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ SECTIONS = {"sections": "4", "section_angle": "90 deg"}
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn"])
-def test_sections_are_states_of_the_series(engine: str) -> None:
+def test_sections_are_states_of_the_series(engine):
     """The series counts the place from the start."""
     scene = changed(SCENE, SECTIONS)
     stage = pw.run(scene, engine=engine).stages[0]
@@ -37,7 +36,7 @@ def test_sections_are_states_of_the_series(engine: str) -> None:
         assert_allclose(seen, expected, rtol=0.0, atol=1e-6)
 
 
-def test_sections_end_no_cycle_elsewhere() -> None:
+def test_sections_end_no_cycle_elsewhere():
     """Without them nothing is kept, and the rows of the cycles stay as many."""
     bare = pw.run(SCENE, engine="dae").stages[0]
     assert "sections" not in bare.arrays
@@ -49,7 +48,7 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     assert seen.statistics.cycles == bare.statistics.cycles
 
 
-def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
+def test_a_folder_holds_what_the_plan_asks_for(tmp_path):
     wanted = {
         **SECTIONS,
         "recorded_cycles": "1",
@@ -75,7 +74,7 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     )
 
 
-def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
+def test_series_of_joints_may_be_left_out(tmp_path):
     """All else stays, and what is made of them is left out, or told in one line."""
     scene = changed(SCENE, {"series": "output"})
     for one, folder in ((scene, "output"), (SCENE, "full")):

@@ -28,14 +28,12 @@ BASE = replace(wear_times(), name="base", title="a scene")
         ("AC", "dae", InHouse),
     ],
 )
-def test_the_smallest_model_that_fits_is_used(
-    joints: str, engine: str, kind: type
-) -> None:
+def test_the_smallest_model_that_fits_is_used(joints, engine, kind):
     assert type(replace(BASE, joints=joints, engine=engine).solver) is kind
 
 
 @pytest.mark.parametrize("name", list(SCENES))
-def test_named_scenes_survive_storage(name: str) -> None:
+def test_named_scenes_survive_storage(name):
     scene = scene_named(name)
     data = scene.as_dict()
     assert Scene.from_dict(data) == scene
@@ -43,7 +41,7 @@ def test_named_scenes_survive_storage(name: str) -> None:
     assert Scene.from_dict(json.loads(json.dumps(data, allow_nan=False))) == scene
 
 
-def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
+def test_a_stored_scene_that_lost_a_value_is_refused():
     """What got lost is not today's default."""
     data = json.loads(json.dumps(BASE.as_dict()))
     for part in ("bearings", "numerics", "conventions", "mechanism"):
@@ -81,7 +79,7 @@ def stored(part: str, **changes: Any) -> dict[str, Any]:
         stored("bearings", friction=math.nan),
     ],
 )
-def test_data_that_are_no_scene_are_refused_in_one_line(data: Any) -> None:
+def test_data_that_are_no_scene_are_refused_in_one_line(data):
     with pytest.raises(InputError):
         Scene.from_dict(data)
 
@@ -100,9 +98,7 @@ def test_data_that_are_no_scene_are_refused_in_one_line(data: Any) -> None:
         ({"purpose": "wear", "wear_updates": 0}, 1e-5),
     ],
 )
-def test_purpose_sets_the_default_tolerance(
-    settings: dict[str, Any], tolerance: float
-) -> None:
+def test_purpose_sets_the_default_tolerance(settings, tolerance):
     scene = replace(BASE, **settings)
     assert isinstance(scene.solver, ExudynTree)
     assert scene.solver.tree_tolerance == pytest.approx(tolerance)
@@ -112,7 +108,7 @@ def test_purpose_sets_the_default_tolerance(
 
 
 @pytest.mark.parametrize("conventions", ["paper", "refined"])
-def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions: Any) -> None:
+def test_without_clearance_no_joint_wears_and_one_stage_runs(conventions):
     scene = Scene(
         SliderCrank(), bearings={}, conventions=conventions, cycles=1, engine="dae"
     )

@@ -29,9 +29,7 @@ def written(folder: Path, text: str) -> Path:
 
 
 @pytest.mark.parametrize("kind", COMMON)
-def test_an_example_is_a_scene_whose_values_are_of_the_file(
-    kind: str, tmp_path: Path
-) -> None:
+def test_an_example_is_a_scene_whose_values_are_of_the_file(kind, tmp_path):
     text = example_file(kind)
     scene = scene_from(written(tmp_path, text))
     assert scene.name == "my-own"
@@ -45,7 +43,7 @@ def test_an_example_is_a_scene_whose_values_are_of_the_file(
 
 
 @pytest.mark.parametrize("kind", PRESSES)
-def test_a_press_has_bearings_a_process_and_limits(kind: str, tmp_path: Path) -> None:
+def test_a_press_has_bearings_a_process_and_limits(kind, tmp_path):
     scene = scene_from(written(tmp_path, example_file(kind)))
     assert scene.bearings != pw.Bearing()
     assert scene.bearings.pressure_limit
@@ -56,7 +54,7 @@ def test_a_press_has_bearings_a_process_and_limits(kind: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("kind", COMMON)
-def test_an_example_has_the_defaults_of_python(kind: str, tmp_path: Path) -> None:
+def test_an_example_has_the_defaults_of_python(kind, tmp_path):
     scene = scene_from(written(tmp_path, example_file(kind)))
     mechanism = scene.mechanism if kind == "points" else MECHANISMS[kind]()
     same = pw.Scene(mechanism, joints=scene.joints, name=scene.name, title=scene.title)
@@ -106,8 +104,8 @@ SWITCHED = {
     ids=lambda text: text.split("\n")[0].split(" ")[0] or "all",
 )
 def test_a_table_that_is_switched_on_works(
-    kind: str, block: str, tmp_path: Path, plain_scenes: dict[str, pw.Scene]
-) -> None:
+    kind, block, tmp_path, plain_scenes: dict[str, pw.Scene]
+):
     """One table after the other, and all of them."""
     text = example_file(kind)
     on = text.replace(block, OFF.sub("", block)) if block else OFF.sub("", text)
@@ -126,7 +124,7 @@ def test_a_table_that_is_switched_on_works(
 
 
 @pytest.mark.parametrize("kind", ["press", "slider-crank"])
-def test_a_guide_that_is_switched_on_has_clearance(kind: str, tmp_path: Path) -> None:
+def test_a_guide_that_is_switched_on_has_clearance(kind, tmp_path):
     text = example_file(kind).replace("#guide_", "guide_")
     table = re.search(r"(# .*\n)+", text[text.index("# [bearings.guide]") :])
     assert table is not None
@@ -140,13 +138,13 @@ def test_a_guide_that_is_switched_on_has_clearance(kind: str, tmp_path: Path) ->
     assert scene.bearing(guide.name).width == 0.04
 
 
-def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path: Path) -> None:
+def test_the_work_of_a_slider_crank_is_farthest_from_the_crank(tmp_path):
     scene = scene_from(written(tmp_path, OFF.sub("", example_file("slider-crank"))))
     # Crank and rod are in line, and up is towards the crank.
     assert scene.bottom == pytest.approx(-0.17)
 
 
-def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
+def test_a_drawing_is_the_linkage_of_its_points(tmp_path):
     """Joints lie at the start where they are drawn, and bodies are not turned."""
     motion = motion_of(scene_from(written(tmp_path, example_file("points"))).mechanism)
     centres = motion.at(np.zeros(1)).position.reshape(-1, 3)
@@ -159,7 +157,7 @@ def test_a_drawing_is_the_linkage_of_its_points(tmp_path: Path) -> None:
         pw.Body("a", 1.0, centre=3)
 
 
-def test_a_servo_motion_out_of_reach_is_refused(tmp_path: Path) -> None:
+def test_a_servo_motion_out_of_reach_is_refused(tmp_path):
     text = OFF.sub("", example_file("press")).replace("part = 0.111111", "part = 0.45")
     with pytest.raises(
         pw.InputError, match="crank 7 cannot make its point follow the curve"
@@ -167,7 +165,7 @@ def test_a_servo_motion_out_of_reach_is_refused(tmp_path: Path) -> None:
         scene_from(written(tmp_path, text))
 
 
-def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
+def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path):
     mechanism = scene_from(written(tmp_path, 'mechanism = "press"')).mechanism
     named = replace(
         pw.scenes.wear_times(), engine=pw.engines.InHouse.word, cycles=1, wear_updates=0
@@ -223,9 +221,7 @@ FRICTION = "mechanism = 'press'\n[settings]\nC.friction_law = "
         (f"{FRICTION}'law.py:rub'", "friction_law.*no such file"),
     ],
 )
-def test_a_wrong_file_is_refused_in_one_line(
-    text: str, message: str, tmp_path: Path
-) -> None:
+def test_a_wrong_file_is_refused_in_one_line(text, message, tmp_path):
     (tmp_path / "laws.py").write_text(LAW)
     file = tmp_path / "wrong.toml"
     file.write_text(text)
@@ -247,7 +243,7 @@ c_f = 0.1@[bearings]@friction = 0.1 | friction stands twice; it is allowed in on
 
 
 @pytest.mark.parametrize("case", WRONG_LINES.strip().splitlines())
-def test_a_wrong_line_is_answered_with_what_to_write(case: str, tmp_path: Path) -> None:
+def test_a_wrong_line_is_answered_with_what_to_write(case, tmp_path):
     lines, message = case.split(" | ")
     text = "\n".join(["mechanism = 'press'", "[settings]", *lines.split("@"), ""])
     file = written(tmp_path, text)
@@ -274,7 +270,7 @@ law = { kind = "over-time", table = [["0 s", "0 N m"], ["10 ms", "0.1 N m"]], pe
 """
 
 
-def test_a_file_may_hold_loads(tmp_path: Path) -> None:
+def test_a_file_may_hold_loads(tmp_path):
     file = tmp_path / "loaded.toml"
     file.write_text(f"{example_file('points')}{LOADS}")
     scene = scene_from(file)
@@ -310,8 +306,8 @@ DWELL = pw.linkage.Dwell(part=0.1, stroke=0.08)
     ],
 )
 def test_a_part_from_python_settings_and_files(
-    key: str, part: Any, texts: dict[str, str], also: str, another: Any, tmp_path: Path
-) -> None:
+    key, part, texts, also, another, tmp_path
+):
     def part_of(scene: Any) -> Any:
         return scene.process if key == "process" else scene.mechanism.servo
 
@@ -334,7 +330,7 @@ def test_a_part_from_python_settings_and_files(
 
 
 @pytest.mark.parametrize("run_up", [0, 2])
-def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> None:
+def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up):
     press = replace(IDEAL, mechanism=replace(IDEAL.mechanism, run_up=run_up))
     scene = replace(press, process=pw.Blanking())
     (load,) = scene.linkage().live_loads
@@ -356,7 +352,7 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> No
     assert abs(load.direction) == pytest.approx(math.pi, abs=1e-15)
 
 
-def test_a_process_out_of_reach_is_refused() -> None:
+def test_a_process_out_of_reach_is_refused():
     high = pw.Drawing(height=7e-3, bottom="highest")
     says = "height = 7 mm above bottom .* least 8 mm, .* 100 mm, the"
     with pytest.raises(pw.InputError, match=says):
@@ -383,9 +379,7 @@ def test_a_process_out_of_reach_is_refused() -> None:
         ),
     ],
 )
-def test_points_of_a_joint_coincide_in_the_drawing(
-    tmp_path: Path, old: str, new: str, message: str
-) -> None:
+def test_points_of_a_joint_coincide_in_the_drawing(tmp_path, old, new, message):
     text = example_file("points")
     changed_text = re.sub(r" +#.*", "", text).replace(old, new)
     assert changed_text.count(new) == 1
@@ -393,7 +387,7 @@ def test_points_of_a_joint_coincide_in_the_drawing(
         scene_from(written(tmp_path, changed_text))
 
 
-def test_a_slide_is_guided_where_it_is_drawn(tmp_path: Path) -> None:
+def test_a_slide_is_guided_where_it_is_drawn(tmp_path):
     """The drawing of a press, moved to the right, is the same press."""
     text = example_file("points")
     moved = re.sub(r'\["0 mm", ', '["730 mm", ', text)

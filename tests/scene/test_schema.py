@@ -22,12 +22,12 @@ def mistakes(text: str) -> list[str]:
     return [".".join(map(str, one.path)) for one in found]
 
 
-def test_the_schema_is_one() -> None:
+def test_the_schema_is_one():
     Draft7Validator.check_schema(SCHEMA)
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
-def test_examples_fit_the_schema_that_they_name(kind: str) -> None:
+def test_examples_fit_the_schema_that_they_name(kind):
     text = example_file(kind)
     assert text.startswith(f"#:schema ./{FILE}\n")
     assert mistakes(text) == []
@@ -35,7 +35,7 @@ def test_examples_fit_the_schema_that_they_name(kind: str) -> None:
 
 
 @pytest.mark.parametrize("file", sorted((ROOT / "scenarios").glob("*.toml")))
-def test_scenarios_fit(file: Path) -> None:
+def test_scenarios_fit(file):
     assert mistakes(file.read_text(encoding="utf-8")) == []
 
 
@@ -54,9 +54,7 @@ def test_scenarios_fit(file: Path) -> None:
         "colour = 'red'",
     ],
 )
-def test_a_mistake_is_marked_where_the_program_refuses_it(
-    text: str, tmp_path: Path
-) -> None:
+def test_a_mistake_is_marked_where_the_program_refuses_it(text, tmp_path):
     (place,) = mistakes(f"mechanism = 'press'\n{text}")
     assert place in ("", text.partition("]")[0].strip("[")) or "." in place
     file = tmp_path / "wrong.toml"
@@ -65,7 +63,7 @@ def test_a_mistake_is_marked_where_the_program_refuses_it(
         scene_from(file)
 
 
-def test_forms_of_values_that_the_program_reads_are_accepted(tmp_path: Path) -> None:
+def test_forms_of_values_that_the_program_reads_are_accepted(tmp_path):
     text = """mechanism = "press"
 [bearings]
 joints = ["A", "C"]

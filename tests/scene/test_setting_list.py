@@ -22,7 +22,7 @@ def _described(scene: pw.Scene, key: str) -> str:
 @pytest.mark.parametrize("scene", [PRESS, CRANK], ids=["press", "slider-crank"])
 def test_settings_have_one_key_and_describe_themselves_in_one_line(
     scene: pw.Scene,
-) -> None:
+):
     settings = list(settings_of(scene))
     assert len({setting.key for setting in settings}) == len(settings)
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
@@ -38,7 +38,7 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(
 @pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
 def test_described_values_are_in_units_of_engineers_and_can_be_set(
     scene: pw.Scene,
-) -> None:
+):
     assert _described(PRESS, "clearance").startswith("0.8 mm  (0 to 1000 mm;")
     assert _described(PRESS, "speed").startswith("105 rpm  (0.1 to 1200 rpm;")
     assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")
@@ -58,7 +58,7 @@ def test_described_values_are_in_units_of_engineers_and_can_be_set(
             )
 
 
-def test_where_a_value_comes_from_follows_it() -> None:
+def test_where_a_value_comes_from_follows_it():
     assert "; paper, per study)" in _described(PRESS, "clearance")
     scene = pw.scenes.slider_crank()
     meanings = [
@@ -72,7 +72,7 @@ def test_where_a_value_comes_from_follows_it() -> None:
     assert "; literature, from memory)" in _described(scene, "bearing_radius")
 
 
-def test_keys_that_nothing_reads_are_not_listed() -> None:
+def test_keys_that_nothing_reads_are_not_listed():
     """Of a rigid frame, a guide without clearance, an exact servo and the limit of a motor."""
 
     def keys(mechanism: Any, **settings: Any) -> set[str]:

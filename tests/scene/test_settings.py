@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ CRANK = pw.Scene(mechanism=pw.SliderCrank(), joints="B")
 PRESS = replace(pw.scenes.wear_times(), name="base", title="a scene")
 
 
-def test_changed_sets_every_part_and_nothing_else() -> None:
+def test_changed_sets_every_part_and_nothing_else():
     assert changed(PRESS, {}) == PRESS
     values = {
         "speed": "4pi rad/s",
@@ -146,14 +145,14 @@ ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d
 
 
 @pytest.mark.parametrize("case", REFUSED.strip().splitlines())
-def test_a_setting_that_does_not_fit_is_refused(case: str) -> None:
+def test_a_setting_that_does_not_fit_is_refused(case):
     name, listed, message = case.split(" | ")
     settings = dict(item.split("=", 1) for item in listed.split())
     with pytest.raises(pw.InputError, match=f"^{message}"):
         changed(SCENES_BY_NAME[name], settings).check()
 
 
-def test_a_scene_without_wear_updates_has_no_life() -> None:
+def test_a_scene_without_wear_updates_has_no_life():
     """A file with a life also runs on new surfaces."""
     scene = changed(pw.scenes.press_blanking(conventions="refined"), {"life": "limits"})
     for value in ("0", 0):
@@ -178,14 +177,14 @@ EDGES += "angles=16 cycles=none"
 
 
 @pytest.mark.parametrize("edge", EDGES.split())
-def test_an_edge_of_a_range_makes_a_usable_scene_or_one_line(edge: str) -> None:
+def test_an_edge_of_a_range_makes_a_usable_scene_or_one_line(edge):
     key, _, text = edge.partition("=")
     _use_or_refuse(key, text)
 
 
 @given(st.sampled_from(sorted(setting.key for setting in settings_of(PRESS))), values)
 @pytest.mark.filterwarnings("error")
-def test_any_text_makes_a_usable_scene_or_one_line(key: str, text: str) -> None:
+def test_any_text_makes_a_usable_scene_or_one_line(key, text):
     _use_or_refuse(key, text)
 
 
@@ -224,7 +223,7 @@ def _use(scene: pw.Scene) -> None:
     )
 
 
-def test_a_joint_can_have_other_values() -> None:
+def test_a_joint_can_have_other_values():
     scene = changed(
         pw.scenes.wear_times(), {"A.clearance": "0.2mm", "C.friction": "0.05"}
     )
@@ -249,7 +248,7 @@ def test_a_joint_can_have_other_values() -> None:
     assert not changed(every, {"friction": "0.05"}).joint_bearings
 
 
-def test_symbols_of_the_paper_are_names_of_settings() -> None:
+def test_symbols_of_the_paper_are_names_of_settings():
     keys = {setting.key for setting in settings_of(PRESS)}
     assert set(SYMBOLS.values()) <= keys
     scene = changed(
@@ -260,7 +259,7 @@ def test_symbols_of_the_paper_are_names_of_settings() -> None:
     assert setting_of(scene, "A.c_f").key == "A.friction"
 
 
-def test_constructors_take_numbers_with_units() -> None:
+def test_constructors_take_numbers_with_units():
     face: Any = pw  # annotations promise floats, which texts become
     bar = face.Bar("crank", length="50 mm", mass="300 g")
     assert bar == face.Bar("crank", 0.05, 0.3)
@@ -276,7 +275,7 @@ def test_constructors_take_numbers_with_units() -> None:
         face.Drive("crank", speed="1,5 Hz")
 
 
-def test_a_key_may_have_the_table_of_a_file_before_it() -> None:
+def test_a_key_may_have_the_table_of_a_file_before_it():
     base = pw.scenes.slider_crank()
     scene = changed(base, {"bearings.B.clearance": "0.1 mm", "settings.cycles": "7"})
     assert (scene.bearing("B").clearance, scene.cycles) == (1e-4, 7)
@@ -284,7 +283,7 @@ def test_a_key_may_have_the_table_of_a_file_before_it() -> None:
         changed(base, {"bearings.B.clearence": "0.1 mm"})
 
 
-def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
+def test_a_diametral_clearance_is_halved(tmp_path):
     assert pw.Bearing(diametral_clearance="0.2 mm") == pw.Bearing(clearance=1e-4)
     assert replace(pw.Bearing(diametral_clearance=2e-4), width=0.03).clearance == 1e-4
     assert pw.scenes.wear_times(diametral_clearance="0.4 mm").bearings.clearance == 2e-4
@@ -322,7 +321,7 @@ def test_a_diametral_clearance_is_halved(tmp_path: Path) -> None:
         setting_of(scene, "A.diametral_clearance")
 
 
-def test_a_motor_begins_with_its_torque() -> None:
+def test_a_motor_begins_with_its_torque():
     """The servo of crank 7 beside it turns at a constant speed."""
     keys = {
         "motor.torque": "20 N m",

@@ -4,7 +4,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ def smooth(angle: Any) -> Any:
     return 1e-5 * (1.0 + np.cos(angle - 0.4))
 
 
-def test_depths_on_the_scenes_own_bins_are_taken_as_they_are() -> None:
+def test_depths_on_the_scenes_own_bins_are_taken_as_they_are():
     depth = np.random.default_rng(3).uniform(0.0, 1e-5, 360)
     points = np.column_stack([bin_centres(360), depth])
     turned = np.roll(points, 77, axis=0) + np.array([TURN, 0.0])
@@ -45,7 +44,7 @@ def test_depths_on_the_scenes_own_bins_are_taken_as_they_are() -> None:
 
 @settings(deadline=None, max_examples=60)
 @given(st.lists(st.floats(0.0, 1e-4), min_size=16, max_size=120), st.integers(16, 400))
-def test_the_worn_volume_of_equal_bins_stays(depth: list[float], angles: int) -> None:
+def test_the_worn_volume_of_equal_bins_stays(depth, angles):
     if max(depth) == 0.0:
         return
     result = on(depth, angles=angles).surfaces["A"][0].depth
@@ -55,7 +54,7 @@ def test_the_worn_volume_of_equal_bins_stays(depth: list[float], angles: int) ->
     assert abs(result.mean() - np.mean(depth)) <= 1e-12 * max(depth)
 
 
-def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
+def test_a_scene_on_given_surfaces_is_stored_and_read_the_same():
     scene = on(smooth(bin_centres(100)), smooth(bin_centres(360)))
     again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
     assert again == scene
@@ -101,9 +100,7 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
         ({"A": (CLOSED, None)}, "bearing at A: the angle 0 deg occurs twice"),
     ],
 )
-def test_surfaces_that_do_not_fit_are_refused_in_one_line(
-    surfaces: Any, message: str
-) -> None:
+def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces, message):
     with pytest.raises(InputError, match=re.escape(message)):
         wear_times(surfaces=surfaces)
 
@@ -127,14 +124,12 @@ FLAT = np.zeros(WALL_BINS)
         ({"guide": (FLAT + 0.6e-3, None)}, "in bin 0: allowed is 0 to 0.5 mm"),
     ],
 )
-def test_walls_that_do_not_fit_are_refused_in_one_line(
-    surfaces: Any, message: str
-) -> None:
+def test_walls_that_do_not_fit_are_refused_in_one_line(surfaces, message):
     with pytest.raises(InputError, match=re.escape(message)):
         press_off_centre(surfaces=surfaces)
 
 
-def test_walls_of_a_scene_are_stored() -> None:
+def test_walls_of_a_scene_are_stored():
     depth = np.linspace(0.0, 1e-5, WALL_BINS)
     scene = press_off_centre(surfaces={"guide": (depth, FLAT)})
     again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
@@ -152,7 +147,7 @@ def table(header: str, rows: Any) -> str:
     return "\n".join([header, *(",".join(map(str, row)) for row in rows)])
 
 
-def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> None:
+def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path):
     angle = np.arange(0.0, 360.0, 4.0)
     depth = 1e6 * smooth(np.radians(angle))
     rows = [(side, *row) for side in SIDES for row in zip(angle, depth, strict=True)]
@@ -191,7 +186,7 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> No
         (f"{HEADER}\nA,pin,0,deep", ", line 2: depth = 'deep um' is not a number"),
     ],
 )
-def test_a_wrong_table_is_refused(text: str, says: str, tmp_path: Path) -> None:
+def test_a_wrong_table_is_refused(text, says, tmp_path):
     file = tmp_path / "worn.csv"
     file.write_text(text)
     with pytest.raises(InputError, match=re.escape(f"{file}") + ".*" + re.escape(says)):
@@ -200,7 +195,7 @@ def test_a_wrong_table_is_refused(text: str, says: str, tmp_path: Path) -> None:
         read_profiles(tmp_path / "wron.csv")
 
 
-def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
+def test_a_file_of_a_scene_may_name_a_table(tmp_path):
     angle = np.arange(0.0, 360.0, 5.0)
     rows = [("C", "bearing", a, 3.0) for a in angle]
     (tmp_path / "worn.csv").write_text(table(HEADER, rows))

@@ -32,7 +32,7 @@ def read(text: str) -> list[float]:
         ("clearance=0mm,1mm", [0.0, 1e-3]),
     ],
 )
-def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> None:
+def test_a_range_or_a_list_of_values_is_read(text, values):
     assert read(text) == values
 
 
@@ -55,6 +55,6 @@ def test_a_range_or_a_list_of_values_is_read(text: str, values: list[float]) -> 
         ("replicates=2:5:3", r"replicates = 3\.5: a whole number is expected"),
     ],
 )
-def test_a_range_that_does_not_fit_is_refused(text: str, message: str) -> None:
+def test_a_range_that_does_not_fit_is_refused(text, message):
     with pytest.raises(pw.InputError, match=message):
         read(text)

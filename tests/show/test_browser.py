@@ -75,8 +75,8 @@ def is_loaded(browser: Chrome) -> bool:
 
 @pytest.mark.parametrize("scene", [made.BOTH, pw.scenes.press_blanking()])
 def test_the_first_screen_has_drawing_and_key_numbers(
-    browser: Chrome, scene: pw.Scene, tmp_path: Path
-) -> None:
+    browser: Chrome, scene: pw.Scene, tmp_path
+):
     report = write_report(replace(made.made_up(scene, 2), path=tmp_path))
     show(browser, report, 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
@@ -90,9 +90,7 @@ def test_the_first_screen_has_drawing_and_key_numbers(
     assert errors == []
 
 
-def test_a_report_executes_no_script(
-    browser: Chrome, report: Path, tmp_path: Path
-) -> None:
+def test_a_report_executes_no_script(browser: Chrome, report, tmp_path):
     planted = "<script>document.title = 'executed'</script>"
     planted += '<img src=x onerror="document.title = 2">'
     file = tmp_path / "planted.html"
@@ -104,13 +102,13 @@ def test_a_report_executes_no_script(
 
 
 @pytest.mark.slow
-def test_a_report_of_seven_joints_is_small(tmp_path: Path) -> None:
+def test_a_report_of_seven_joints_is_small(tmp_path):
     scene = replace(made.BODY, joints="O2,O7,A,B,C,D,E")
     seven = write_report(replace(made.made_up(scene, 2), path=tmp_path))
     assert seven.stat().st_size < MAX_BYTES
 
 
-def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -> None:
+def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report):
     show(browser, report, 400)
     open_all_parts(browser)
     assert is_as_wide_as_its_window(browser)
@@ -118,7 +116,7 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report: Path) -
     assert value.rect["y"] < 800
 
 
-def test_a_table_that_scrolls_says_so(browser: Chrome, report: Path) -> None:
+def test_a_table_that_scrolls_says_so(browser: Chrome, report):
     words = {}
     for width in (400, 1280):
         show(browser, report, width)
@@ -135,9 +133,7 @@ def test_a_table_that_scrolls_says_so(browser: Chrome, report: Path) -> None:
     assert not all(scrolls for scrolls, _ in words[1280])
 
 
-def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(
-    browser: Chrome, report: Path
-) -> None:
+def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(browser: Chrome, report):
     show(browser, report, 400)
     box = browser.find_element(By.CSS_SELECTOR, "figure .zoom")
     svg = box.find_element(By.TAG_NAME, "svg")
@@ -177,9 +173,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("width", [400, 1280])
-def test_a_slider_moves_the_mechanism(
-    browser: Chrome, running: Path, width: int
-) -> None:
+def test_a_slider_moves_the_mechanism(browser: Chrome, running, width):
     show(browser, running, width)
     slider = browser.find_element(By.CSS_SELECTOR, ".motion input")
     body = browser.find_element(By.CSS_SELECTOR, ".motion .body")
@@ -197,9 +191,7 @@ def test_a_slider_moves_the_mechanism(
     assert is_as_wide_as_its_window(browser)
 
 
-def test_parts_open_by_mouse_keyboard_and_contents(
-    browser: Chrome, report: Path
-) -> None:
+def test_parts_open_by_mouse_keyboard_and_contents(browser: Chrome, report):
     show(browser, report, 1280)
     closed = browser.find_elements(By.CSS_SELECTOR, "details:not([open])")
     assert len(closed) >= 4

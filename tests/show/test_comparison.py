@@ -2,9 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import made_up_result as made
@@ -34,7 +32,7 @@ def with_force(result: pw.Result, force: Estimate) -> pw.Result:
     return made.altered(result, 0, statistics=replace(statistics, joints=joints))
 
 
-def test_the_interval_of_a_ratio_holds_in_95_of_100_trials() -> None:
+def test_the_interval_of_a_ratio_holds_in_95_of_100_trials():
     random = np.random.default_rng(1)
     errors = np.array([0.03, 0.08])  # standard deviations, relative
     hits = 0
@@ -49,7 +47,7 @@ def test_the_interval_of_a_ratio_holds_in_95_of_100_trials() -> None:
     assert 0.935 < hits / 2000 < 0.965
 
 
-def test_a_ratio_with_an_unknown_sign_has_no_interval() -> None:
+def test_a_ratio_with_an_unknown_sign_has_no_interval():
     assert ratio(Estimate(2.0, -1.0, 5.0), Estimate(4.0, 3.0, 5.0)) == Estimate(0.5)
     assert ratio(Estimate(2.0), Estimate(4.0, 3.0, 5.0)) == Estimate(0.5)
     bottom = ratio(Estimate(-2.0, -2.2, -1.8), Estimate(-4.0, -4.0, -4.0))
@@ -70,16 +68,14 @@ def test_a_ratio_with_an_unknown_sign_has_no_interval() -> None:
         (Estimate(84.0, samples=20), "1.05", "interval unknown"),
     ],
 )
-def test_numbers_have_a_ratio_and_a_verdict(
-    force: Estimate, text: str, verdict: str
-) -> None:
+def test_numbers_have_a_ratio_and_a_verdict(force: Estimate, text, verdict):
     """The first has 68 to 92 N: ln(92 / 68) / 2 = 0.151, and 0.050 of 152 to 168 N."""
     pairs = {pair.name: pair for pair in number_pairs(ONE, with_force(ONE, force))}
     assert pairs["Peak joint force"].ratio == (text, verdict)
     assert pairs["Stroke"].ratio == ("1.00", "equal")
 
 
-def test_limits_have_a_light_for_each_result() -> None:
+def test_limits_have_a_light_for_each_result():
     bearing = replace(ONE.scene.bearings, pressure_limit=0.2e6)
     first = replace(ONE, scene=replace(ONE.scene, bearings=bearing))
     second = with_force(first, Estimate(160.0, 152.0, 168.0, 20))
@@ -94,7 +90,7 @@ def test_limits_have_a_light_for_each_result() -> None:
     assert len(re.findall(r"within the limit|above the limit", page)) >= 2
 
 
-def test_settings_that_differ_are_listed_with_both_values() -> None:
+def test_settings_that_differ_are_listed_with_both_values():
     changes: dict[str, Any] = {"A.clearance": "0.3 mm", "speed": "120 rpm"}
     other = pw.changed(ONE.scene, changes)
     listed = {
@@ -111,7 +107,7 @@ def test_settings_that_differ_are_listed_with_both_values() -> None:
     assert [pair.key for pair in setting_pairs(ONE.scene, worn)] == ["surfaces"]
 
 
-def test_a_page_has_figures_of_both_and_no_text_of_a_title() -> None:
+def test_a_page_has_figures_of_both_and_no_text_of_a_title():
     planted = replace(ONE, scene=replace(ONE.scene, title="<script>x</script>"))
     page = render_comparison(ONE, planted)
     assert "<script>x" not in page
@@ -119,9 +115,7 @@ def test_a_page_has_figures_of_both_and_no_text_of_a_title() -> None:
     assert "All settings are equal." in page
 
 
-def test_folders_that_cannot_be_compared_are_named(
-    tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folders_that_cannot_be_compared_are_named(tmp_path, command, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "sweep").mkdir()
     (tmp_path / "sweep" / "sweep.json").write_text("{}")

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import made_up_result as made
 import matplotlib
@@ -61,7 +60,7 @@ RESULTS.append(made_up(made.BOTH, 9))
 
 
 @pytest.mark.parametrize("result", RESULTS)
-def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result) -> None:
+def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result):
     for drawing in drawings(result):
         sheet = drawing.sheet
         FigureCanvasAgg(sheet).draw()
@@ -86,9 +85,7 @@ def test_panels_with_their_labels_fit_beside_each_other(result: pw.Result) -> No
         (made.IDEAL, 1, ["response.png"]),
     ],
 )
-def test_figures_are_drawn(
-    scene: pw.Scene, stages: int, files: list[str], tmp_path: Path
-) -> None:
+def test_figures_are_drawn(scene: pw.Scene, stages, files, tmp_path):
     figures = list(drawings(made_up(scene, stages)))
     files = ["mechanism.png", *files]
     assert [drawing.file for drawing in figures] == files
@@ -116,12 +113,12 @@ def test_figures_are_drawn(
     ],
 )
 def test_figures_after_a_run_are_the_first_that_show_something(
-    result: pw.Result, files: list[str]
-) -> None:
+    result: pw.Result, files
+):
     assert [one.file for one in first_drawings(result)] == ["mechanism.png", *files]
 
 
-def test_plot_returns_the_axes_of_every_figure() -> None:
+def test_plot_returns_the_axes_of_every_figure():
     """Of all stages those that are drawn without a name, of one stage each by its name."""
     result = grown()
     assert len(result.plot()) == 42
@@ -145,7 +142,7 @@ def test_plot_returns_the_axes_of_every_figure() -> None:
     assert counts == {"mechanism": 1, **worn, **motion, **dynamics}
 
 
-def test_oil_film_is_that_of_each_joint() -> None:
+def test_oil_film_is_that_of_each_joint():
     panels = OILED.plot("oil")
     for name, axes, circle in zip(("A", "C"), panels[::2], panels[1::2], strict=True):
         film = oil_films(OILED.scene)[name]
@@ -171,14 +168,12 @@ def test_oil_film_is_that_of_each_joint() -> None:
         (["force"], 7, "wear-times has no stage 7; it has 0 to 2"),
     ],
 )
-def test_plot_refuses_in_a_line(
-    names: list[str], stage: int | None, message: str
-) -> None:
+def test_plot_refuses_in_a_line(names, stage, message):
     with pytest.raises(pw.InputError, match=re.escape(message)):
         made_up(made.BOTH, 3).plot(*names, stage=stage)
 
 
-def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
+def test_matplotlib_of_a_script_is_left_as_it_is():
     before = dict(matplotlib.rcParams)
     made_up(made.IDEAL, 1).plot()
     assert dict(matplotlib.rcParams) == before
@@ -192,7 +187,7 @@ def test_matplotlib_of_a_script_is_left_as_it_is() -> None:
     pyplot.close("all")
 
 
-def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
+def test_heights_are_relative_to_the_ideal_bottom_dead_centre():
     axes = sheet_of("bottom", made_up(made.BOTH, 2)).axes
     line = np.asarray(axes[1].get_lines()[0].get_xydata())
     assert line[:, 0].tolist() == [1.0, 2.0]
@@ -203,9 +198,7 @@ def test_heights_are_relative_to_the_ideal_bottom_dead_centre() -> None:
 @pytest.mark.parametrize(
     ("figure", "column"), [("force", "force_max"), ("response", "acceleration_max")]
 )
-def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
-    figure: str, column: str
-) -> None:
+def test_peaks_come_from_the_cycles_not_from_the_thinned_series(figure, column):
     result = made_up(made.IDEAL if figure == "response" else made.BOTH, 1)
     cycles = result.stages[0].arrays["cycles"]
     cycles[:, names_of((*CYCLE, *JOINT_CYCLE)).index(column)] = 2000.0, 3000.0
@@ -215,7 +208,7 @@ def test_peaks_come_from_the_cycles_not_from_the_thinned_series(
     assert "largest 3\u202f000 " in words[0]
 
 
-def test_stages_without_motion_are_left_out_and_many_are_thinned() -> None:
+def test_stages_without_motion_are_left_out_and_many_are_thinned():
     failed = made_up(made.BOTH, 2, "failed")
     assert legend_of(sheet_of("response", failed)) == ["ideal", "no wear"]
     assert legend_of(sheet_of("wear", failed)) == ["first wear"]
@@ -230,7 +223,7 @@ def blanking() -> pw.Result:
     return run(scene)
 
 
-def test_no_peak_of_a_drive_is_cut(blanking: pw.Result) -> None:
+def test_no_peak_of_a_drive_is_cut(blanking: pw.Result):
     """A torque of a thousand times the ideal one in one row of a cycle."""
     largest = float(np.abs(ideal_curves(blanking.scene)[0]["crank 2"].torque).max())
     stage = blanking.stages[0]
@@ -244,9 +237,7 @@ def test_no_peak_of_a_drive_is_cut(blanking: pw.Result) -> None:
 
 
 @pytest.mark.parametrize("name", ["response", "drives"])
-def test_the_working_zone_stands_beside_the_full_turn(
-    blanking: pw.Result, name: str
-) -> None:
+def test_the_working_zone_stands_beside_the_full_turn(blanking: pw.Result, name):
     """From the touch of the work to 20 ms after its fracture, with a seventh before and after."""
     sheet = sheet_of(name, blanking)
     panels = np.array(sheet.axes).reshape(-1, 2)
@@ -276,14 +267,14 @@ def test_the_working_zone_stands_beside_the_full_turn(
             assert part.get_color() == line.get_color()
 
 
-def test_the_deviation_from_the_ideal_motion_comes_first(blanking: pw.Result) -> None:
+def test_the_deviation_from_the_ideal_motion_comes_first(blanking: pw.Result):
     labels = [axes.get_ylabel() for axes in sheet_of("response", blanking).axes]
     assert labels[0].startswith("displacement\nminus\nideal")
     assert len(blanking.plot("tonnage")) == 1  # without work there is no zone
     assert len(sheet_of("response", made_up(made.IDEAL, 1)).axes) == 4
 
 
-def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:
+def test_an_axis_of_large_forces_is_in_kilonewtons():
     sheet, ((axes,),) = panels(1, 1, 2.0)
     axes.set_ylim(-2e4, 1e6)
     assert label_values(axes, "force", "N") == (1e-3, "kN")
@@ -292,9 +283,7 @@ def test_an_axis_of_large_forces_is_in_kilonewtons() -> None:
     assert axes.yaxis.get_major_formatter()(-2e4, 0) == "−20"
 
 
-def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out() -> (
-    None
-):
+def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out():
     result = made_up(made.BOTH, 2)
     for stage in result.stages:
         for joint in stage.joint_names:
@@ -307,7 +296,7 @@ def test_figures_of_series_that_an_earlier_version_did_not_record_are_left_out()
         next(drawings(result, ["path"]))
 
 
-def test_a_stroke_has_no_peak_of_the_cycles_beside_it() -> None:
+def test_a_stroke_has_no_peak_of_the_cycles_beside_it():
     """A stroke lies across two cycles, whose peaks may be in the strokes beside it."""
     window = Window(0.0, 0.0, period=0.5, run_up=0.0, phase="", words="")
     assert whole_cycles(np.array([1.0, 3.0]), window) == slice(2, 6)
@@ -316,7 +305,7 @@ def test_a_stroke_has_no_peak_of_the_cycles_beside_it() -> None:
     assert not np.arange(10)[across].size
 
 
-def test_lines_of_a_page_are_those_that_were_drawn() -> None:
+def test_lines_of_a_page_are_those_that_were_drawn():
     """Steps from point to point, to a hundredth of a point, add up to the points."""
     time = np.linspace(0.0, 7.0, 500)
     sheet = Sheet(figsize=(2.0, 1.0))

@@ -43,8 +43,8 @@ from presswear.tools.numbers import quantity_text
     ],
 )
 def test_a_number_of_few_strokes_is_shown_with_their_count(
-    estimate: Estimate, value: str, interval: str, note: str
-) -> None:
+    estimate: Estimate, value, interval, note
+):
     number = measured("force", estimate, "N", "")
     assert (number.value, number.interval, number.note) == (value, interval, note)
     text = render_page("a title", FirstScreen(key_numbers=[number]))
@@ -53,7 +53,7 @@ def test_a_number_of_few_strokes_is_shown_with_their_count(
     assert note in text
 
 
-def test_an_interval_of_a_positive_number_is_that_of_its_logarithm() -> None:
+def test_an_interval_of_a_positive_number_is_that_of_its_logarithm():
     wide = Estimate.symmetric(2.0, 1.0, 5).positive
     assert wide.low is not None
     assert wide.high is not None
@@ -62,7 +62,7 @@ def test_an_interval_of_a_positive_number_is_that_of_its_logarithm() -> None:
     assert Estimate.symmetric(1.0, 3.0, 2).positive == Estimate(1.0, samples=2)
 
 
-def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
+def test_a_pin_pressure_that_no_bush_bears_is_a_warning():
     """With a limit from the file, the limit decides."""
     for limit, count in ((None, 1), (1e5, 0)):
         bearing = pw.Bearing(
@@ -75,7 +75,7 @@ def test_a_pin_pressure_that_no_bush_bears_is_a_warning() -> None:
         assert len(found) == count
 
 
-def test_a_linkage_without_a_guide_has_cycles() -> None:
+def test_a_linkage_without_a_guide_has_cycles():
     slider, rocker = (
         made_up(pw.Scene(mechanism, joints="B", cycles=3), 2)
         for mechanism in (pw.SliderCrank(), pw.FourBar())
@@ -89,14 +89,14 @@ def test_a_linkage_without_a_guide_has_cycles() -> None:
     assert names["Travel"] == quantity_text(rocker.scene.stroke, "m")
 
 
-def test_round_off_is_no_mean_power() -> None:
+def test_round_off_is_no_mean_power():
     scene = pw.changed(pw.scenes.slider_crank(), {"friction": 0.0})
     numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
     meaning = numbers["Peak drive power"].meaning
     assert "at crank; mean 0 W. Computed with rigid joints without friction;" in meaning
 
 
-def test_round_off_is_no_work_in_the_table_of_the_drives() -> None:
+def test_round_off_is_no_work_in_the_table_of_the_drives():
     scene = pw.changed(replace(made.BOTH, drive_torque="on"), {"friction": 0.0})
     assert abs(sum(duty.work for duty in ideal_drives(scene).values())) > 0.0
     table = drive_table(made_up(scene, 2))
@@ -108,8 +108,8 @@ def test_round_off_is_no_work_in_the_table_of_the_drives() -> None:
 
 @pytest.mark.parametrize("torques", ["on", "off"])
 def test_drives_are_compared_to_rigid_joints_with_and_without_friction(
-    torques: str,
-) -> None:
+    torques,
+):
     """What friction needs is not the work of clearance."""
     scene = replace(made.BOTH, drive_torque=torques)
     scene = pw.changed(scene, {"friction": 0.1})
@@ -135,7 +135,7 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(
     assert [words for words, _ in row] == [IDEAL]
 
 
-def test_powers_of_drives_are_added() -> None:
+def test_powers_of_drives_are_added():
     """A drive may brake while the other one drives, and a motor with a flywheel turns both."""
     result = made_up(replace(made.BOTH, drive_torque="on"), 2)
     meanings = {one.name: one.meaning for one in key_numbers(result)}
@@ -146,7 +146,7 @@ def test_powers_of_drives_are_added() -> None:
     assert ("A motor with a flywheel delivers this mean" in meaning) == (total > 0.0)
 
 
-def test_a_drive_stands_beside_its_peak_before_the_wear() -> None:
+def test_a_drive_stands_beside_its_peak_before_the_wear():
     result = made_up(replace(made.BOTH, drive_torque="on"), 2)
     meanings = {one.name: one.meaning for one in key_numbers(result)}
     before = next(iter(result.drives(0).values())).peak_torque
@@ -157,7 +157,7 @@ def test_a_drive_stands_beside_its_peak_before_the_wear() -> None:
     )
 
 
-def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None:
+def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre():
     result = made_up(made.ONE, 2)
     bdc = replace(result.stages[1].bdc, strokes=30)
     statistics = replace(result.stages[1].statistics, bdc=bdc)
@@ -167,7 +167,7 @@ def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre() -> None
     assert numbers["Repeatability"][1:3] == ("40 µm", "30 to 60 µm")
 
 
-def test_a_life_comes_first_and_names_its_joint() -> None:
+def test_a_life_comes_first_and_names_its_joint():
     first, *_, last = key_numbers(lived(made_up(made.BODY, 3)))
     assert (first.name, first.value) == ("Service life", "5 million strokes")
     assert first.interval == "3 to 8.3 million strokes"
@@ -178,9 +178,7 @@ def test_a_life_comes_first_and_names_its_joint() -> None:
     ("volume", "half", "first"),
     [(0.5, 0.1, "C"), (0.5, 0.6, "A or C"), (0.95, 0.01, "A or C")],
 )
-def test_joints_that_hardly_differ_are_both_named(
-    volume: float, half: float, first: str
-) -> None:
+def test_joints_that_hardly_differ_are_both_named(volume, half, first):
     result = made_up(made.BOTH, 2)
     statistics = result.stages[1].statistics
     volumes = {
@@ -196,7 +194,7 @@ def test_joints_that_hardly_differ_are_both_named(
     assert (found.name, found.value) == ("Improve first", f"joint {first}")
 
 
-def test_energy_made_by_contacts_is_a_warning() -> None:
+def test_energy_made_by_contacts_is_a_warning():
     result = made_up(made.BOTH, 2)
     statistics = replace(result.stages[1].statistics, energy_made_fraction=0.12)
     lines = warnings(altered(result, 1, statistics=statistics))
@@ -212,7 +210,7 @@ def test_energy_made_by_contacts_is_a_warning() -> None:
     assert few.endswith("Run more: cycles = 12 or more.")
 
 
-def test_one_number_of_cycles_is_recommended() -> None:
+def test_one_number_of_cycles_is_recommended():
     """Of 2 at the start, then 10 each for the settling, and 20 together for the forces."""
     for replicates, cycles in ((1, 22), (2, 12), (4, 12)):
         scene = replace(made.BODY, replicates=replicates)
@@ -230,7 +228,7 @@ def wear_of(result: pw.Result) -> KeyNumber:
     return numbers["Wear per million strokes"]
 
 
-def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
+def test_wear_depth_is_that_of_the_last_update_with_a_depth():
     known = replace(Estimate.symmetric(4e-6, 1e-7), samples=40)
     result = made_up(made.BOTH, 2)
     last = wear_of(result)
@@ -267,16 +265,14 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth() -> None:
         ("exudyn-joints", "more steps_per_contact"),
     ],
 )
-def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(
-    engine: str, advice: str
-) -> None:
+def test_a_step_error_is_a_warning_with_the_setting_of_the_engine(engine, advice):
     result = made_up(replace(made.BOTH, engine=engine), 1)
     statistics = replace(result.stages[0].statistics, peak_force_step_error=0.3)
     lines = warnings(altered(result, 0, statistics=statistics))
     assert f"Finer time steps change peak forces by 30 %: use {advice}." in lines
 
 
-def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:
+def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque():
     """The torque of the motor is not that of gear and crank, which the flywheel gives, too."""
     motor = {"motor.torque": "1 N m", "motor.inertia": "0.1 kg m^2"}
     scene = pw.changed(pw.scenes.slider_crank(drive_torque="on"), motor)
@@ -289,6 +285,6 @@ def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque() -> None:
     assert "gear and crank bear" in numbers["Peak motor torque"].meaning
 
 
-def test_a_number_without_a_unit_has_no_space_behind_it() -> None:
+def test_a_number_without_a_unit_has_no_space_behind_it():
     rate = measured("Strokes a minute", Estimate(48.0, 47.9, 48.2, 30), "", "")
     assert (rate.value, rate.interval) == ("48.0", "47.9 to 48.2")

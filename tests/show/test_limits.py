@@ -24,7 +24,7 @@ from presswear.show.warnings import warnings
         (Estimate.symmetric(1.1, 0.5, 30), "above the limit"),
     ],
 )
-def test_a_verdict_is_a_word_and_a_colour(estimate: Estimate, word: str) -> None:
+def test_a_verdict_is_a_word_and_a_colour(estimate: Estimate, word):
     assert verdict_on(estimate, 1.0).word == word
     assert verdict_on(estimate.scaled(3.0), 3.0) == verdict_on(estimate, 1.0)
 
@@ -34,7 +34,7 @@ def lines_of(scene: pw.Scene) -> dict[str, LimitLine]:
     return {line.number.name: line for line in limit_lines(scene, stage)}
 
 
-def test_loads_of_bearings_stand_beside_their_limits() -> None:
+def test_loads_of_bearings_stand_beside_their_limits():
     bearing = pw.Bearing(bearing_radius=0.01, width=0.02, pressure_limit=1e5)
     scene = pw.changed(replace(made.ONE, bearings={"C": bearing}), {"slip": "sliding"})
     result = made_up(scene, 2)
@@ -58,7 +58,7 @@ def test_loads_of_bearings_stand_beside_their_limits() -> None:
     )
 
 
-def test_the_joint_closest_to_its_limit_is_named() -> None:
+def test_the_joint_closest_to_its_limit_is_named():
     bearings = {
         "A": pw.Bearing(pressure_limit=1e6),
         "C": pw.Bearing(pressure_limit=1e9),
@@ -67,12 +67,12 @@ def test_the_joint_closest_to_its_limit_is_named() -> None:
     assert "at joint A (30 × 20 mm)" in lines_of(scene)["Pin pressure p"].number.meaning
 
 
-def test_a_page_without_limits_has_no_table_of_them() -> None:
+def test_a_page_without_limits_has_no_table_of_them():
     assert 'class="limits' not in render_page("a title", FirstScreen())
     assert 'class="limits' not in render_report(made_up(made.IDEAL, 1))
 
 
-def test_the_report_states_the_command_version_and_date() -> None:
+def test_the_report_states_the_command_version_and_date():
     result = made_up(made.BOTH, 1)
     assert "Made by presswear 0.1.0, 2024-01-01 00:00:00 UTC" in render_report(result)
     origin = {**result.provenance, "command": "presswear run 'my press.toml'"}

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ LABELLED += [pw.Scene(CRANK, joints="AB"), pw.Scene(pw.SixBar(), joints="B")]
 @pytest.mark.parametrize("scene", LABELLED)
 def test_joints_and_bodies_of_a_mechanism_are_named_inside_the_axes(
     scene: pw.Scene,
-) -> None:
+):
     (axes,) = (sheet := labelled(scene).sheet).axes
     sheet.draw_without_rendering()
     linkage = scene.mechanism.linkage()
@@ -48,7 +47,7 @@ def test_joints_and_bodies_of_a_mechanism_are_named_inside_the_axes(
         assert box.x1 <= outer.x1 + 1.0
 
 
-def test_a_mechanism_is_labelled_at_its_position() -> None:
+def test_a_mechanism_is_labelled_at_its_position():
     scene = changed(wear_times(), {"A.clearance": "0.25mm"})
     (axes,) = (drawing := labelled(scene, 0.1)).sheet.axes
     assert "closed, 100 ms after the start; one" in drawing.caption
@@ -64,7 +63,7 @@ def test_a_mechanism_is_labelled_at_its_position() -> None:
     np.testing.assert_allclose(marks, position, atol=1e-12)
 
 
-def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
+def test_joints_at_one_place_share_a_label_and_springs_are_drawn():
     spring = pw.Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
     linkage = FOUR_BAR.changed(
         bodies=[*FOUR_BAR.bodies, pw.Bar("third", 0.1, 0.2)],
@@ -83,7 +82,7 @@ def test_joints_at_one_place_share_a_label_and_springs_are_drawn() -> None:
     assert np.asarray(coil.get_xydata())[-1] == pytest.approx((0.3, 0.2))
 
 
-def test_loads_are_drawn_at_their_points() -> None:
+def test_loads_are_drawn_at_their_points():
     scene = pw.Scene(mechanism=FOUR_BAR, joints="B")
     loads: list[Any] = [pw.Force("rocker.head", 0.5, 3.0), pw.Load("coupler", 2.0)]
     loads.append(pw.Moment("crank", pw.Harmonics(1.0)))
@@ -106,7 +105,7 @@ def test_loads_are_drawn_at_their_points() -> None:
         assert min(float(gap.min()) for gap in gaps) < 2e-3
 
 
-def test_names_are_no_formulas(tmp_path: Path) -> None:
+def test_names_are_no_formulas(tmp_path):
     """A joint, body or spring named $x^$ ended in an error of mathtext, after the run."""
     body = "$^2$"
     joint = "$x^$"
@@ -129,7 +128,7 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
         save(drawing, tmp_path)
 
 
-def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path: Path) -> None:
+def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path):
     """It has no pin to name or to enclose in a picture."""
     press = pw.assemble(
         bodies=[pw.Body("slide", mass=300.0)],
@@ -148,7 +147,7 @@ def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path: Path) -> None:
     assert "The mechanism in motion" in page.read_text()
 
 
-def test_walls_of_a_guide_alone_have_no_growth_of_joints() -> None:
+def test_walls_of_a_guide_alone_have_no_growth_of_joints():
     changes = {"joints": "guide", "cycles": 3, "replicates": 1, "wear_updates": 1}
     result = pw.run(pw.changed(pw.scenes.press_off_centre(), changes))
     assert result.grew_in_steps

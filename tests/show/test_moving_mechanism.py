@@ -21,7 +21,7 @@ def result() -> pw.Result:
     return pw.run(pw.scenes.press_blanking(engine="dae", cycles=4, wear_updates=0))
 
 
-def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result) -> None:
+def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result):
     moving = moving_mechanism(result)
     assert moving is not None
     assert len(moving.svg) + len(moving.frames) < 100_000
@@ -31,7 +31,7 @@ def test_a_stroke_moves_in_less_than_100_kb(result: pw.Result) -> None:
     assert "clearance, much enlarged: A 800 µm, C 800 µm." in page
 
 
-def test_positions_and_forces_are_those_of_the_film(result: pw.Result) -> None:
+def test_positions_and_forces_are_those_of_the_film(result: pw.Result):
     """All distances between mass centres are drawn at one scale."""
     moving = moving_mechanism(result)
     assert moving is not None
@@ -61,7 +61,7 @@ def test_positions_and_forces_are_those_of_the_film(result: pw.Result) -> None:
     assert np.ptp(scales) < 0.05 * np.mean(scales)
 
 
-def test_a_pin_lies_in_its_enlarged_clearance(result: pw.Result) -> None:
+def test_a_pin_lies_in_its_enlarged_clearance(result: pw.Result):
     moving = moving_mechanism(result)
     assert moving is not None
     gaps = [
@@ -75,7 +75,7 @@ def test_a_pin_lies_in_its_enlarged_clearance(result: pw.Result) -> None:
     assert 0.97 * gaps[0] < distance.max() < 1.15 * gaps[0]
 
 
-def test_without_a_film_nothing_moves() -> None:
+def test_without_a_film_nothing_moves():
     assert moving_mechanism(made.made_up(made.BOTH, 2)) is None
     failed = replace(made.made_up(made.BOTH, 1), stages=())
     assert moving_mechanism(failed) is None

@@ -5,7 +5,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 from python_process import python
@@ -73,7 +72,7 @@ class Wheel:
 WHEEL = Wheel(2e-5, {"A": {"force": 1234.0}}, (1.0, 2.0))
 
 
-def test_a_path_reads_attributes_keys_and_indices() -> None:
+def test_a_path_reads_attributes_keys_and_indices():
     paths = {
         "depth": 2e-5,
         "joints.A.force": 1234.0,
@@ -96,16 +95,14 @@ def test_a_path_reads_attributes_keys_and_indices() -> None:
         (Estimate(1e-5), "µm", "10.0 (too few cycles)"),
     ],
 )
-def test_values_are_shown_in_the_unit_of_their_row(
-    value: object, unit: str, text: str
-) -> None:
+def test_values_are_shown_in_the_unit_of_their_row(value, unit, text):
     assert page.text_of(value, unit) == text
 
 
 ENERGY = Row("energy", "made", "J")
 
 
-def test_tables_of_rows() -> None:
+def test_tables_of_rows():
     rows = [
         Row("force of A", "joints.A.force", "N", "peak"),
         Row("missing", "joints.B.force"),
@@ -123,7 +120,7 @@ def test_tables_of_rows() -> None:
     assert energies.groups == (("", (("energy (µJ)", "911", "20.0"),)),)
 
 
-def test_a_page_of_sections_escapes_everything() -> None:
+def test_a_page_of_sections_escapes_everything():
     hostile = "<script>alert('x')</script> & \"more\""
     table = plain_table([hostile], [("20.0",)])
     figure = page.Illustration(
@@ -146,7 +143,7 @@ def numbered(*numbers: int) -> Iterator[Drawing]:
         yield Drawing(f"{number}.png", f"{number}", "", Sheet((1, 1)))
 
 
-def test_figures_come_in_order(tmp_path: Path) -> None:
+def test_figures_come_in_order(tmp_path):
     figures = page.illustrated(numbered(2, 0, 1, 4), tmp_path)
     assert "".join(figure.title for figure in figures) == "2014"
     assert {path.name for path in tmp_path.iterdir()} == {
@@ -159,7 +156,7 @@ def test_figures_come_in_order(tmp_path: Path) -> None:
         page.illustrated(numbered(3, 2), tmp_path)
 
 
-def test_wear_below_round_off_is_zero() -> None:
+def test_wear_below_round_off_is_zero():
     """An asperity far below an oil film wears by 1e-48 m, of a pressure by 1e-20 1/Pa."""
     wear = Estimate.symmetric(1e-48, 1e-49)
     assert [page.text_of(one, "µm") for one in (1e-48, wear)] == ["0", "0"]
@@ -187,7 +184,7 @@ except pw.RunFailed as error:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_memory_that_runs_out_while_drawing_is_one_line(tmp_path: Path) -> None:
+def test_memory_that_runs_out_while_drawing_is_one_line(tmp_path):
     folder = tmp_path / "run"
     ran = python("-c", MEMORY, folder, check=True)
     assert ran.stdout == (

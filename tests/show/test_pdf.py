@@ -1,7 +1,6 @@
 """Report as a PDF, the example of a figure for a paper, and the export for MATLAB."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +23,7 @@ def pages_in(data: bytes) -> int:
     return len(re.findall(rb"/Type /Page\b", data))
 
 
-def test_pdf_has_a_page_for_each_figure_and_fonts_to_edit(tmp_path: Path) -> None:
+def test_pdf_has_a_page_for_each_figure_and_fonts_to_edit(tmp_path):
     result = replace(made_up(made.IDEAL, 1), path=tmp_path)
     file = write_pdf(result)
     assert file == tmp_path / "report.pdf"
@@ -39,9 +38,7 @@ def test_pdf_has_a_page_for_each_figure_and_fonts_to_edit(tmp_path: Path) -> Non
         write_pdf(replace(result, path=None))
 
 
-def test_example_of_a_figure_for_a_paper(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
-) -> None:
+def test_example_of_a_figure_for_a_paper(tmp_path, monkeypatch, command):
     (code,) = re.findall(
         r"## Figures for a paper.*?```python\n(.*?)```", PAGE.read_text(), re.DOTALL
     )
@@ -69,7 +66,7 @@ def test_example_of_a_figure_for_a_paper(
     assert variables["units"][0, 0]["A_normal_force"][0] == "N"
 
 
-def test_spaces_in_names_of_columns_are_underscores_in_matlab(tmp_path: Path) -> None:
+def test_spaces_in_names_of_columns_are_underscores_in_matlab(tmp_path):
     numbers = np.array([0.0, 0.1])
     file = tmp_path / "table.mat"
     write_table(file, {"time": numbers, "guide top left_sliding": numbers})

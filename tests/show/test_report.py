@@ -2,8 +2,6 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import made_up_result as made
 import numpy as np
@@ -31,7 +29,7 @@ def page_of(result: pw.Result) -> Page:
     return Page(render_report(result))
 
 
-def test_one_file_without_references(tmp_path: Path) -> None:
+def test_one_file_without_references(tmp_path):
     result = replace(made_up(made.ONE, 2), path=tmp_path)
     path = write_report(result)
     assert path == tmp_path / "report.html"
@@ -48,8 +46,8 @@ def test_one_file_without_references(tmp_path: Path) -> None:
 
 
 def test_a_short_report_states_the_command_that_draws_the_other_figures(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     """Figures of the report before it are removed, files of the user stay."""
     folder = tmp_path / "two words"
     folder.mkdir()
@@ -70,8 +68,8 @@ def test_a_short_report_states_the_command_that_draws_the_other_figures(
 
 
 def test_sections_and_spectra_are_drawn_on_request_from_ten_cycles_on(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     result = replace(made_up(made.BOTH, 1), path=tmp_path)
     with pytest.raises(
         pw.InputError, match="poincare needs 10 recorded cycles, and the"
@@ -90,7 +88,7 @@ def test_sections_and_spectra_are_drawn_on_request_from_ten_cycles_on(
     )
 
 
-def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() -> None:
+def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out():
     result = made_up(made.BOTH, 2)
     assert "Recorded cycles after the start-up" in page_of(result).text
     for stage in result.stages:
@@ -104,7 +102,7 @@ def test_tables_whose_series_an_earlier_version_did_not_record_are_left_out() ->
     assert "Recorded cycles after the start-up" not in text
 
 
-def test_stages_are_columns() -> None:
+def test_stages_are_columns():
     result = made_up(made.ONE, 3)
     page = page_of(result)
     assert ["no wear", "first wear", "second wear"] in page.rows
@@ -133,7 +131,7 @@ def test_stages_are_columns() -> None:
         ((92.5,), "92.5 (too few cycles)"),
     ],
 )
-def test_angles_stay_within_a_turn(degrees: tuple[float, ...], text: str) -> None:
+def test_angles_stay_within_a_turn(degrees, text):
     result = made_up(made.BOTH, 2)
     statistics = result.stages[0].statistics
     peak = WearPeak(
@@ -150,7 +148,7 @@ def test_angles_stay_within_a_turn(degrees: tuple[float, ...], text: str) -> Non
     assert row[1].replace("\u00a0", " ") == text
 
 
-def test_key_numbers_and_means() -> None:
+def test_key_numbers_and_means():
     page = page_of(made_up(made.BOTH, 3))
     for label, numbers in {
         "deepest wear at the start, bearing + pin (µm)": ["0", "10.0", "20.0"],
@@ -173,7 +171,7 @@ def test_key_numbers_and_means() -> None:
     assert turning.row("deepest wear at the start, pin (µm)")[1:] == ["0", "5.00"]
 
 
-def test_failed_stages() -> None:
+def test_failed_stages():
     message = "stage 1: Newton's method found no solution <at all>"
     failed = made_up(made.BOTH, 2, "failed", message)
     page = page_of(failed)
@@ -222,9 +220,7 @@ OWN = "sampled cycles of 4 replicates, and after a wear update the replicates, e
         ),
     ],
 )
-def test_sentences_fit_the_scene(
-    scene: pw.Scene, stages: int, present: str, absent: str
-) -> None:
+def test_sentences_fit_the_scene(scene: pw.Scene, stages, present, absent):
     text = page_of(made_up(scene, stages)).text
     assert all(words in text for words in present.split(" & "))
     assert absent not in text
@@ -237,26 +233,26 @@ def test_sentences_fit_the_scene(
         ({"name": "mine", "title": "Mine"}, "Mine"),
     ],
 )
-def test_a_scene_without_a_title_has_a_name(names: dict[str, Any], title: str) -> None:
+def test_a_scene_without_a_title_has_a_name(names, title):
     page = page_of(made_up(replace(OWN_FOUR_BAR, **names), 1))
     assert page.words.count(title) == 2  # of the browser and of the page
     assert "“”" not in page.text
 
 
-def test_a_four_bar_has_no_strokes_and_no_dead_centre() -> None:
+def test_a_four_bar_has_no_strokes_and_no_dead_centre():
     text = page_of(made_up(OWN_FOUR_BAR, 2)).text.partition("Completed")[2]
     assert "The number of cycles is 286 per minute." in text
     assert "error of the lowest position (µm)" in text
     assert not re.search(r"(?i)\bstrokes?\b|dead centre", text)
 
 
-def test_a_slider_crank_is_no_press_of_the_paper() -> None:
+def test_a_slider_crank_is_no_press_of_the_paper():
     result = made_up(slider_crank(), 1)
     captions = " ".join(drawing.caption for drawing in drawings(result))
     assert not re.search(r"\b(press|paper|crank 2)\b", captions)
 
 
-def test_settings_changes_and_provenance() -> None:
+def test_settings_changes_and_provenance():
     page = page_of(made_up(made.BOTH, 1))
     listed = {(row[0], row[-1]) for row in page.rows if row}
     settings = used_settings_of(made.BOTH)
@@ -296,7 +292,7 @@ def origins(scene: pw.Scene) -> dict[str, tuple[str, str]]:
     }
 
 
-def test_values_of_single_bearings_are_those_of_the_user(tmp_path: Path) -> None:
+def test_values_of_single_bearings_are_those_of_the_user(tmp_path):
     """Values that no joint or law uses are left out."""
     file = tmp_path / "mine.toml"
     file.write_text(OWN_BEARINGS)
@@ -326,7 +322,7 @@ def test_values_of_single_bearings_are_those_of_the_user(tmp_path: Path) -> None
     assert rows["crank_length"] == ("50 mm", "default")
 
 
-def test_bodies_joints_and_contacts_are_listed() -> None:
+def test_bodies_joints_and_contacts_are_listed():
     page = page_of(made_up(OWN_FOUR_BAR, 1))
     inertia = OWN_FOUR_BAR.linkage().bodies[1].inertia
     assert page.row("coupler")[1:3] == ["500 g", f"{1e6 * inertia:.6g} kg mm²"]
@@ -346,7 +342,7 @@ def test_bodies_joints_and_contacts_are_listed() -> None:
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
+def test_every_number_of_a_solver_has_a_name_and_a_unit(engine):
     result = pw.run(replace(OWN_FOUR_BAR, engine=engine, cycles=1, replicates=1))
     diagnostics = stage_tables(result)["diagnostics"]
     assert diagnostics is not None
@@ -363,7 +359,7 @@ def test_every_number_of_a_solver_has_a_name_and_a_unit(engine: str) -> None:
 LIVED = lived(made_up(made.BODY, 3))
 
 
-def test_the_answer_on_a_life() -> None:
+def test_the_answer_on_a_life():
     # The hours are rounded to two digits, as the life is.
     rate = 60.0 / LIVED.scene.mechanism.period
     hours = round(made.LIFE / rate / 60.0, -1)
@@ -391,7 +387,7 @@ def test_the_answer_on_a_life() -> None:
     assert "Service life" not in page_of(made_up(made.BODY, 3)).words
 
 
-def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named() -> None:
+def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named():
     """The depth of the joint ends the life, and the bushing alone was replaced."""
     life = made.made_up_life()
     stage = LIVED.stages[-1]
@@ -420,7 +416,7 @@ def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named() -> None:
         ("cycles", "", "life.max_cycles"),
     ],
 )
-def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -> None:
+def test_an_unknown_life_is_not_guessed(ended: Ended, message, line):
     page = page_of(lived(LIVED, not_passed(ended, message)))
     assert "No limit is exceeded within 5 million strokes, " in page.text
     assert "depth of A 25.0 µm of 50 µm" in page.text
@@ -428,14 +424,14 @@ def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -
 
 
 @pytest.mark.parametrize(("strokes", "is_named"), [(5.4e6, True), (7e6, False)])
-def test_a_limit_that_may_be_the_first_is_named(strokes: float, is_named: bool) -> None:
+def test_a_limit_that_may_be_the_first_is_named(strokes, is_named):
     life = made.made_up_life()
     rival = replace(life.limits[0], strokes=strokes, sampling=0.05, step=0.0)
     text = page_of(lived(LIVED, replace(life, limits=(rival, *life.limits[1:])))).text
     assert ("its interval overlaps that of the life: depth of A." in text) == is_named
 
 
-def test_an_output_point_that_stands_still_has_no_heights_at_rest() -> None:
+def test_an_output_point_that_stands_still_has_no_heights_at_rest():
     still = FOUR_BAR.changed(output="rocker.tail")
     prepare(pw.Scene(still, joints="B"))  # heights at rest would be refused
 
@@ -445,7 +441,7 @@ PLAY = pw.Bearing(clearance=5e-5)
 OF_PINS = {"contact-force.png", "centre-trajectory.png", "modes.png", "wear-depth.png"}
 
 
-def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
+def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins():
     scene = pw.Scene(GUIDED, bearings={"A": pw.Bearing(), "guide": PLAY}, cycles=2)
     result = made_up(scene, 1)
     text = page_of(result).text
@@ -457,7 +453,7 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins() -> None:
     assert {one.file for one in drawings(result)} >= OF_PINS
 
 
-def test_a_printed_result_has_the_mean_peak_force_with_its_interval() -> None:
+def test_a_printed_result_has_the_mean_peak_force_with_its_interval():
     result = made_up(pw.scenes.wear_times(), 0)
     head, first = str(result).splitlines()[1:3]
     joint = result.stages[0].statistics.joints["A"]
@@ -466,7 +462,7 @@ def test_a_printed_result_has_the_mean_peak_force_with_its_interval() -> None:
     assert joint.peak_force_per_cycle.has_interval
 
 
-def test_a_guide_alone_has_no_figures_of_pins() -> None:
+def test_a_guide_alone_has_no_figures_of_pins():
     scene = pw.Scene(GUIDED, bearings={"guide": PLAY}, cycles=2)
     result = made_up(scene, 1)
     text = page_of(result).text

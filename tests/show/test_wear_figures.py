@@ -19,7 +19,7 @@ from presswear.show.figures.style import LINES
 from presswear.show.figures.wear import seam
 
 
-def test_depth_is_the_cumulative_total_in_microns() -> None:
+def test_depth_is_the_cumulative_total_in_microns():
     result = made_up(made.BOTH, 3)
     sheet = sheet_of("wear", result)
     assert legend_of(sheet) == [
@@ -43,7 +43,7 @@ def lobe(centre: float) -> Any:
 
 
 @pytest.mark.parametrize("centre", [0.0, 200.0, 345.0])
-def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
+def test_a_lobe_is_never_cut_in_two(centre):
     angle = bin_centres(made.BINS)
     around = (centre - seam(angle, [lobe(centre), 3.0 * lobe(centre)])) % 360.0
     assert min(around, 360.0 - around) > 60.0
@@ -71,7 +71,7 @@ def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
 @pytest.mark.parametrize(
     "scene", [made.BOTH, made.BODY], ids=["fixed maps", "maps on bodies"]
 )
-def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
+def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene):
     sheet = sheet_of("surfaces", made_up(scene, 3))
     bearings = scene.bearings
     radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
@@ -92,14 +92,14 @@ def test_profiles_are_drawn_to_the_stated_scale(scene: pw.Scene) -> None:
         assert depths.max() <= high
 
 
-def test_growth_runs_over_the_steps_after_a_stage() -> None:
+def test_growth_runs_over_the_steps_after_a_stage():
     line = grown().plot("growth", stage=1)[0].get_lines()[0]
     assert np.asarray(line.get_xydata()).tolist() == [
         [k, k] for k in (3.0, 4.0, 5.0, 6.0)
     ]
 
 
-def test_a_life_shows_every_quantity_with_its_limits() -> None:
+def test_a_life_shows_every_quantity_with_its_limits():
     result = lived(made_up(made.BODY, 3))
     axes = [each for each in sheet_of("life", result).axes if each.axison]
     panels = {each.get_title(loc="left").replace("\n", " "): each for each in axes}

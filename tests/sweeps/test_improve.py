@@ -1,7 +1,6 @@
 """Which joint to improve first."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,7 +27,7 @@ SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3
 CHANGE = "joint B, clearance times 0.5"
 
 
-def test_each_joint_is_changed_in_each_way() -> None:
+def test_each_joint_is_changed_in_each_way():
     scene = pw.scenes.wear_times()
     changes = changes_of(scene)
     assert {change.split(",")[0] for change in changes} == {"joint A", "joint C"}
@@ -43,7 +42,7 @@ def test_each_joint_is_changed_in_each_way() -> None:
         changes_of(pw.scenes.ideal())
 
 
-def test_a_guide_is_improved(tmp_path: Path) -> None:
+def test_a_guide_is_improved(tmp_path):
     """Half of the clearance is half of the tilt, and wear of the walls goes as 1 / width."""
     settings = {"cycles": 4, "replicates": 2, "cycles_per_update": 1e3}
     found = improve(pw.scenes.press_off_centre(**settings), tmp_path, jobs=1)
@@ -60,7 +59,7 @@ def test_a_guide_is_improved(tmp_path: Path) -> None:
     assert found.heading(TILT).endswith("µm/m after 1\u202f000 strokes")
 
 
-def test_speed_and_frame_of_a_press_are_followed(tmp_path: Path) -> None:
+def test_speed_and_frame_of_a_press_are_followed(tmp_path):
     press: dict[str, Any] = {
         "crank_length": "40 mm",
         "rod_length": "600 mm",
@@ -104,7 +103,7 @@ def test_speed_and_frame_of_a_press_are_followed(tmp_path: Path) -> None:
         assert factors == pytest.approx([1.0] * len(factors), abs=0.1)
 
 
-def test_factors_have_the_intervals_of_ratios() -> None:
+def test_factors_have_the_intervals_of_ratios():
     """Relative errors of 3 and 4 per cent add to 5; a shorter life is a larger depth."""
     new = Estimate.symmetric(2.0, 0.06).positive
     old = Estimate.symmetric(1.0, 0.04).positive
@@ -125,7 +124,7 @@ def test_factors_have_the_intervals_of_ratios() -> None:
     assert not _effect(CHANGE, FORCE, Estimate(1.0), new).is_better
 
 
-def test_the_report_has_answers_factors_and_failed_runs(tmp_path: Path) -> None:
+def test_the_report_has_answers_factors_and_failed_runs(tmp_path):
     one = Estimate.symmetric(1.0, 0.01)
     two = Estimate.symmetric(2.0, 0.01)
     effect = _effect(CHANGE, LIFE, one, two)
@@ -140,7 +139,7 @@ def test_the_report_has_answers_factors_and_failed_runs(tmp_path: Path) -> None:
     assert (tmp_path / "figures" / "improve.svg").stat().st_size > 5000
 
 
-def test_sentences_name_the_best_certain_change() -> None:
+def test_sentences_name_the_best_certain_change():
     one = Estimate.symmetric(1.0, 0.01)
     two = Estimate.symmetric(2.0, 0.01)
     found = Improvement(
@@ -160,7 +159,7 @@ def test_sentences_name_the_best_certain_change() -> None:
     assert (still.get_x(), still.get_width()) == (1.0, pytest.approx(0.0))
 
 
-def test_changes_are_compared_after_the_same_strokes(tmp_path: Path) -> None:
+def test_changes_are_compared_after_the_same_strokes(tmp_path):
     """Half the clearance would be worn by a tenth after half as many."""
     settings = {
         "engine": "dae",
@@ -176,7 +175,7 @@ def test_changes_are_compared_after_the_same_strokes(tmp_path: Path) -> None:
     assert found.heading(FORCE).endswith(f"N after {large(strokes)} strokes")
 
 
-def test_a_mechanism_is_improved(tmp_path: Path) -> None:
+def test_a_mechanism_is_improved(tmp_path):
     scene = pw.scenes.slider_crank(**SMALL)
     found = improve(scene, tmp_path, jobs=1)
     assert list(found.effects) == [LIFE, FORCE, BOTTOM]

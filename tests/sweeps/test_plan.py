@@ -5,7 +5,6 @@ import io
 import itertools
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas
@@ -34,7 +33,7 @@ VARY = (
 )
 
 
-def test_all_values_are_combined() -> None:
+def test_all_values_are_combined():
     plan = Plan(SCENE, VARY, replicates=2)
     assert (len(plan.points), plan.rows) == (8, 16)
     pairs = itertools.product((2e-4, 4e-4), ((0.1, 0.3), (0.2, 0.4)), (0.0, 1.0))
@@ -48,7 +47,7 @@ def test_all_values_are_combined() -> None:
     assert (scene.engine, scene.seed) == ("exudyn", SCENE.seed + 1)
 
 
-def test_a_sample_has_the_quantiles_of_its_distributions() -> None:
+def test_a_sample_has_the_quantiles_of_its_distributions():
     ranges = ("clearance=0.2mm:1mm", "friction=normal(0.05, 0.01)")
     plan = Plan(SCENE, ("engine=dae,exudyn",), "sobol:64", ranges)
     assert plan.rows == 128
@@ -60,7 +59,7 @@ def test_a_sample_has_the_quantiles_of_its_distributions() -> None:
     assert np.std(points[:, 1]) == pytest.approx(0.01, abs=1e-3)
 
 
-def test_equal_rows_of_two_plans_have_one_identity() -> None:
+def test_equal_rows_of_two_plans_have_one_identity():
     plan = Plan(SCENE, ("clearance=0.2mm,0.4mm",), replicates=2)
     assert len({plan.identity(row) for row in range(4)}) == 4
     wider = Plan(
@@ -72,7 +71,7 @@ def test_equal_rows_of_two_plans_have_one_identity() -> None:
     )
 
 
-def test_plans_are_stored_as_plain_data() -> None:
+def test_plans_are_stored_as_plain_data():
     plan = Plan(
         SCENE,
         ("clearance=0.2mm,0.4mm",),
@@ -88,14 +87,14 @@ def test_plans_are_stored_as_plain_data() -> None:
     ]
 
 
-def test_one_impossible_point_does_not_refuse_the_others() -> None:
+def test_one_impossible_point_does_not_refuse_the_others():
     plan = Plan(SCENE, ("length_3=0.1m,0.2m",))
     with pytest.raises(InputError, match="assembled"):
         plan.scene_of(0).check()
     assert plan.example == plan.scene_of(1)
 
 
-def test_tables_are_written_for_other_programs(tmp_path: Path) -> None:
+def test_tables_are_written_for_other_programs(tmp_path):
     grid = np.array([[x, y] for x in (1.0, 2.0, 3.0) for y in (0.1, 0.2)])
     censored = np.arange(6) == 4
     table = table_of(
@@ -135,11 +134,11 @@ U = np.linspace(0.01, 0.99, 99)
         ("A.friction=0.1,0.2 & C.friction=0.1,0.3", [[0.1, 0.1], [0.2, 0.3]]),
     ],
 )
-def test_text_gives_values(text: str, values: list[list[float]]) -> None:
+def test_text_gives_values(text, values):
     assert parse_group(SCENE, text).values.tolist() == values
 
 
-def test_python_values_equal_texts() -> None:
+def test_python_values_equal_texts():
     vary = {
         "clearance": np.array([1e-4, 2.5e-4]),
         "A.friction & C.friction": [(0.1, 0.2), (0.3, 0.4)],
@@ -186,16 +185,14 @@ def test_python_values_equal_texts() -> None:
         ),
     ],
 )
-def test_quantiles(
-    text: str, meaning: Quantity, reference: stats.rv_continuous
-) -> None:
+def test_quantiles(text, meaning: Quantity, reference: stats.rv_continuous):
     quantiles = parse_distribution(text, "key", meaning).ppf(U)
     assert quantiles == pytest.approx(reference.ppf(U), rel=1e-9, abs=0)
     if "%" in text:
         assert reference.std() / reference.mean() == pytest.approx(0.5, rel=1e-12)
 
 
-def test_values_of_a_file_have_weights(tmp_path: Path) -> None:
+def test_values_of_a_file_have_weights(tmp_path):
     file = tmp_path / "measured.csv"
     file.write_text("# bushings\n0.4mm, 1\n\n0.2mm, 3\n")
     draws = parse_distribution(f"table({file})", "key", LENGTH).ppf(
@@ -215,7 +212,7 @@ def test_values_of_a_file_have_weights(tmp_path: Path) -> None:
             parse_distribution(f"table({file})", "key", LENGTH)
 
 
-def test_designs_are_reproducible_and_balanced() -> None:
+def test_designs_are_reproducible_and_balanced():
     rows = {"sobol": 16, "latin": 16, "saltelli": 80, "morris": 64, "oat": 97}
     for kind, count in rows.items():
         points = design(kind, 16, 3, seed=3)

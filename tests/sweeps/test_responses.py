@@ -30,7 +30,7 @@ def result() -> pw.Result:
     return pw.run(SCENE, jobs=1)
 
 
-def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> None:
+def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result):
     values = responses.responses_of(result, USUAL)
     bearing = SCENE.bearing("A")
     forces = result.stages[1].joints["A"].each_cycle("force_max")
@@ -59,7 +59,7 @@ def test_forces_depth_and_volume_are_those_of_the_arrays(result: pw.Result) -> N
     assert responses.responses_of(other, USUAL)["A.wear_rate@0"] == rate
 
 
-def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> None:
+def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result):
     values = responses.responses_of(result, USUAL)
     first, second = (cast(float, values[f"bdc_error@{k}"].value) for k in (0, 1))
     heights = result.stages[1].each_cycle("bottom_height") - SCENE.bottom
@@ -69,7 +69,7 @@ def test_bottom_dead_centre_is_compared_with_the_ideal(result: pw.Result) -> Non
     assert min(first, second) < 0.0
 
 
-def test_declared_means_are_stored_and_reported_on_request(result: pw.Result) -> None:
+def test_declared_means_are_stored_and_reported_on_request(result: pw.Result):
     columns = [column.key for column in USUAL.columns]
     assert not any(key.endswith((".closed_time", "steps")) for key in columns)
     requested = responses.request(SCENE, ["A.closed_time@0", "steps"])
@@ -84,7 +84,7 @@ def test_declared_means_are_stored_and_reported_on_request(result: pw.Result) ->
     assert "A.least_film" not in responses.available(SCENE)
 
 
-def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
+def test_total_clearance_is_computed_on_request(result: pw.Result):
     usual = responses.responses_of(result, USUAL)
     assert not any(key.startswith("total_clearance") for key in usual)
     requested = responses.request(SCENE, ["total_clearance"])
@@ -94,7 +94,7 @@ def test_total_clearance_is_computed_on_request(result: pw.Result) -> None:
 
 
 @pytest.mark.parametrize("at_most", [1e12, 1e3])
-def test_a_life_that_did_not_end_is_censored(at_most: float) -> None:
+def test_a_life_that_did_not_end_is_censored(at_most):
     limits = pw.Life(until="B.depth > 6 um", at_most=at_most)
     scene = bush(life=limits, replicates=2, wear_updates=1, cycles=3, tolerance=0.5)
     result = pw.run(scene, jobs=1)
@@ -118,7 +118,7 @@ def word(result: pw.Result) -> str:
     return "a word"
 
 
-def test_responses_may_be_user_functions(result: pw.Result) -> None:
+def test_responses_may_be_user_functions(result: pw.Result):
     requested = responses.request(SCENE, [peak, "A.force_max"])
     assert [column.key for column in requested.columns] == ["peak", "A.force_max"]
     assert requested.columns[0].text == "Highest force at A in all stages."
@@ -131,7 +131,7 @@ def test_responses_may_be_user_functions(result: pw.Result) -> None:
         responses.user_responses(result, [cast(responses.User, word)])
 
 
-def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> None:
+def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result):
     requested = responses.request(SCENE, ["A.force_max", "A.force_max@00", "bdc_error"])
     values = responses.responses_of(result, requested)
     keys = [column.key for column in requested.columns]
@@ -149,7 +149,7 @@ def test_names_are_of_the_last_stage_or_of_a_given_one(result: pw.Result) -> Non
 COLUMNS = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))
 
 
-def test_limits_have_units() -> None:
+def test_limits_have_units():
     limits = parse_limits(["life >= 2e6", "A.force_max<=15kN"], COLUMNS)
     assert limits == {
         "life": ResponseLimit(2e6, True),
@@ -157,7 +157,7 @@ def test_limits_have_units() -> None:
     }
 
 
-def test_lower_bounds_may_leave_a_violation_open() -> None:
+def test_lower_bounds_may_leave_a_violation_open():
     values = np.array([1.0, 1.0, 3.0, 3.0])
     censored = np.array([True, False, True, False])
     assert ResponseLimit(2.0, True).count(values, censored) == (1, 2)
@@ -175,7 +175,7 @@ def test_lower_bounds_may_leave_a_violation_open() -> None:
         ("life", 3.0),
     ],
 )
-def test_degrees_of_freedom_are_those_of_the_samples(key: str, expected: float) -> None:
+def test_degrees_of_freedom_are_those_of_the_samples(key, expected):
     scene = pw.scenes.wear_times(engine="dae", cycles=6, replicates=4)
     assert responses.freedom_of(scene, key) == expected
     steps = pw.changed(scene, {"conventions": "refined"})
@@ -186,7 +186,7 @@ def test_degrees_of_freedom_are_those_of_the_samples(key: str, expected: float) 
     )
 
 
-def test_wear_of_surfaces_that_stay_new_is_no_usual_response() -> None:
+def test_wear_of_surfaces_that_stay_new_is_no_usual_response():
     unworn = pw.scenes.wear_times(**QUICK | {"wear_updates": 0})
     names = {column.key for column in responses.request(unworn).columns}
     assert "A.wear_rate" in names

@@ -57,7 +57,7 @@ def rows_in(folder: Path) -> dict[str, int]:
     return times
 
 
-def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
+def test_stored_rows_do_not_run_again(tmp_path):
     first = Counting(3)
     second = Counting()
     with pytest.raises(KeyboardInterrupt):
@@ -74,7 +74,7 @@ def test_stored_rows_do_not_run_again(tmp_path: Path) -> None:
     assert outcome.values["bdc_error"] == Response(1.5, None, True)
 
 
-def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
+def test_empty_and_damaged_rows_run_again(tmp_path):
     runner.run_rows(tmp_path, NAMES, REQUESTED, Counting(), 1)
     for name, text in (("0", ""), ("1", '{"values": {'), ("2", '{"seconds": "x"}')):
         (tmp_path / "rows" / f"{name}.json").write_text(text)
@@ -84,7 +84,7 @@ def test_empty_and_damaged_rows_run_again(tmp_path: Path) -> None:
     assert again.count == 3
 
 
-def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path: Path) -> None:
+def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path):
     class Claiming(Counting):
         def submit(
             self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
@@ -98,7 +98,7 @@ def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path: Path) -> No
     assert (tmp_path / "rows" / "3.json").exists()
 
 
-def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> None:
+def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path):
     def impossible() -> pw.Scene:
         raise InputError("no such linkage")
 
@@ -119,7 +119,7 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path: Path) -> 
     assert set(rows_in(tmp_path)) == {"a", "b"}
 
 
-def test_another_program_is_refused() -> None:
+def test_another_program_is_refused():
     with pytest.raises(InputError, match="another program"):
         runner.run_row(SCENE, REQUESTED, None, "this")
 
@@ -127,7 +127,7 @@ def test_another_program_is_refused() -> None:
 @pytest.mark.skipif(
     sys.platform != "linux", reason="only there is a server of forks used"
 )
-def test_modules_that_workers_share_exist() -> None:
+def test_modules_that_workers_share_exist():
     with runner.ProcessExecutor(1):
         # The server ignores a missing module without a message; every worker then
         # imports the modules itself.
@@ -147,9 +147,7 @@ def command_line(words: str) -> list[str]:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_killed_sweep_loses_only_the_running_rows(
-    number: int, tmp_path: Path
-) -> None:
+def test_a_killed_sweep_loses_only_the_running_rows(number, tmp_path):
     folder = tmp_path / "sweep"
     command = command_line(f"{SWEEP} --out {folder} --jobs 2")
     with subprocess.Popen(
@@ -175,7 +173,7 @@ def test_a_killed_sweep_loses_only_the_running_rows(
     assert json.loads((folder / "sweep.json").read_text())["schema"] == 2
 
 
-def test_parts_that_start_together_share_a_folder(tmp_path: Path) -> None:
+def test_parts_that_start_together_share_a_folder(tmp_path):
     folder = tmp_path / "sweep"
     line = f"{SWEEP} --out {folder} --jobs 1 --shard"
     parts = [subprocess.Popen(command_line(f"{line} {k}/2")) for k in (1, 2)]
@@ -202,7 +200,7 @@ print(again.table.errors)
 """
 
 
-def test_functions_of_a_notebook_are_responses(tmp_path: Path) -> None:
+def test_functions_of_a_notebook_are_responses(tmp_path):
     """They run in the parent, because workers cannot import the main module of a notebook."""
     program = python("-c", NOTEBOOK, tmp_path, timeout=600)
     assert program.returncode == 0, program.stderr

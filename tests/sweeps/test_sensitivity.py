@@ -56,7 +56,7 @@ def ishigami_of(
     return table_of(points, ishigami(points), replicates, noise, seed + 1000)
 
 
-def test_indices_of_known_functions() -> None:
+def test_indices_of_known_functions():
     indices = result_of(ishigami_of("saltelli", 4096, 1), "saltelli").values
     assert indices == pytest.approx(INDICES, abs=0.015)
 
@@ -69,9 +69,7 @@ def test_indices_of_known_functions() -> None:
         ("latin", range(1, 21), 0.7),
     ],
 )
-def test_intervals_contain_the_indices_in_spite_of_chaos(
-    kind: str, seeds: range, least: float
-) -> None:
+def test_intervals_contain_the_indices_in_spite_of_chaos(kind, seeds, least):
     truth = INDICES if kind == "saltelli" else INDICES[:1]
     hits = np.zeros(3)
     for seed in seeds:
@@ -80,7 +78,7 @@ def test_intervals_contain_the_indices_in_spite_of_chaos(
     assert hits.min() / len(seeds) >= least
 
 
-def test_chaos_is_subtracted_only_if_it_is_known() -> None:
+def test_chaos_is_subtracted_only_if_it_is_known():
     points = design("saltelli", 2048, 3, seed=1)
     for half_width, is_known in ((1.959964 * NOISE, True), (np.nan, False)):
         table = table_of(points, ishigami(points), noise=NOISE, half_widths=half_width)
@@ -88,7 +86,7 @@ def test_chaos_is_subtracted_only_if_it_is_known() -> None:
         assert (error.max() < 0.08) == is_known
 
 
-def test_intervals_of_few_samples_do_not_overstate_chaos() -> None:
+def test_intervals_of_few_samples_do_not_overstate_chaos():
     """Student's quantile of four samples is 3.18, which counted as 1.96."""
     points = design("saltelli", 64, 3, seed=1)
     half_width = stats.t.ppf(0.975, 3) * NOISE
@@ -99,7 +97,7 @@ def test_intervals_of_few_samples_do_not_overstate_chaos() -> None:
     assert points_of(table, "y").variances == pytest.approx(2.64 * NOISE**2, rel=0.01)
 
 
-def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
+def test_failed_runs_are_omitted_and_too_few_have_no_indices():
     points = design("saltelli", 16, 3, seed=5)
     table = table_of(points, ishigami(points))
     table.values[7] = np.nan
@@ -117,9 +115,7 @@ def test_failed_runs_are_omitted_and_too_few_have_no_indices() -> None:
 
 
 @pytest.mark.parametrize(("share", "is_given"), [(0.89, True), (0.91, False)])
-def test_indices_are_given_unless_nearly_all_is_chaos(
-    share: float, is_given: bool
-) -> None:
+def test_indices_are_given_unless_nearly_all_is_chaos(share, is_given):
     points = design("saltelli", 16, 3, seed=5)
     variance = ishigami(points).reshape(-1, 5)[:, [0, -1]].var()
     half_width = stats.norm.ppf(0.975) * math.sqrt(share * variance)
@@ -127,7 +123,7 @@ def test_indices_are_given_unless_nearly_all_is_chaos(
     assert (sensitivity(points_of(table, "y"), "saltelli") is not None) == is_given
 
 
-def test_elementary_effects_of_a_plane_and_of_chaos() -> None:
+def test_elementary_effects_of_a_plane_and_of_chaos():
     points = design("morris", 8, 3, seed=1)
     result = result_of(table_of(points, points @ SLOPES), "morris")
     assert result.values[0] == pytest.approx(MORRIS_JUMP * np.abs(SLOPES), abs=1e-12)
@@ -137,7 +133,7 @@ def test_elementary_effects_of_a_plane_and_of_chaos() -> None:
     assert result.values[0] == pytest.approx(result.noise, rel=0.05)
 
 
-def test_one_at_a_time_gives_changes_with_intervals() -> None:
+def test_one_at_a_time_gives_changes_with_intervals():
     points = design("oat", 2, 3, seed=0)
     truth = np.outer([-0.45, 0.45], SLOPES)
     hits = np.zeros((2, 3))
@@ -153,9 +149,7 @@ def test_one_at_a_time_gives_changes_with_intervals() -> None:
 
 
 @pytest.mark.parametrize(("count", "replicates", "noise"), [(16, 2, 0.5), (32, 4, 2.0)])
-def test_intervals_of_the_chaotic_share_hold_it(
-    count: int, replicates: int, noise: float
-) -> None:
+def test_intervals_of_the_chaotic_share_hold_it(count, replicates, noise):
     hits = 0
     for seed in SEEDS:
         points = np.random.default_rng(seed).standard_normal((count, 1))
@@ -166,7 +160,7 @@ def test_intervals_of_the_chaotic_share_hold_it(
     assert chaotic_share(points_of(ishigami_of("latin", 64, 1), "y")) is None
 
 
-def test_quantiles_of_rows_are_order_statistics() -> None:
+def test_quantiles_of_rows_are_order_statistics():
     life = stats.lognorm(0.5, scale=100.0)
     hits = np.zeros(99)
     for seed in range(200):
@@ -182,7 +176,7 @@ def test_quantiles_of_rows_are_order_statistics() -> None:
     assert hits.min() / 200 >= 0.9
 
 
-def test_censored_values_leave_quantiles_open() -> None:
+def test_censored_values_leave_quantiles_open():
     values = np.minimum(np.arange(100.0), 80.0)
     table = table_of(values[:, None], values, replicates=3, censored=values >= 80.0)
     spread = spread_of_rows(table, "y", ResponseLimit(90.0, True))
@@ -210,15 +204,13 @@ def sampled(
     return points_of(table, "y")
 
 
-def test_a_smooth_function_is_predicted() -> None:
+def test_a_smooth_function_is_predicted():
     surrogate = fit(sampled(64))
     assert surrogate.predict(OTHERS) == pytest.approx(curved(OTHERS), rel=0.05)
 
 
 @pytest.mark.parametrize(("replicates", "chaos"), [(1, 0.25), (4, 0.5)])
-def test_a_distribution_has_the_quantiles_of_single_runs(
-    replicates: int, chaos: float
-) -> None:
+def test_a_distribution_has_the_quantiles_of_single_runs(replicates, chaos):
     """A life of 100 exp(0.5 x + 0.3 y + chaos e), all normal, is lognormal."""
     exact = stats.lognorm(math.hypot(0.5, 0.3, chaos), scale=100.0)
     truth = exact.ppf((0.05, 0.5, 0.95))
@@ -252,12 +244,12 @@ def test_a_distribution_has_the_quantiles_of_single_runs(
         ),
     ],
 )
-def test_unsuitable_points_are_refused(points: Points, message: str) -> None:
+def test_unsuitable_points_are_refused(points: Points, message):
     with pytest.raises(InputError, match=message):
         fit(points)
 
 
-def test_a_distribution_beyond_the_points_is_reported() -> None:
+def test_a_distribution_beyond_the_points_is_reported():
     surrogate = fit(sampled(64))
     unit = Distribution("uniform", stats.uniform(0.0, 1.0))
     wide = Distribution("uniform", stats.uniform(-1.0, 3.0))
@@ -268,9 +260,7 @@ def test_a_distribution_beyond_the_points_is_reported() -> None:
 
 
 @pytest.mark.parametrize("package", ["sklearn", "SALib"])
-def test_a_missing_package_is_named(
-    package: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_package_is_named(package, monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)

@@ -5,10 +5,8 @@ import math
 import pickle
 import re
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,7 +39,7 @@ def run_at(settings: dict[str, float]) -> pw.Result:
     return pw.run(changed(SCENE, settings), jobs=1)
 
 
-def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
+def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path):
     vary = {"clearance": [4e-4, 6e-4], "A.friction": "0.02,0.05"}
     sweep = pw.sweep(
         SCENE, vary, tmp_path / "sweep", [peak, "bdc_error"], replicates=2, jobs=1
@@ -72,7 +70,7 @@ def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path: Path) -> None:
         run_sweep(again)
 
 
-def test_other_responses_of_stored_rows_need_no_run(tmp_path: Path) -> None:
+def test_other_responses_of_stored_rows_need_no_run(tmp_path):
     few = {"clearance": [4e-4]}
     first = pw.sweep(SCENE, few, tmp_path / "sweep", ["A.force_max"], jobs=1)
     rows = {
@@ -90,9 +88,7 @@ def test_other_responses_of_stored_rows_need_no_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("on", ["", "dask", "concurrent.futures:ProcessPoolExecutor"])
-def test_executors_agree(
-    on: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_executors_agree(on, tmp_path, capsys):
     vary = {"clearance": [4e-4, 6e-4], "cycles": [4]}
     alone = pw.sweep(SCENE, vary, tmp_path / "1", jobs=1).table
     table = pw.sweep(SCENE, vary, tmp_path / "2", on=on, jobs=2).table
@@ -102,7 +98,7 @@ def test_executors_agree(
     assert on != "dask" or "dashboard at http://127.0.0.1" in capsys.readouterr().out
 
 
-def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
+def test_a_failed_run_is_a_row_with_its_error(tmp_path):
     vary = {"integrator": ["dopri5", "rk4-paper"]}
     sweep = pw.sweep(SCENE, vary, tmp_path / "sweep", ["A.force_max"], jobs=1)
     assert sweep.table.errors[0] == ""
@@ -112,8 +108,8 @@ def test_a_failed_run_is_a_row_with_its_error(tmp_path: Path) -> None:
 
 
 def test_a_sweep_is_resumed_extended_reported_and_exported(
-    tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, command, monkeypatch
+):
     folder = tmp_path / "sweep"
     csv = tmp_path / "rows.csv"
     line = f"sweep wear-times {VARY} {OPTIONS} --out {folder} --jobs 1"
@@ -150,7 +146,7 @@ RANGES = ("clearance=0.2mm:1mm", "friction=0:0.1")
 SAMPLED = Plan(SCENE, ("engine=dae,exudyn",), "sobol:64", RANGES, 2)
 
 
-def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path: Path) -> None:
+def test_a_report_tells_sensitivity_chaos_and_violations(tmp_path):
     points = SAMPLED.points
     values = 1e6 * points[:, 0] + 1e3 * points[:, 2]
     table = table_of(points, values, 2, noise=10.0)
@@ -182,7 +178,7 @@ replicates = 2
 """
 
 
-def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> None:
+def test_a_sweep_may_be_a_file(tmp_path, command):
     file = tmp_path / "my.toml"
     folder = tmp_path / "sweep"
     file.write_text(FILE)
@@ -197,9 +193,7 @@ def test_a_sweep_may_be_a_file(tmp_path: Path, command: Callable[..., str]) -> N
     assert options.vary == ("clearance=0.1mm,0.2mm",)
 
 
-def test_a_new_file_is_swept_at_once(
-    tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_a_new_file_is_swept_at_once(tmp_path, command):
     """Without the wear update of the file; other numbers of wear updates need strokes."""
     file = tmp_path / "my.toml"
     folder = tmp_path / "sweep"
@@ -214,9 +208,7 @@ def test_a_new_file_is_swept_at_once(
     )
 
 
-def test_without_dask_one_line_names_the_package(
-    tmp_path: Path, command: Callable[..., str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_dask_one_line_names_the_package(tmp_path, command, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "distributed", None)
     shown = command("sweep wear-times --vary clearance=1mm --on dask", 2)
@@ -227,7 +219,7 @@ def test_without_dask_one_line_names_the_package(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scene_is_a_function_of_its_settings() -> None:
+def test_a_scene_is_a_function_of_its_settings():
     function = pw.function_of(SCENE, [peak, "bdc_error"])
     point = {"clearance": 5e-4, "A.friction": 0.03}
     values = pickle.loads(pickle.dumps(function))({**point, "clearance": "0.5 mm"})
@@ -240,7 +232,7 @@ def test_a_scene_is_a_function_of_its_settings() -> None:
         function({"clearence": 1e-3})
 
 
-def test_parameter_variation_of_exudyn_accepts_a_function() -> None:
+def test_parameter_variation_of_exudyn_accepts_a_function():
     function = pw.function_of(SCENE, "A.force_max")
     shared = {"seed": 1}
     options: dict[str, Any] = {"useMultiProcessing": True, "numberOfThreads": 2}
@@ -313,11 +305,11 @@ BAD_INPUT = r"""
 
 @pytest.mark.parametrize("case", ["| nothing varies", *BAD_INPUT.strip().splitlines()])
 def test_bad_input_is_one_line_and_writes_nothing(
-    case: str,
-    tmp_path: Path,
-    command: Callable[..., str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    case,
+    tmp_path,
+    command,
+    monkeypatch,
+):
     monkeypatch.chdir(tmp_path)
     words, _, message = case.rpartition("| ")
     assert message in command(f"sweep wear-times {words}", 2)
@@ -339,7 +331,7 @@ SWEEP_FILE = (
         ("sweep = 3\n", "a table is expected"),
     ],
 )
-def test_a_wrong_file_is_refused(text: str, message: str, tmp_path: Path) -> None:
+def test_a_wrong_file_is_refused(text, message, tmp_path):
     (tmp_path / "my.toml").write_text(text)
     with pytest.raises(pw.InputError, match=re.escape(message)):
         read_sweep(tmp_path / "my.toml")

@@ -2,7 +2,6 @@
 
 import gc
 import signal
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,7 +43,7 @@ class _InterruptsCallees(event.Listener):  # type: ignore[misc]
             self.compiled.append(name)
 
 
-def test_signal_waits_until_the_compiler_has_ended() -> None:
+def test_signal_waits_until_the_compiler_has_ended():
     @compiled
     def leaf(x: float) -> float:
         return x * x + 2.0
@@ -66,7 +65,7 @@ def test_signal_waits_until_the_compiler_has_ended() -> None:
     assert caller(1.0) == 4.0
 
 
-def test_garbage_collection_resumes_after_an_error() -> None:
+def test_garbage_collection_resumes_after_an_error():
     @compiled
     def nonsense(x: float) -> float:
         return _leaf(x).no_attribute  # type: ignore[attr-defined]  # wrong on purpose
@@ -98,7 +97,7 @@ def _seldom(pairs: NDArray[np.void], numbers: Array, x: float) -> float:
     return total
 
 
-def test_lazy_kernel_is_compiled_at_its_first_call() -> None:
+def test_lazy_kernel_is_compiled_at_its_first_call():
     pairs = np.zeros(2, PAIR)
     numbers = np.arange(6.0).reshape(3, 2)
     pairs["factor"] = 10.0, 100.0
@@ -128,7 +127,7 @@ with stoppable():
 """
 
 
-def test_interrupt_in_a_kernel_that_calls_a_lazy_one_is_no_crash() -> None:
+def test_interrupt_in_a_kernel_that_calls_a_lazy_one_is_no_crash():
     ended = python("-c", INTERRUPTED)
     assert (ended.returncode, ended.stdout) == (0, "1.5 True\n"), ended.stderr
 
@@ -165,7 +164,7 @@ Unknown attribute 'no_attribute' of type float64 0.0
 """
 
 
-def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path: Path) -> None:
+def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path):
     """Of all its callers; the program goes on."""
     script = tmp_path / "wrong.py"
     script.write_text(WRONG)
@@ -174,7 +173,7 @@ def test_a_lazy_kernel_that_cannot_be_compiled_is_an_error(tmp_path: Path) -> No
     assert ended.stderr == ""
 
 
-def test_compiling_is_reported_and_loading_is_not() -> None:
+def test_compiling_is_reported_and_loading_is_not():
     @compiled
     def half(x: float) -> float:
         return 0.5 * _leaf(x)
@@ -234,7 +233,7 @@ InputError user law fails: law, line 4, law: "return TABLE[int(x)]": index is ou
 """
 
 
-def test_index_errors_in_kernels_are_found_on_request(tmp_path: Path) -> None:
+def test_index_errors_in_kernels_are_found_on_request(tmp_path):
     file = tmp_path / "beyond.py"
     file.write_text(BEYOND)
     for value, found in (("0", ""), ("1", BEYOND_PLACES.format(file))):
@@ -264,9 +263,7 @@ print(Count.compiled, sum(len(kernel.from_python.overloads) for kernel in lazy))
 @pytest.mark.parametrize(
     ("engine", "most"), [("exudyn-tree", 95), ("dae", 95), ("exudyn-joints", 122)]
 )
-def test_first_start_compiles_few_kernels_and_second_none(
-    tmp_path: Path, engine: str, most: int
-) -> None:
+def test_first_start_compiles_few_kernels_and_second_none(tmp_path, engine, most):
     environment = {"XDG_CACHE_HOME": f"{tmp_path}"}
     for fewest, limit in ((20, most), (-1, 0)):
         ran = python("-c", COUNTED % engine, env=environment, check=True)
@@ -275,7 +272,7 @@ def test_first_start_compiles_few_kernels_and_second_none(
         assert unused == 0
 
 
-def test_a_callee_is_compiled_once_for_all_literal_numbers() -> None:
+def test_a_callee_is_compiled_once_for_all_literal_numbers():
     @compiled
     def scaled(x: float, count: int, is_half: bool) -> float:
         return x * count * (0.5 if is_half else 1.0)

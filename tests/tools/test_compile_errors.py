@@ -5,7 +5,6 @@
 import inspect
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -105,9 +104,7 @@ def place_of(mistake: Callable[..., Any]) -> tuple[str, str]:
 @pytest.mark.parametrize(
     "way", ["called", "specialised", "in a callee", "in an inlined callee"]
 )
-def test_a_mistake_is_shown_with_its_line(
-    mistake: Callable[..., Any], argument: Any, reason: str, way: str
-) -> None:
+def test_a_mistake_is_shown_with_its_line(mistake, argument, reason, way):
     kernel = inlined(mistake) if "inlined" in way else compiled(mistake)
 
     @compiled
@@ -129,7 +126,7 @@ def test_a_mistake_is_shown_with_its_line(
     assert len(lines) == 3
 
 
-def test_a_mistake_in_written_equations_is_shown_with_its_line() -> None:
+def test_a_mistake_in_written_equations_is_shown_with_its_line():
     text = "def equations(model, t, y, out, level):\n    angle = y[0]\n    out[0] = angel\n"
     with pytest.raises(RunFailed) as failed:
         entry_of(function_of(text), 1, 0.0, np.zeros(2), np.zeros(2), 1)
@@ -150,7 +147,7 @@ with short_errors:
 """
 
 
-def test_a_mistake_in_plain_python_is_shown_with_its_line() -> None:
+def test_a_mistake_in_plain_python_is_shown_with_its_line():
     ran = python("-c", PLAIN, env={"NUMBA_DISABLE_JIT": "1"})
     place, statement, reason = ran.stderr.splitlines()[-3:]
     assert "KernelError: " in place
@@ -160,10 +157,10 @@ def test_a_mistake_in_plain_python_is_shown_with_its_line() -> None:
 
 
 def test_a_mistake_in_a_kernel_has_three_lines_in_the_terminal(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-) -> None:
+    monkeypatch,
+    capsys,
+    tmp_path,
+):
     def broken(*arguments: Any) -> None:
         raise KernelError("wear.py:106: deposit\n    depth = y\nno name 'y'")
 
@@ -174,6 +171,6 @@ def test_a_mistake_in_a_kernel_has_three_lines_in_the_terminal(
     assert shown == ["presswear: wear.py:106: deposit", "    depth = y", "no name 'y'"]
 
 
-def test_errors_of_a_kernel_that_runs_are_left_as_they_are() -> None:
+def test_errors_of_a_kernel_that_runs_are_left_as_they_are():
     with pytest.raises(TypeError, match="too many"):
         product(1.0, 2.0, 3.0)

@@ -9,7 +9,7 @@ from python_process import python
 ROOT = Path(__file__).parents[2]
 
 
-def test_equations_of_a_four_bar_are_stepped_through(tmp_path: Path) -> None:
+def test_equations_of_a_four_bar_are_stepped_through(tmp_path):
     text = (ROOT / "CONTRIBUTING.md").read_text()
     _, _, rest = text.partition("**Stepping through the equations")
     recipe, _, _ = rest.partition("## Documentation")

@@ -11,7 +11,7 @@ from presswear.tools.numbers import large
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable() -> None:
+def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable():
     words = (
         f"stored up to refinement 2 of the life, {large(27_000.0, digits=2)} strokes"
     )
@@ -21,7 +21,7 @@ def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable() -> No
 
 
 @pytest.mark.parametrize("name", ["gear_ratio", "Gears", "tool.temperature", "3D"])
-def test_a_word_for_what_is_not_modelled_is_answered(name: str) -> None:
+def test_a_word_for_what_is_not_modelled_is_answered(name):
     message = f"{unknown('key', name, ['speed', 'motion'])}"
     assert message.startswith(f"unknown key {name!r}. Not modelled: ")
     assert message.endswith(f"; see {PAGE}")
@@ -35,27 +35,25 @@ def test_a_word_for_what_is_not_modelled_is_answered(name: str) -> None:
         ("flywheel", "motor.inertia"),
     ],
 )
-def test_a_word_for_what_has_another_name_is_answered(name: str, answer: str) -> None:
+def test_a_word_for_what_has_another_name_is_answered(name, answer):
     message = f"{unknown('key', name, ['speed', 'motion'])}"
     assert message.startswith(f"unknown key {name!r}. ")
     assert "Not modelled" not in message
     assert answer in message
 
 
-def test_a_name_of_the_user_that_is_such_a_word_is_found_first() -> None:
+def test_a_name_of_the_user_that_is_such_a_word_is_found_first():
     message = f"{unknown('body', 'beams', ['beam', 'crank', 'rod'])}"
     assert "did you mean beam?" in message
     assert "Not modelled" not in f"{unknown('key', 'spead', ['speed', 'motion'])}"
 
 
-def test_a_near_name_is_the_answer_in_place_of_another_name_for_one_of_its_words() -> (
-    None
-):
+def test_a_near_name_is_the_answer_in_place_of_another_name_for_one_of_its_words():
     message = f"{unknown('response', 'B.load_distance', ['B.sliding_distance'])}"
     assert message.endswith("did you mean B.sliding_distance?")
 
 
-def test_the_page_lists_all_that_is_not_modelled() -> None:
+def test_the_page_lists_all_that_is_not_modelled():
     page = (ROOT / PAGE).read_text(encoding="utf-8")
     for row in answers()["not_modelled"]:
         cells = (", ".join(row["words"]), row["answer"].replace("; ", " | "))

@@ -29,7 +29,7 @@ def run_with(module: str) -> tuple[bool, list[list[float]]]:
 
 
 @pytest.mark.slow
-def test_both_modules_give_the_same_motion_during_the_first_contacts() -> None:
+def test_both_modules_give_the_same_motion_during_the_first_contacts():
     is_fast_by_default, default_ends = run_with("")
     is_fast, safe_ends = run_with("Safe ")
     assert not is_fast

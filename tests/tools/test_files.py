@@ -5,7 +5,6 @@ import fcntl
 import os
 import subprocess
 import sys
-from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
@@ -17,9 +16,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.serialize import read_json, write_json
 
 
-def test_a_file_is_written_whole_or_stays(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_written_whole_or_stays(tmp_path, monkeypatch):
     target = tmp_path / "file"
     files.write_bytes(target, b"old")
 
@@ -40,7 +37,7 @@ def test_a_file_is_written_whole_or_stays(
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
+def test_arrays_are_read_as_they_were_written(tmp_path):
     records = np.zeros(2, [("x", np.float64), ("n", np.int64)])
     file = tmp_path / "a.npz"
     checksum = write_arrays(
@@ -63,7 +60,7 @@ def test_arrays_are_read_as_they_were_written(tmp_path: Path) -> None:
             read_arrays(file)
 
 
-def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
+def test_documents_hold_finite_numbers_of_one_schema(tmp_path):
     file = tmp_path / "d.json"
     write_json(
         file,
@@ -81,7 +78,7 @@ def test_documents_hold_finite_numbers_of_one_schema(tmp_path: Path) -> None:
             read_json(file, "none", 3)
 
 
-def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
+def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "empty").mkdir()
     for file in ("file", "full/file", f"full/{files.LOCK}", f"empty/{files.LOCK}"):
@@ -111,9 +108,7 @@ def test_a_folder_is_free_if_it_is_new_or_empty(tmp_path: Path) -> None:
         ("/proc/none/x", "no file can be written there"),
     ],
 )
-def test_what_cannot_be_a_folder_is_refused(
-    tmp_path: Path, name: str, says: str
-) -> None:
+def test_what_cannot_be_a_folder_is_refused(tmp_path, name, says):
     (tmp_path / "file").write_text("somebody's")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
     before = sorted(tmp_path.rglob("*"))
@@ -132,7 +127,7 @@ time.sleep(60)
 """
 
 
-def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) -> None:
+def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path):
     command = [sys.executable, "-c", _HOLD, str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -151,7 +146,7 @@ def test_a_second_writer_is_refused_until_the_first_is_killed(tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
+def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path):
     with files.only_writer(tmp_path / "new" / "below"):
         assert files.holder(tmp_path / "new" / "below") is not None
     assert not (tmp_path / "new").exists()
@@ -167,9 +162,7 @@ def test_a_folder_that_was_made_for_nothing_is_removed(tmp_path: Path) -> None:
     }
 
 
-def test_missing_locks_are_reported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_missing_locks_are_reported(tmp_path, monkeypatch):
     def none(descriptor: int, operation: int) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 

@@ -14,7 +14,7 @@ def _first(numbers: Array) -> float:
     return float(numbers[0])
 
 
-def test_a_row_that_a_function_returns_keeps_its_array() -> None:
+def test_a_row_that_a_function_returns_keeps_its_array():
     assert _first(np.array([3.0])) == 3.0  # compiled here, or in an earlier test
 
     def second_row(columns: int) -> Any:

@@ -63,7 +63,7 @@ print(kernel._cache.files((), kernel.targetctx)[0].name)
 """
 
 
-def test_a_stored_kernel_is_found_by_every_process() -> None:
+def test_a_stored_kernel_is_found_by_every_process():
     """Sets, such as ``fastmath`` of ``vectorised``, have another order in each process."""
     names = {
         python("-c", FILES, env={"PYTHONHASHSEED": seed}, check=True).stdout
@@ -73,7 +73,7 @@ def test_a_stored_kernel_is_found_by_every_process() -> None:
 
 
 @pytest.mark.parametrize("damage", ["empty", "cut", "bit of code", "bit of digest"])
-def test_damaged_code_is_compiled_again(stored: Path, damage: str) -> None:
+def test_damaged_code_is_compiled_again(stored, damage):
     (file,) = stored.iterdir()
     content = bytearray(file.read_bytes())
     if damage == "cut":
@@ -101,7 +101,7 @@ def _plant(file: Path) -> Path:
     return marker
 
 
-def test_what_stands_in_the_cache_is_executed(stored: Path) -> None:
+def test_what_stands_in_the_cache_is_executed(stored):
     """Otherwise the tests below would show nothing."""
     (file,) = stored.iterdir()
     marker = _plant(file)
@@ -140,9 +140,7 @@ PLACES = (
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_nothing_is_executed_that_others_may_have_written(
-    stored: Path, place: str, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_nothing_is_executed_that_others_may_have_written(stored, place, caplog):
     if "another" in place and os.geteuid():
         pytest.skip("needs the rights of root")
     (file,) = stored.iterdir()
@@ -157,9 +155,7 @@ def test_nothing_is_executed_that_others_may_have_written(
     assert len(caplog.records) == is_folder
 
 
-def test_cache_belongs_to_the_user_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> None:
+def test_cache_belongs_to_the_user_alone(tmp_path, monkeypatch, request):
     request.addfinalizer(partial(os.umask, os.umask(0o002)))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert _compiles()
@@ -171,7 +167,7 @@ def test_cache_belongs_to_the_user_alone(
     ]
 
 
-def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
+def test_entry_of_another_kernel_is_not_used(stored):
     kernels = ramp_friction, threlfall_friction
     arguments = 5e-4, 100.0, 0.1, 1e-4, 1e-3
     forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
@@ -184,9 +180,7 @@ def test_entry_of_another_kernel_is_not_used(stored: Path) -> None:
     assert forces[0] != forces[1]
 
 
-def test_error_while_an_entry_is_read_means_compile(
-    stored: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_error_while_an_entry_is_read_means_compile(stored, monkeypatch):
     for error in (KeyError("x"), MemoryError(), RecursionError(), ValueError("x")):
 
         def fails(*_: object, raised: Exception = error) -> None:
@@ -199,11 +193,11 @@ def test_error_while_an_entry_is_read_means_compile(
 
 @pytest.mark.parametrize("part", ["CompileResult._reduce", "CompileResult._rebuild"])
 def test_kernels_are_compiled_without_private_parts_of_numba(
-    stored: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
-    part: str,
-) -> None:
+    stored,
+    monkeypatch,
+    caplog,
+    part,
+):
     monkeypatch.delattr(f"numba.core.compiler.{part}")
     for file in stored.iterdir():
         file.unlink()
@@ -213,9 +207,7 @@ def test_kernels_are_compiled_without_private_parts_of_numba(
     assert count == (part == "CompileResult._reduce")
 
 
-def test_files_that_are_not_used_are_removed(
-    stored: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_that_are_not_used_are_removed(stored, monkeypatch):
     monkeypatch.setattr("presswear.tools.kernel_cache._MAX_FILES", 2)
     (file,) = stored.iterdir()
     os.utime(file, (1.0, 1.0))
@@ -230,9 +222,7 @@ def test_files_that_are_not_used_are_removed(
 
 
 @pytest.mark.parametrize("is_killed", [False, True])
-def test_code_that_another_process_compiles_is_awaited(
-    stored: Path, is_killed: bool
-) -> None:
+def test_code_that_another_process_compiles_is_awaited(stored, is_killed):
     (file,) = stored.iterdir()
     code = file.read_bytes()
     file.unlink()
@@ -252,11 +242,11 @@ def test_code_that_another_process_compiles_is_awaited(
 
 @pytest.mark.parametrize("parent", [None, "a process"])
 def test_process_that_stands_still_while_it_compiles_is_not_awaited(
-    stored: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
-    parent: str | None,
-) -> None:
+    stored,
+    monkeypatch,
+    caplog,
+    parent,
+):
     """A worker says so as well: its parent compiles other kernels."""
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: parent)
     holder = f"process {123 if parent else 122}"  # a warning is given once
@@ -283,9 +273,7 @@ def test_process_that_stands_still_while_it_compiles_is_not_awaited(
     assert not _compiles()
 
 
-def test_compiling_shows_signs_of_life(
-    stored: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_compiling_shows_signs_of_life(stored, monkeypatch):
     """Each function that a kernel calls touches its lock."""
     touched: list[object] = []
     monkeypatch.setattr("os.utime", lambda *of: touched.append(of))
@@ -295,18 +283,14 @@ def test_compiling_shows_signs_of_life(
     assert touched
 
 
-def test_kernels_run_where_nothing_can_be_stored(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kernels_run_where_nothing_can_be_stored(tmp_path, monkeypatch):
     (tmp_path / "presswear").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert _compiles()
     assert _compiles()
 
 
-def test_named_tuples_may_have_equal_names(
-    stored: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_named_tuples_may_have_equal_names(stored, monkeypatch):
     named: Any = namedtuple
     copy = cast(Kernel, copy_to).py_func
     first, second, third = (named("Pair", "x y", module=__name__) for _ in range(3))
@@ -327,7 +311,7 @@ def _liu_force_at(address: int) -> float:
     return call(address, (1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4))
 
 
-def test_code_that_is_called_by_address_is_stored_apart(stored: Path) -> None:
+def test_code_that_is_called_by_address_is_stored_apart(stored):
     for _ in range(2):
         kernel = Kernel(cast(Kernel, liu_force).py_func)
         expected = kernel(1e-5, 0.0, 0.1, 1e9, 1.5, 0.0, 1e-4)
@@ -361,9 +345,7 @@ def _printed(package: Path, **variables: str) -> str:
     return printed.replace(str(package), "").strip()
 
 
-def test_environments_with_equal_kernels_share_them(
-    stored: Path, package: Path
-) -> None:
+def test_environments_with_equal_kernels_share_them(stored, package):
     assert _printed(package) == "True /tools/compile.py"
     file = package / "tools" / "compile.py"
     source = file.read_text()
@@ -377,7 +359,7 @@ def test_environments_with_equal_kernels_share_them(
 
 
 @pytest.mark.skipif(not get_host_cpu_features().get("avx2"), reason="needs AVX2")
-def test_kernels_of_a_wheel_are_used(stored: Path, package: Path) -> None:
+def test_kernels_of_a_wheel_are_used(stored, package):
     """They are as safe as its source: of a group that can write the program, too."""
     shutil.rmtree(stored)
     # as in .ci/wheel
@@ -394,9 +376,7 @@ def test_kernels_of_a_wheel_are_used(stored: Path, package: Path) -> None:
     assert _printed(package).startswith("compiles")
 
 
-def test_bounds_of_arrays_are_checked_with_a_warm_cache(
-    stored: Path, package: Path
-) -> None:
+def test_bounds_of_arrays_are_checked_with_a_warm_cache(stored, package):
     assert _printed(package) == "True /tools/compile.py"
     assert _printed(package, NUMBA_BOUNDSCHECK="1").startswith("compiles")
     assert _printed(package, NUMBA_OPT="1").startswith("compiles")

@@ -70,7 +70,7 @@ def digest_of(text: str) -> str:
         ("(data,) = unpack(packed)", "data = unpack(packed)"),
     ],
 )
-def test_a_change_of_code_changes_the_digest(before: str, after: str) -> None:
+def test_a_change_of_code_changes_the_digest(before, after):
     assert before in TEXT
     assert digest_of(TEXT) != digest_of(TEXT.replace(before, after))
 
@@ -85,12 +85,12 @@ def test_a_change_of_code_changes_the_digest(before: str, after: str) -> None:
         ("def leaf(x)", "def leaf(x: float)"),
     ],
 )
-def test_other_changes_leave_the_digest(before: str, after: str) -> None:
+def test_other_changes_leave_the_digest(before, after):
     assert before in TEXT
     assert digest_of(TEXT) == digest_of(TEXT.replace(before, after))
 
 
-def test_names_of_fields_belong_to_the_type_of_an_argument() -> None:
+def test_names_of_fields_belong_to_the_type_of_an_argument():
     """The names of numba do not contain them."""
     named: Any = namedtuple
     kinds = [

@@ -52,9 +52,7 @@ def _machine_code(kernel: Any) -> str:
 
 @pytest.mark.parametrize("kind", CALLERS)
 @pytest.mark.parametrize("earlier", CALLERS)
-def test_earlier_callers_do_not_change_the_machine_code(
-    earlier: str, kind: str
-) -> None:
+def test_earlier_callers_do_not_change_the_machine_code(earlier, kind):
     expected = _machine_code(_caller(CALLERS[kind], _leaf()))
     leaf = _leaf()
     _machine_code(_caller(CALLERS[earlier], leaf))
@@ -62,7 +60,7 @@ def test_earlier_callers_do_not_change_the_machine_code(
     assert _machine_code(kernel) == expected
 
 
-def test_callees_have_no_machine_code_but_within_their_callers() -> None:
+def test_callees_have_no_machine_code_but_within_their_callers():
     leaf = _leaf()
     caller = _caller(compiled, leaf)
     assert _machine_code(caller)

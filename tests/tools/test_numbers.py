@@ -1,7 +1,5 @@
 """Texts of numbers in reports and on a terminal."""
 
-from collections.abc import Callable
-
 import pytest
 
 from presswear.tools.numbers import (
@@ -63,13 +61,11 @@ from presswear.tools.numbers import (
         (short_number, {2e11: "2·10¹¹", 0.0243: "0.0243"}),
     ],
 )
-def test_numbers(
-    function: Callable[[float | None], str], texts: dict[float | None, str]
-) -> None:
+def test_numbers(function, texts):
     assert {value: function(value) for value in texts} == texts
 
 
-def test_ranges_and_intervals_are_rounded_together() -> None:
+def test_ranges_and_intervals_are_rounded_together():
     assert large(8.70e6, 9.54e6, digits=2) == "8.7 to 9.5 million"
     assert large(4.0, 1.739e6) == "0 to 1.74 million"
     assert large(123456.0, digits=2) == "120\u202f000"

@@ -49,7 +49,7 @@ def _sum_springs(packed: PackedArguments, x: float) -> float:
 
 
 @pytest.mark.parametrize("is_loose", [False, True])
-def test_kernels_read_the_parts_of_stored_tuples(is_loose: bool) -> None:
+def test_kernels_read_the_parts_of_stored_tuples(is_loose):
     spring = Spring(2.0, is_loose, np.array([[1.0, 9.0], [3.0, 9.0], [5.0, 9.0]])[:, 0])
     springs = Springs(2, None, spring, (0.25, np.full(1, 0.5)))
     total = bind(_sum_springs, pack_arguments(springs, 100.0))
@@ -89,7 +89,7 @@ def _gathered(count: int) -> tuple[Any, Array, float]:
     return call, out, expected + count
 
 
-def test_bound_arguments_are_read_may_change_and_stay_alive() -> None:
+def test_bound_arguments_are_read_may_change_and_stay_alive():
     calls = [_gathered(count) for count in (0, 1, 3)]
     gc.collect()
     # They would take the memory of arrays that were freed.
@@ -109,7 +109,7 @@ def _exchange(numbers: Array, pairs: Any) -> float:
 
 
 @pytest.mark.parametrize("step", [1, 2])
-def test_elements_at_constant_places(step: int) -> None:
+def test_elements_at_constant_places(step):
     numbers = np.arange(4.0 * step)[::step]
     pairs = np.zeros(2 * step, PAIR)[::step]
     pairs["calls"][1] = 7

@@ -2,7 +2,6 @@
 
 import math
 import re
-from typing import Any
 
 import pytest
 from hypothesis import example, given
@@ -56,16 +55,14 @@ def _read(text: str, unit: str) -> float:
         ("N m", 0.0, ["0", "0.0", "-0", "0 kN m"]),
     ],
 )
-def test_a_text_with_its_unit_is_read(
-    unit: str, value: float, texts: list[str]
-) -> None:
+def test_a_text_with_its_unit_is_read(unit, value, texts):
     assert [_read(text, unit) for text in texts] == pytest.approx(
         [value] * len(texts), rel=4e-16
     )
 
 
 @pytest.mark.parametrize("unit", [*UNITS, "N m/rad"])
-def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> None:
+def test_a_number_without_a_known_unit_is_refused_with_what_works(unit):
     """A unit that the table lacks is read as it is written."""
     assert _read(f"3e4 {unit}", unit) == 3e4
     known = f"known are (.*, )?{re.escape(unit)}"
@@ -88,7 +85,7 @@ def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> 
         ("", ["nan", "1e999", "1 2", "0.3m"]),
     ],
 )
-def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> None:
+def test_a_text_that_is_no_quantity_is_refused(unit, texts):
     for text in texts:
         message = r"use a decimal point, '1\.5mm'" if "," in text else ""
         message += "a pure number, or one in %, is expected" * (text == "0.3m")
@@ -107,9 +104,7 @@ def test_a_text_that_is_no_quantity_is_refused(unit: str, texts: list[str]) -> N
         ("5,,5 N", []),
     ],
 )
-def test_a_number_with_commas_is_answered_with_numbers(
-    text: str, suggested: list[str]
-) -> None:
+def test_a_number_with_commas_is_answered_with_numbers(text, suggested):
     with pytest.raises(InputError) as error:
         _read(text, "N")
     assert re.findall(r", '([^,']+)'", f"{error.value}") == suggested
@@ -154,9 +149,7 @@ WHOLE = Quantity("", whole=True)
         ),
     ],
 )
-def test_ranges(
-    meaning: Quantity, inside: list[Any], outside: list[Any], message: str
-) -> None:
+def test_ranges(meaning: Quantity, inside, outside, message):
     for value in inside:
         assert isinstance(meaning.convert("key", value), int) == meaning.whole
     for value in outside:
@@ -177,9 +170,7 @@ texts = st.text(max_size=30) | st.from_regex(
 @example("9" * 400, "", True)
 @example("1m\n", "m", False)
 @example("²", "", False)
-def test_any_text_is_read_or_refused_in_one_line(
-    text: str, unit: str, whole: bool
-) -> None:
+def test_any_text_is_read_or_refused_in_one_line(text, unit, whole):
     refusal = ""
     try:
         value = parse_quantity("key", text, Quantity(unit, -1e3, 1e9, whole=whole))
@@ -194,12 +185,12 @@ def test_any_text_is_read_or_refused_in_one_line(
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
-def test_a_number_as_python_prints_it_is_read_exactly(value: float, unit: str) -> None:
+def test_a_number_as_python_prints_it_is_read_exactly(value, unit):
     plain = "/Pa" if unit == "1/Pa" else unit
     assert _read(f"{value!r} {plain}", unit) == value
 
 
-def test_a_unit_of_another_quantity_is_answered_with_the_units_of_this_one() -> None:
+def test_a_unit_of_another_quantity_is_answered_with_the_units_of_this_one():
     for unit in ("N", "mmm", "inch"):
         with pytest.raises(
             InputError, match=f"unit '{unit}'; known are m, cm, mm, um, µm, in$"

@@ -1,7 +1,5 @@
 """User functions: read, refused, run in Python, compiled."""
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,12 +16,12 @@ def spring(b: float, a: float) -> float:
     return 2.0 * a - b
 
 
-def test_a_lambda_is_refused_with_the_remedy() -> None:
+def test_a_lambda_is_refused_with_the_remedy():
     with pytest.raises(InputError, match="law: a lambda has no name; define"):
         UserFunction.read("law", lambda a: a)
 
 
-def test_same_text_is_the_same_law(tmp_path: Path) -> None:
+def test_same_text_is_the_same_law(tmp_path):
     function = UserFunction.read("law", spring)
     assert function.name == "spring"
     assert function.source.startswith("def spring(")
@@ -45,7 +43,7 @@ def _through(address: int, a: float, b: float, c: float) -> float:
 
 
 @given(a=st.floats(-1e3, 1e3), b=st.floats(-1e3, 1e3))
-def test_compiled_function_is_called_by_address(a: float, b: float) -> None:
+def test_compiled_function_is_called_by_address(a, b):
     address = address_of(compile_function(UserFunction.read("law", spring), KNOWN), 3)
     assert _through(address, a, b, 7.0) == spring(b, a)
 
@@ -67,7 +65,7 @@ def law(body: str) -> UserFunction:
         ("\0", "is no Python"),
     ],
 )
-def test_text_without_law_is_refused_without_execution(source: str, words: str) -> None:
+def test_text_without_law_is_refused_without_execution(source, words):
     with pytest.raises(InputError, match=words):
         UserFunction("law", source).parameters("normal_law", KNOWN)
 
@@ -82,13 +80,13 @@ def test_text_without_law_is_refused_without_execution(source: str, words: str) 
         ("None", "gives None"),
     ],
 )
-def test_message_names_the_place_without_number(body: str, words: str) -> None:
+def test_message_names_the_place_without_number(body, words):
     with pytest.raises(InputError, match=words) as refusal:
         law(body).evaluate("normal_law", KNOWN, {"a": 2.5})
     assert "a = 2.5" in str(refusal.value)
 
 
-def test_message_of_a_failure_between_the_points_has_the_line() -> None:
+def test_message_of_a_failure_between_the_points_has_the_line():
     failing = law("(1.0, 2.0)[2] if 0.01 < a < 0.1 else a")
     with pytest.raises(
         InputError, match=r'at a = 0\.01.*: line 2, "return .*out of range'
@@ -99,7 +97,7 @@ def test_message_of_a_failure_between_the_points_has_the_line() -> None:
 @pytest.mark.parametrize(
     "value", ["nothing.py:law", "nothing.py:", ":law", ".py:x", "/:law", print, len]
 )
-def test_unreadable_function_is_refused(value: object) -> None:
+def test_unreadable_function_is_refused(value):
     with pytest.raises(InputError, match="law"):
         UserFunction.read("law", value)
 
@@ -121,7 +119,7 @@ def test_unreadable_function_is_refused(value: object) -> None:
         ("def law(a):\n    return math.sqrt(a) / a\n", 3.0**-0.5),
     ],
 )
-def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
+def test_any_python_of_numba_is_compiled(text, value):
     function = UserFunction("law", text).trusted()
     check_compiles(function, "F1", KNOWN)
     assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == pytest.approx(value)
@@ -141,16 +139,14 @@ def test_any_python_of_numba_is_compiled(text: str, value: float) -> None:
         ),
     ],
 )
-def test_a_law_that_cannot_be_compiled_is_refused_by_name(
-    body: str, message: str
-) -> None:
+def test_a_law_that_cannot_be_compiled_is_refused_by_name(body, message):
     with pytest.raises(InputError, match=message):
         check_compiles(law(body), "F1", KNOWN)
 
 
 def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     """A file may take seconds to execute, or print."""
     log = tmp_path / "log"
     text = f"with open({str(log)!r}, 'a') as file:\n    file.write('x')\n"
@@ -163,7 +159,7 @@ def test_a_law_file_is_executed_once_in_python_and_once_to_be_compiled(
     assert log.read_text() == "xx"
 
 
-def test_a_law_file_that_fails_is_refused_by_name() -> None:
+def test_a_law_file_that_fails_is_refused_by_name():
     function = UserFunction(
         "law", "import not_there\ndef law(a):\n    return a\n"
     ).trusted()

@@ -73,7 +73,7 @@ class Collects:
         )
 
 
-def test_results_are_equal_in_workers_and_in_this_process(pool: Workers) -> None:
+def test_results_are_equal_in_workers_and_in_this_process(pool: Workers):
     reported: list[tuple[int, float]] = []
     for workers in (Workers(), pool):
         collects = Collects()
@@ -111,7 +111,7 @@ def gets_ready(report: Report) -> None:
     time.sleep(0.5)
 
 
-def test_a_job_that_gets_ready_is_reported_at_once(pool: Workers) -> None:
+def test_a_job_that_gets_ready_is_reported_at_once(pool: Workers):
     reported: list[float] = []
     pool.run({0: gets_ready}, nothing, lambda key, done, *_: reported.append(done))
     assert math.isnan(reported[-1])
@@ -124,7 +124,7 @@ def reports_rows(report: Report) -> None:
         time.sleep(0.05)
 
 
-def test_rows_of_a_job_are_reported_once(pool: Workers) -> None:
+def test_rows_of_a_job_are_reported_once(pool: Workers):
     rows: list[Any] = []
     for workers in (Workers(), pool):
         workers.run(
@@ -133,7 +133,7 @@ def test_rows_of_a_job_are_reported_once(pool: Workers) -> None:
     assert [each.tolist() for each in rows if each is not None] == [[3.0, 4.0]] * 2
 
 
-def test_a_dropped_job_is_stopped(pool: Workers) -> None:
+def test_a_dropped_job_is_stopped(pool: Workers):
     ended: list[int] = []
 
     def drop(key: int, outcome: object) -> Mapping[int, Job | None]:
@@ -146,7 +146,7 @@ def test_a_dropped_job_is_stopped(pool: Workers) -> None:
 
 
 @pytest.mark.parametrize("count", [1, 2])
-def test_an_interrupt_passes_on_the_results_so_far(count: int) -> None:
+def test_an_interrupt_passes_on_the_results_so_far(count):
     collects = Collects()
     missing = set(range(count))
 
@@ -184,9 +184,7 @@ def runs_out_of_memory(report: Report) -> None:
         (runs_out_of_memory, RunFailed, "memory ran out"),
     ],
 )
-def test_an_error_or_a_kill_ends_the_run(
-    job: Job, error: type[Exception], words: str
-) -> None:
+def test_an_error_or_a_kill_ends_the_run(job: Job, error, words):
     with Workers(2) as pool, pytest.raises(error, match=words):
         pool.run({0: Waits(), 1: job}, nothing, nothing)
 
@@ -208,7 +206,7 @@ def returns_large(delay: float, report: Report) -> Large:
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.1])
-def test_half_a_result_does_not_stop_the_pool(delay: float) -> None:
+def test_half_a_result_does_not_stop_the_pool(delay):
     collects = Collects()
     errors = []
 
@@ -320,7 +318,7 @@ def workers_of(process: "subprocess.Popen[str]") -> list[int]:
     return [int(word) for word in set(lines) - {"start"}]
 
 
-def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
+def test_no_process_outlives_its_parent(tmp_path):
     process = started(tmp_path, _SCRIPT)
     workers = [psutil.Process(pid) for pid in workers_of(process)]
     process.kill()
@@ -328,7 +326,7 @@ def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
     assert psutil.wait_procs(workers, timeout=PATIENCE)[1] == []
 
 
-def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
+def test_only_the_parent_reports_an_interrupt(tmp_path):
     """Ctrl-C reaches every process of a terminal; only the parent reports it."""
     process = started(tmp_path, _SCRIPT)
     workers_of(process)
@@ -339,8 +337,8 @@ def test_only_the_parent_reports_an_interrupt(tmp_path: Path) -> None:
 
 
 def test_a_process_that_is_ended_as_it_starts_does_not_keep_its_parent(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     (tmp_path / "sitecustomize.py").write_text(_ENDS)
     process = started(tmp_path, _TERMINATED)
     try:
@@ -353,7 +351,7 @@ def test_a_process_that_is_ended_as_it_starts_does_not_keep_its_parent(
     ("text", "end"),
     [(_SPAWNED, "completed\n"), (_SIGNALLED, "stopped\n"), (_IMPORTS, "completed\n")],
 )
-def test_a_script_ends_without_an_error(tmp_path: Path, text: str, end: str) -> None:
+def test_a_script_ends_without_an_error(tmp_path, text, end):
     """Where processes can only be spawned, and where a signal comes while workers start."""
     module = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
     (tmp_path / "interrupts_itself.py").write_text(module)
@@ -373,7 +371,7 @@ for worker in started:
 """
 
 
-def test_worker_ends_without_a_traceback_when_its_parent_has_ended() -> None:
+def test_worker_ends_without_a_traceback_when_its_parent_has_ended():
     command = [sys.executable, "-c", ABANDONED]
     ended = subprocess.run(command, capture_output=True, text=True, check=True)
     assert ended.stderr == ""

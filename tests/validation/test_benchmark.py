@@ -1,7 +1,6 @@
 """Benchmark: errors and orders of every method, the cost of features, and the command."""
 
 import csv
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -66,7 +65,7 @@ def order(points: list[Point], quantity: str) -> float:
     return order_of([step for step, _ in pairs], [error for _, error in pairs])
 
 
-def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]) -> None:
+def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]):
     for quantity in ("slider (m)", "slider velocity (m/s)", "constraints (m, rad)"):
         assert order(family(points, 0, TRAPEZOIDAL), quantity) == pytest.approx(
             2.0, abs=0.05
@@ -79,7 +78,7 @@ def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]) -> 
         assert order(family(points, 1, RK4), quantity) == pytest.approx(4.0, abs=0.5)
 
 
-def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None:
+def test_the_uncertainty_of_the_references_is_known(points: list[Point]):
     squeezer = family(points, 1)[0].problem.quantities
     assert 1e-10 < squeezer["angles (rad)"] < 5e-9
     assert 1e-8 < squeezer["rates (rad/s)"] < 2e-6
@@ -89,7 +88,7 @@ def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None
     assert press["peak forces, relative"] < 1e-4
 
 
-def test_contact_time_is_that_of_the_integrated_motion() -> None:
+def test_contact_time_is_that_of_the_integrated_motion():
     impact = Impact(0.8, stiffness=1e9, speed=0.2)
     engine = pw.engines.InHouse(integration_tolerance=1e-13)
     contact = first_contact(
@@ -100,7 +99,7 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
     assert uncertainty < 1e-10 * time
 
 
-def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
+def test_guides_make_the_impact_a_tree_and_change_nothing():
     problem = benchmark_problems.single_impact(SCENE, SHORT, silent)
     tight = pw.engines.InHouse(integration_tolerance=1e-12, free_step=1.0)
     linkages = problem.linkage, Impact(0.9).linkage
@@ -109,7 +108,7 @@ def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)
 
 
-def test_every_engine_solves_an_impact(points: list[Point]) -> None:
+def test_every_engine_solves_an_impact(points: list[Point]):
     impact = family(points, 2)
     assert {point.method.engine.word for point in impact} == {
         "exudyn-joints",
@@ -129,7 +128,7 @@ def test_every_engine_solves_an_impact(points: list[Point]) -> None:
 
 def test_the_paper_fails_with_clearance_and_others_converge(
     points: list[Point],
-) -> None:
+):
     press = family(points, 3)
     failed = {point.method.label for point in press if point.failure}
     assert failed == {"dae, RK4, step 0.0001", "dae, RK4, step 2e-05"}
@@ -141,7 +140,7 @@ def test_the_paper_fails_with_clearance_and_others_converge(
                 assert sound[-1].errors[quantity] < sound[0].errors[quantity]
 
 
-def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
+def test_default_settings_are_those_of_the_scene(points: list[Point]):
     defaults = [p.method.engine for p in family(points, 3) if p.method.is_default]
     numerics = SCENE.numerics.resolved("trajectory")
     period = SCENE.mechanism.period
@@ -164,7 +163,7 @@ def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
 
 
 @pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
-def test_a_method_that_fails_is_a_point(words: str) -> None:
+def test_a_method_that_fails_is_a_point(words):
     problem = benchmark_problems.single_impact(SCENE, SHORT, silent)
 
     def errors(run: object) -> list[float]:
@@ -177,7 +176,7 @@ def test_a_method_that_fails_is_a_point(words: str) -> None:
     assert not point.errors
 
 
-def test_a_scene_without_clearance_is_refused() -> None:
+def test_a_scene_without_clearance_is_refused():
     with pytest.raises(pw.InputError, match="no clearance"):
         benchmark.work_precision(replace(SCENE, joints="none"), SHORT, silent)
     with pytest.raises(pw.InputError, match="clearance at A and C"):
@@ -191,8 +190,8 @@ def rows_of(file: Path) -> list[dict[str, str]]:
 
 
 def test_the_command_writes_table_and_figure(
-    points: list[Point], tmp_path: Path, monkeypatch: Any, command: Callable[..., str]
-) -> None:
+    points: list[Point], tmp_path, monkeypatch, command
+):
     extents = list[Extent]()
     folder = tmp_path / "out"
 
@@ -230,7 +229,7 @@ def costs() -> list[dict[str, Any]]:
     return benchmark.feature_costs(SCENE, extent, silent)
 
 
-def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
+def test_every_feature_is_timed_on_and_off(costs):
     for engine, features in benchmark.ENGINES.items():
         rows = [row for row in costs if row["engine"] == engine]
         expected = [
@@ -257,11 +256,11 @@ def test_every_feature_is_timed_on_and_off(costs: list[dict[str, Any]]) -> None:
 
 
 def test_the_features_command_writes_its_table(
-    costs: list[dict[str, Any]],
-    tmp_path: Path,
-    monkeypatch: Any,
-    command: Callable[..., str],
-) -> None:
+    costs,
+    tmp_path,
+    monkeypatch,
+    command,
+):
     monkeypatch.setattr(benchmark, "feature_costs", lambda *arguments: costs)
     folder = tmp_path / "out"
     assert "torques stored: on" in command(
@@ -271,7 +270,7 @@ def test_the_features_command_writes_its_table(
     assert ratios == [row["ratio_per_step"] for row in costs]
 
 
-def test_a_repeat_with_other_steps_is_refused() -> None:
+def test_a_repeat_with_other_steps_is_refused():
     runs = [benchmark.run_of(SCENE, part)() for part in (0.02, 0.01)]
     with pytest.raises(pw.RunFailed, match="other steps"):
         benchmark.time_runs({"short": lambda: runs.pop(0)}, 2, silent)

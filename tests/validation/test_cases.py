@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, cast
 
 import pytest
@@ -40,7 +40,7 @@ def _marked(case: cases.Case) -> object:
 
 
 @pytest.mark.parametrize("case", [_marked(case) for case in CASES])
-def test_case_is_within_its_bounds_or_refused(case: cases.Case) -> None:
+def test_case_is_within_its_bounds_or_refused(case: cases.Case):
     results = list(cases.outcomes(case))
     assert results
     assert [
@@ -49,13 +49,13 @@ def test_case_is_within_its_bounds_or_refused(case: cases.Case) -> None:
     assert all((each.verdict == "refused") == bool(case.refusal) for each in results)
 
 
-def test_cases_have_unique_names() -> None:
+def test_cases_have_unique_names():
     counts = Counter((case.name, case.engine) for case in CASES)
     assert [name for name, count in counts.items() if count > 1] == []
     assert len(HARD) == 157
 
 
-def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worse_engine_misses(monkeypatch):
     coarse = pw.engines.InHouse("rk4", equal_step=5e-6)
     monkeypatch.setattr(reference_problems, "TIGHT", coarse)
     missed = [
@@ -69,7 +69,7 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [check.passed for check in checks] == [False, False]
 
 
-def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_law_misses(monkeypatch):
     monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
     assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
     monkeypatch.setattr(
@@ -82,7 +82,7 @@ def test_a_wrong_law_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed
 
 
-def test_lost_energy_contacts_and_numbers_miss() -> None:
+def test_lost_energy_contacts_and_numbers_miss():
     plan = cases.guarded(0.01)
     run = cases.run_sound(*hard_impacts.twins(), TIGHT, plan)
     run.diagnostics["drive_exchange_J"] = 1.0
@@ -99,14 +99,14 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
         cases.sound(run, plan)
 
 
-def test_a_run_that_takes_too_long_is_stopped() -> None:
+def test_a_run_that_takes_too_long_is_stopped():
     plan = cases.guarded(1.0, patience=-1.0)
     with pytest.raises(pw.RunFailed, match=r"stopped after -1 s of CPU time at 20 %"):
         plan.report(0.2, cast(Any, None))
     cases.guarded(1.0, patience=60.0).report(0.2, cast(Any, None))
 
 
-def test_the_order_is_the_slope() -> None:
+def test_the_order_is_the_slope():
     assert cases.order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(
         2.0
     )
@@ -152,13 +152,11 @@ REFUSED = pw.InputError("c = 0 m: allowed is 1 to 2 m")
         (_case("c = 0 m"), "MISS"),
     ],
 )
-def test_verdicts(case: cases.Case, verdict: str) -> None:
+def test_verdicts(case: cases.Case, verdict):
     assert [outcome.verdict for outcome in cases.outcomes(case)] == [verdict]
 
 
-def test_the_commands_print_the_cases_and_fail_on_a_miss(
-    monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
-) -> None:
+def test_the_commands_print_the_cases_and_fail_on_a_miss(monkeypatch, command):
     monkeypatch.setenv("COLUMNS", "100")
     listed = [_case(), _case("c = 0 m", error=REFUSED)]
     monkeypatch.setattr(hard_cases, "hard_cases", lambda: iter(listed))

@@ -19,7 +19,7 @@ from presswear.validation.mean_check import MEAN_BOUND, mean_check
 
 
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])
-def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
+def test_the_disturbed_start_keeps_every_constraint(joints):
     scene = replace(pw.scenes.wear_times(), joints=joints)
     linkage = scene.linkage()
     start = start_of(scene)
@@ -38,7 +38,7 @@ def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
     assert np.abs(phi_t).max() < 1e-14
 
 
-def test_a_linkage_without_clearance_cannot_be_disturbed() -> None:
+def test_a_linkage_without_clearance_cannot_be_disturbed():
     scene = pw.scenes.ideal()
     assert disturbed(scene.linkage(), start_of(scene), crosscheck.DISTURBANCE) is None
 
@@ -51,7 +51,7 @@ def _trajectory(offset: Callable[[np.ndarray], np.ndarray]) -> crosscheck.Trajec
     )
 
 
-def test_the_horizon_is_where_the_distance_is_reached() -> None:
+def test_the_horizon_is_where_the_distance_is_reached():
     still = _trajectory(np.zeros_like)
     growing = _trajectory(lambda time: 1e-9 * np.exp(time * math.log(1e6)))
     assert crosscheck.divergence_time(still, growing, 1e-6) == pytest.approx(
@@ -60,7 +60,7 @@ def test_the_horizon_is_where_the_distance_is_reached() -> None:
     assert crosscheck.divergence_time(still, growing, 1.0) is None
 
 
-def test_touches_are_matched_joint_by_joint() -> None:
+def test_touches_are_matched_joint_by_joint():
     ours = np.array([[0, 1.0, 0.2, 50.0], [1, 1.1, 0.4, 80.0], [0, 2.0, 0.2, 50.0]])
     # The order of touches in different joints may change; their numbers may not.
     theirs = np.array([[1, 0.9, 0.5, 80.0], [0, 1.3, 0.2, 60.0]])
@@ -87,13 +87,13 @@ def document_of(folder: Path) -> dict[str, Any]:
     ],
 )
 def test_the_engines_agree_on_the_first_touches(
-    engine: str,
-    name: str,
-    distance: str,
-    bound: float,
-    tmp_path: Path,
-    command: Callable[..., str],
-) -> None:
+    engine,
+    name,
+    distance,
+    bound,
+    tmp_path,
+    command,
+):
     folder = tmp_path / "check"
     shown = command(f"{SHORT} --set engine={engine} --out {folder}")
     assert "MISS" not in shown
@@ -113,9 +113,7 @@ def test_the_engines_agree_on_the_first_touches(
     command(f"{SHORT} --out {folder}", 2)
 
 
-def test_a_small_change_of_one_engine_is_noticed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., str]
-) -> None:
+def test_a_small_change_of_one_engine_is_noticed(tmp_path, monkeypatch, command):
     simulate = pw.engines.ExudynTree.simulate
 
     def heavier(
@@ -133,9 +131,7 @@ def test_a_small_change_of_one_engine_is_noticed(
     assert shown.count("MISS") == len(missed)
 
 
-def test_without_clearance_all_is_compared(
-    tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_without_clearance_all_is_compared(tmp_path, command):
     shown = command(f"crosscheck ideal --duration 0.05 --out {tmp_path / 'ideal'}")
     document = document_of(tmp_path / "ideal")
     assert (document["horizon_s"], document["touchdowns"]) == (0.05, [])
@@ -154,8 +150,8 @@ def test_without_clearance_all_is_compared(
     ],
 )
 def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
-    theirs: pw.statistics.Estimate, verdict: bool | None
-) -> None:
+    theirs: pw.statistics.Estimate, verdict
+):
     check = mean_check("peak force", pw.statistics.Estimate(100.0, 98.0, 102.0), theirs)
     if isinstance(check, str):
         assert verdict is None
@@ -165,7 +161,7 @@ def test_means_get_a_verdict_only_if_their_intervals_are_narrow(
         assert check.bound == MEAN_BOUND
 
 
-def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
+def test_one_of_many_means_misses_only_beyond_the_interval_of_all():
     # 15.4 +- 3.0 % alone, +- 5.4 % among 300 comparisons
     one = pw.statistics.Estimate(100.0, 97.8, 102.2)
     two = pw.statistics.Estimate(116.7, 114.3, 119.1)
@@ -177,8 +173,8 @@ def test_one_of_many_means_misses_only_beyond_the_interval_of_all() -> None:
 
 @pytest.mark.slow
 def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     simulate = pw.engines.ExudynTree.simulate
 
     def rougher(
@@ -205,9 +201,7 @@ def test_changed_friction_of_one_engine_is_noticed_beyond_the_horizon(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("speed", ["3.5pi rad/s", "8pi rad/s"])
-def test_the_engines_agree_up_to_the_horizon_and_beyond(
-    speed: str, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_the_engines_agree_up_to_the_horizon_and_beyond(speed, tmp_path, command):
     command(f"crosscheck --set 'speed={speed}' --out {tmp_path / 'check'}")
     document = document_of(tmp_path / "check")
     assert document["diverged"] is True
@@ -215,9 +209,7 @@ def test_the_engines_agree_up_to_the_horizon_and_beyond(
 
 
 @pytest.mark.slow
-def test_the_engines_agree_on_a_slide_that_tilts(
-    tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_the_engines_agree_on_a_slide_that_tilts(tmp_path, command):
     command(f"crosscheck press-off-centre --out {tmp_path / 'check'}")
     document = document_of(tmp_path / "check")
     assert len(document["touchdowns"]) > 9

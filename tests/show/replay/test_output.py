@@ -6,7 +6,6 @@ import subprocess
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ from presswear.tools.errors import RunFailed
 CLIP = synthetic_clip()
 
 
-def test_frames_are_the_nearest_in_time() -> None:
+def test_frames_are_the_nearest_in_time():
     step = CLIP.film.time[1]
     assert [frames_at([CLIP], t * step) for t in (0.0, 10.4, 10.6)] == [
         (0,),
@@ -47,7 +46,7 @@ def test_frames_are_the_nearest_in_time() -> None:
 
 
 @pytest.mark.parametrize("previous", [10, 20, 40])
-def test_no_peak_between_two_pictures_is_missed(previous: int) -> None:
+def test_no_peak_between_two_pictures_is_missed(previous):
     peaks = CLIP.film.joints[min(previous + 1, 20) : 21, :, 5].max(axis=0)
     (state,) = snapshots([CLIP], [previous], [20])
     assert state.peaks == pytest.approx(peaks)
@@ -64,7 +63,7 @@ PLAYED = [  # keys, and the time after another second
 ]
 
 
-def test_player_keys() -> None:
+def test_player_keys():
     player = output.Player(0.0, 1.0, 0.2, slow=10.0, step=0.01)
     for keys, time in PLAYED:
         assert all(map(player.press, keys))
@@ -76,7 +75,7 @@ def test_player_keys() -> None:
     assert not player.press(ord("X"))
 
 
-def test_a_life_is_the_last_cycle_of_each_stage() -> None:
+def test_a_life_is_the_last_cycle_of_each_stage():
     scene = pw.scenes.wear_times(
         engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined"
     )
@@ -128,7 +127,7 @@ def moving(count: int, fails: bool = False) -> Iterator[NDArray[np.uint8]]:
         raise RuntimeError("the renderer failed")
 
 
-def test_a_gif_has_every_picture_and_the_requested_speed(tmp_path: Path) -> None:
+def test_a_gif_has_every_picture_and_the_requested_speed(tmp_path):
     output.write_movie(tmp_path / "film.gif", moving(7), 10.0)
     with Image.open(tmp_path / "film.gif") as film:
         assert getattr(film, "n_frames", 1) == 7
@@ -139,7 +138,7 @@ def test_a_gif_has_every_picture_and_the_requested_speed(tmp_path: Path) -> None
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is missing")
-def test_an_mp4_is_complete_or_absent(tmp_path: Path) -> None:
+def test_an_mp4_is_complete_or_absent(tmp_path):
     file = tmp_path / "film.mp4"
     output.write_movie(file, moving(9), 25.0)
     command = ["ffprobe", "-v", "error", "-count_frames", "-show_entries"]
@@ -155,7 +154,7 @@ def test_an_mp4_is_complete_or_absent(tmp_path: Path) -> None:
     assert file.read_bytes() == film
 
 
-def test_pictures_of_all_processes_are_in_order() -> None:
+def test_pictures_of_all_processes_are_in_order():
     frames = frames_between([CLIP], 0.0, 0.2 * CLIP.period, 2.0, 40.0)
     drawn = list(output.pictures([CLIP], frames, "", SIZE))
     assert len(drawn) == len(frames) > 5
@@ -175,9 +174,7 @@ class Deadly:
 @pytest.mark.parametrize(
     "clip", [Deadly(), WithoutMemory()], ids=lambda clip: type(clip).__name__
 )
-def test_a_process_that_ends_early_ends_the_film(
-    clip: Any, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_process_that_ends_early_ends_the_film(clip, monkeypatch, capfd):
     """Without a traceback, also from the thread of the pool."""
     failed: list[Any] = []
     monkeypatch.setattr(threading, "excepthook", failed.append)

@@ -44,9 +44,7 @@ def enlarged(radius: float) -> EnlargedJoint:
 
 
 @pytest.mark.parametrize("frame", [0, 17, FRAMES - 1])
-def test_bodies_are_drawn_at_their_stored_positions(
-    picture: Picture, frame: int
-) -> None:
+def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame):
     """Each mass centre is moved to the origin, where single precision is fine enough."""
     offset = picture.layout.panels[0].offset
     stored = CLIP.film.position[[frame]]
@@ -64,7 +62,7 @@ def test_bodies_are_drawn_at_their_stored_positions(
             assert np.hypot(*(holes - joint).T).min() < 3e-8
 
 
-def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture) -> None:
+def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture):
     frame = 40
     panel = picture.layout.panels[0]
     picture.show([CLIP.snapshot(frame, frame)], 0.0, "")
@@ -89,7 +87,7 @@ def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture) -> None:
         )
 
 
-def test_a_touching_pin_meets_the_worn_bearing() -> None:
+def test_a_touching_pin_meets_the_worn_bearing():
     joint = LINKAGE.clearances[0]
     view = enlarged(0.2)
     worn = joint.bearing_surface.depth
@@ -111,7 +109,7 @@ def test_a_touching_pin_meets_the_worn_bearing() -> None:
     assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)
 
 
-def test_arrow_length_is_the_root_of_the_force() -> None:
+def test_arrow_length_is_the_root_of_the_force():
     view = enlarged(0.2)
 
     def length(force: float) -> float:
@@ -128,7 +126,7 @@ def test_arrow_length_is_the_root_of_the_force() -> None:
     assert length(0.25 * view.max_force) == pytest.approx(0.5 * length(view.max_force))
 
 
-def test_image_and_text(picture: Picture) -> None:
+def test_image_and_text(picture: Picture):
     state = CLIP.snapshot(20, 10)
     picture.show([state], 0.3, "slowed 18 times")
     normal, peak = (force_text(force) for force in (state.joints[0, 0], state.peaks[0]))
@@ -155,7 +153,7 @@ def test_image_and_text(picture: Picture) -> None:
         assert tuple(round(255 * part) for part in to_rgb(code)) in colours
 
 
-def test_two_clips_have_one_scale() -> None:
+def test_two_clips_have_one_scale():
     pair = equal_limits(
         [CLIP, synthetic_clip("deeper", max_depth=9e-5, max_force=900.0)]
     )
@@ -171,7 +169,7 @@ def test_two_clips_have_one_scale() -> None:
     both.close()
 
 
-def test_only_the_joints_of_the_present_stage_are_visible() -> None:
+def test_only_the_joints_of_the_present_stage_are_visible():
     new = pw.scenes.scene_named("wear-times").linkage()
     clip = replace(
         CLIP, chapters=(*CLIP.chapters, Chapter("after", new)), firsts=(0, FRAMES // 2)
@@ -186,7 +184,7 @@ def test_only_the_joints_of_the_present_stage_are_visible() -> None:
     picture.close()
 
 
-def test_a_spring_is_drawn_between_its_ends() -> None:
+def test_a_spring_is_drawn_between_its_ends():
     spring = pw.Spring(
         "coil", pw.linkage.Attachment("slider 6", 0.0, 0.0), (0.4, -0.3), 100.0, 0.1
     )

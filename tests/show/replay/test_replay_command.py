@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -40,9 +40,7 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def test_stills_and_a_film(
-    folder: Path, tmp_path: Path, command: Callable[..., str]
-) -> None:
+def test_stills_and_a_film(folder, tmp_path, command):
     """Stills show a time with or without unit, or two stages; a film shows part of a cycle."""
 
     def still(options: str) -> NDArray[np.uint8]:
@@ -85,11 +83,11 @@ BAD_INPUT = """
 
 
 def test_bad_input_is_refused_in_one_line(
-    folder: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    command: Callable[..., str],
-) -> None:
+    folder,
+    tmp_path,
+    monkeypatch,
+    command,
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shutil, "which", lambda name: None)
     for case in BAD_INPUT.strip().splitlines():
@@ -102,9 +100,7 @@ def test_bad_input_is_refused_in_one_line(
 @pytest.mark.parametrize(
     ("name", "line"), [("", "replay ."), (":987", "run wear-times --live")]
 )
-def test_without_a_display_one_line_names_alternatives(
-    folder: Path, name: str, line: str
-) -> None:
+def test_without_a_display_one_line_names_alternatives(folder, name, line):
     options: dict[str, Any] = {"env": {"DISPLAY": name}, "timeout": 60, "cwd": folder}
     done = python("-m", "presswear", *line.split(), **options)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
@@ -112,7 +108,7 @@ def test_without_a_display_one_line_names_alternatives(
 
 
 @needs_xdotool
-def test_a_key_ends_a_window_that_plays(folder: Path, display: None) -> None:
+def test_a_key_ends_a_window_that_plays(folder, display):
     window = subprocess.Popen([*REPLAY, str(folder)], stderr=subprocess.PIPE)
     press(window, "space", "Right", "Up", "q")
     assert window.wait(30) == 0
@@ -121,7 +117,7 @@ def test_a_key_ends_a_window_that_plays(folder: Path, display: None) -> None:
 
 
 @needs_xdotool
-def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: None) -> None:
+def test_a_run_goes_on_when_its_window_is_closed(tmp_path, display):
     options = ["--engine", "dae", "--cycles", "20", "--wear-updates", "0", "--live"]
     command = [
         *REPLAY[:3],

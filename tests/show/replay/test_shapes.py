@@ -22,7 +22,7 @@ from presswear.show.replay.shapes import (
 
 
 @pytest.mark.parametrize("mechanism", [pw.SliderCrank(), pw.TwoPoint()])
-def test_a_slide_reaches_to_its_joints(mechanism: pw.SliderCrank | pw.TwoPoint) -> None:
+def test_a_slide_reaches_to_its_joints(mechanism: pw.SliderCrank | pw.TwoPoint):
     linkage = mechanism.linkage()
     outline = body_outline(linkage, "slider", 0.01)
     for point in attachments(linkage, "slider"):
@@ -30,7 +30,7 @@ def test_a_slide_reaches_to_its_joints(mechanism: pw.SliderCrank | pw.TwoPoint) 
         assert np.all(outline.max(axis=0) >= [point.x, point.y])
 
 
-def test_a_slide_and_its_walls_are_to_scale() -> None:
+def test_a_slide_and_its_walls_are_to_scale():
     crank = pw.SliderCrank(guide_length=0.12, guide_width=0.08)
     play = pw.Bearing(clearance=2e-3)
     scene = pw.Scene(crank, bearings={"B": pw.Bearing(), "guide": play})
@@ -53,7 +53,7 @@ def test_a_slide_and_its_walls_are_to_scale() -> None:
     assert inner == pytest.approx([0.042, 0.042], abs=1e-9)
 
 
-def test_the_wear_of_walls_is_enlarged() -> None:
+def test_the_wear_of_walls_is_enlarged():
     """A trench of 10 um in the left wall, of one bin, is a bar of four half widths."""
     scene = pw.scenes.press_off_centre()
     depth = np.zeros(WALL_BINS)
@@ -72,7 +72,7 @@ def test_the_wear_of_walls_is_enlarged() -> None:
     assert not worn_walls(scene.linkage(), factor)
 
 
-def test_a_slot_with_clearance_and_its_worn_walls_move_with_their_body() -> None:
+def test_a_slot_with_clearance_and_its_worn_walls_move_with_their_body():
     """The slot is to scale over the travel of the block, 200 mm; its walls are worn by 10 um."""
     scene = pw.Scene(
         sized(quick_return(), "slot", 0.06, 0.04),
