@@ -21,6 +21,8 @@ from presswear.physics.interactions.elastic_pin import ElasticPin, damping_of
 from presswear.physics.interactions.page import Page
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
+from presswear.tools.fields import quantity
+from presswear.tools.serialize import make
 
 MASS, INERTIA = 2.0, 0.5  # kg, kg m^2
 FREQUENCY, TURNING_FREQUENCY = 40.0, 12.0  # rad/s
@@ -31,9 +33,13 @@ RATIO = 0.2  # part of the critical damping, in rotation
 class Bush(Pin, Revolute):
     """Rubber bush: an elastic pin that resists rotation."""
 
-    stiffness: float = 1e7  # N/m
-    turning_stiffness: float = 0.0  # N m/rad
-    turning_damping: float = 0.0  # N m s/rad
+    stiffness: float = quantity(1e7, "N/m", 1e3, 1e12, "chosen", "in any direction")
+    turning_stiffness: float = quantity(
+        0.0, "N m/rad", 0.0, 1e9, "chosen", "in rotation"
+    )
+    turning_damping: float = quantity(
+        0.0, "N m s/rad", 0.0, 1e9, "chosen", "in rotation"
+    )
 
 
 def bushes_of(linkage: Linkage) -> list[Bush]:
@@ -121,6 +127,8 @@ def test_a_joint_kind_is_stored_with_its_points_by_name():
     (row,) = plain["joints"]
     assert (row["first"], row["second"]) == ([0.0, 0.0], "mass.centre")
     assert row["turning_stiffness"] == INERTIA * TURNING_FREQUENCY**2
+    in_file = {**row, "turning_stiffness": "72 N m/rad"}
+    assert make("joints[0]", Bush, in_file).turning_stiffness == 72.0
     plain["joints"] = [{"name": "pin", "first": row["first"], "second": row["second"]}]
     (pin,) = linkage_from(plain, "mechanism").revolutes
     assert type(pin) is Revolute

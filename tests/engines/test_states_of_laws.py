@@ -1,6 +1,7 @@
 """A friction law with a state that the package does not have, in every engine."""
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 import pytest
@@ -9,8 +10,9 @@ from runs import run_scene
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.friction_law import FrictionLaw
+from presswear.linkage.friction_settings import WITH_SETTINGS
 from presswear.physics.equations.layout import State
-from presswear.physics.interactions import clearance
+from presswear.physics.interactions import clearance, kinds
 from presswear.physics.interactions.friction import FrictionText, friction_of
 from presswear.physics.interactions.page import Page
 from presswear.scene.scene import Scene
@@ -83,3 +85,13 @@ def test_a_state_is_integrated_by_every_engine(monkeypatch):
     assert tree == pytest.approx((reference, touchdowns), rel=2e-6)
     assert fine == pytest.approx((reference, touchdowns), rel=4e-6)
     assert abs(coarse[0] - reference) > 8.0 * abs(fine[0] - reference)
+
+
+def test_names_of_kernels_and_settings_are_different() -> None:
+    """The equations call kernels by name, and a bearing has the settings of all laws."""
+    kernels = {kernel for kind in kinds.KINDS for kernel in kind.kernels}
+    names = Counter(kernel.__name__ for kernel in kernels)
+    names += Counter(
+        item.name for law in WITH_SETTINGS.values() for item in fields(law)
+    )
+    assert [name for name, count in names.items() if count > 1] == []
