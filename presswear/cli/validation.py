@@ -15,7 +15,6 @@ from presswear.tools.files import check_folder, only_writer
 
 if TYPE_CHECKING:
     from presswear.scene.scene import Scene
-    from presswear.validation.cases import Outcome
 
 # Time over which trajectories are compared, cycles
 MIN_CYCLES = 1e-3
@@ -105,60 +104,28 @@ def _print_checks(
 
 
 def verify(arguments: argparse.Namespace, console: Console) -> int:
-    """Run the engines on reference problems, or on hard cases."""
-    if arguments.long and not arguments.hard:
-        raise InputError("--long needs --hard; see presswear verify --help")
-    from presswear.validation import cases, hard_cases, reference_problems
+    """Run the engines on reference problems."""
+    from presswear.validation.cases import Outcome, outcomes
+    from presswear.validation.reference_problems import reference_cases
 
-    selected = reference_problems.reference_cases()
-    if arguments.hard:
-        selected = [
-            case
-            for case in hard_cases.hard_cases()
-            if arguments.long or not case.is_long
-        ]
-    outcomes: list[Outcome] = []
+    cases = reference_cases()
+    results: list[Outcome] = []
     with terminal.named_progress(console, "verify") as report:
-        for k, case in enumerate(selected):
-            report(f"{case.name}, {case.engine}", k / len(selected))
-            outcomes.extend(cases.outcomes(case))
-    print_outcomes = _print_hard if arguments.hard else _print_references
-    print_outcomes(console, outcomes)
-    missed = sum(outcome.verdict == "MISS" for outcome in outcomes)
-    refused = sum(outcome.verdict == "refused" for outcome in outcomes)
-    others = f", {refused} refused, {missed} missed" if arguments.hard else ""
-    passed = len(outcomes) - missed - refused
-    print_lines(console, f"{passed} of {len(outcomes)} within their bounds{others}")
-    return 1 if missed else 0
-
-
-def _print_references(console: Console, outcomes: "list[Outcome]") -> None:
+        for k, case in enumerate(cases):
+            report(case.name, k / len(cases))
+            results.extend(outcomes(case))
     rows = []
-    for outcome in outcomes:
-        check = outcome.check
+    for check, passed, label in results:
         cells = ["", "", "", ""]
         if check is not None and check.reference is not None:
             cells = [f"{check.reference:.9g}", f"{check.reference + check.value:.9g}"]
             cells += [f"{abs(check.value):.1e}", f"{check.bound:.0e}"]
-        rows.append([outcome.label, *cells, verdict(outcome.verdict == "pass")])
+        rows.append([label, *cells, verdict(passed)])
     heads = ("quantity", ">reference", ">computed", ">error", ">bound", "")
     print_table(console, heads, rows)
-
-
-def _print_hard(console: Console, outcomes: "list[Outcome]") -> None:
-    rows = []
-    for outcome in outcomes:
-        case = outcome.case
-        check = outcome.check
-        cells = ["", ""]
-        if check is not None:
-            cells = [f"{check.value:.1e}", f"{check.bound:.0e}"]
-        mark = outcome.verdict if outcome.verdict != "MISS" else verdict(False)
-        cells += [f"{outcome.seconds:.1f}", case.engine, outcome.label]
-        rows.append([case.name, *cells, mark])
-    print_table(
-        console, ("case", ">value", ">bound", ">s", "engine", "checked", ""), rows
-    )
+    count = sum(outcome.passed for outcome in results)
+    print_lines(console, f"{count} of {len(results)} within their bounds")
+    return 0 if count == len(results) else 1
 
 
 def benchmark(arguments: argparse.Namespace, console: Console) -> int:

@@ -451,8 +451,7 @@ def bouncing_checks() -> Iterator[Check]:
 def reference_cases() -> list[Case]:
     """Return the cases with a published solution or a closed form."""
     return [
-        Case(name, _DATA["sources"][name], "all", checks)
-        for name, checks in _CASES.items()
+        Case(name, _DATA["sources"][name], checks) for name, checks in _CASES.items()
     ]
 
 

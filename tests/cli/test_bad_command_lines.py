@@ -75,7 +75,6 @@ crosscheck nowhere --against theirs.csv: nowhere: there is no such folder
 crosscheck nowhere --against theirs.csv --set cycles=3: --set cannot be combined with --against
 benchmark ideal: no clearance
 benchmark --features --set joints=A: clearance at A and C
-verify --long: --hard
 report nowhere: nowhere & no such folder
 replay nowhere: nowhere: there is no such folder
 replay nowhere --size one: --size one: must be WIDTHxHEIGHT

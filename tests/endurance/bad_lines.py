@@ -81,7 +81,7 @@ crosscheck --duration={text}|crosscheck --duration=1e300|crosscheck --until={no_
 crosscheck --set=clearance=1|crosscheck ideal --against={text}.csv|crosscheck --out=x --until=1
 crosscheck {folder} --against {file}|benchmark --repeats={count}|benchmark --out={place}
 export {folder} a.csv --stage={count}|export no/{text} a.csv|export x|report no/{text}|report
-verify x|verify --long|list ideal friction
+verify x|verify --hard|list ideal friction
 no{text}|{command} no{text}|{command} --x{word}|{command} --x{word}={text}
 """.strip()
     .replace("\n", "|")

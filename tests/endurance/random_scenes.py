@@ -14,6 +14,8 @@ from dataclasses import dataclass, fields, replace
 from random import Random
 from typing import Any
 
+from hard_case import ENERGY, sound
+
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.friction_settings import (
@@ -45,7 +47,6 @@ from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.fields import meaning_of
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import LARGEST
-from presswear.validation.cases import ENERGY, sound
 
 # Coarsest tolerances at which statistics are usable for wear; coarser ones are reported
 # by energy.

@@ -6,6 +6,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hard_case import run_sound
+from hard_impacts import twins
 from numpy.testing import assert_allclose
 
 import presswear as pw
@@ -14,8 +16,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
-from presswear.validation.cases import contacts_of, guarded, run_sound
-from presswear.validation.hard_impacts import twins
+from presswear.validation.cases import contacts_of, guarded
 
 Place = tuple[float, float]  # of the origin of the drawing, m
 

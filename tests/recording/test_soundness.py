@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
+from hard_impacts import twins
 
 from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
@@ -36,7 +37,6 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings
 from presswear.show.report import render_report
-from presswear.validation.hard_impacts import twins
 
 SCENE = scene_named("wear-times")
 LINKAGE = SCENE.linkage()

@@ -274,7 +274,7 @@ for name in ("fcntl", "resource", "multiprocessing.forkserver"):
     sys.modules[name] = None
 multiprocessing.get_all_start_methods = lambda: ["spawn"]
 import presswear as pw
-import presswear.validation.hard_cases
+import presswear.validation.reference_problems
 if __name__ == "__main__":
     scene = pw.scenes.wear_times(cycles=2, wear_updates=0, replicates=2, engine="dae")
     print(pw.run(scene, jobs=2).status)

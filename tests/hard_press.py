@@ -11,6 +11,8 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from hard_case import HardCase, energy_check, run_sound
+from hard_impacts import BINS, DATA, Checks
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Run, Start
@@ -27,15 +29,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.validation import cases
-from presswear.validation.cases import (
-    Case,
-    Check,
-    energy_check,
-    first_contact,
-    guarded,
-    run_sound,
-)
-from presswear.validation.hard_impacts import BINS, DATA, Checks
+from presswear.validation.cases import Check, first_contact, guarded
 
 Worn = Mapping[str, tuple[Surface, Surface]]  # bearing and pin by joint
 
@@ -83,11 +77,13 @@ def in_engines(
     scene: Scene,
     checks: Callable[[Scene], Checks] = balanced,
     **more: Any,
-) -> Iterator[Case]:
-    """Yield the case of a scene in some engines; ``more`` are fields of `Case`."""
+) -> Iterator[HardCase]:
+    """Yield the case of a scene in some engines; ``more`` are fields of `HardCase`."""
     for engine in engines:
         chosen = replace(scene, engine=engine, purpose="trajectory")
-        yield Case(name, reason, chosen.solver.word, partial(checks, chosen), **more)
+        yield HardCase(
+            name, reason, chosen.solver.word, partial(checks, chosen), **more
+        )
 
 
 in_both = partial(in_engines, ("exudyn", "dae"))
@@ -116,7 +112,7 @@ def approach(scene: Scene) -> Checks:
     yield Check("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
 
 
-def law_cases() -> Iterator[Case]:
+def law_cases() -> Iterator[HardCase]:
     """Yield laws, sizes and speeds at the ends of their ranges."""
     rows: list[tuple[str, str, dict[str, Any]]] = [*DATA["press"]]
     for name, law in DAMPINGS.items():
@@ -151,7 +147,7 @@ def on_worn(scene: Scene, worn: Worn) -> Checks:
     )
 
 
-def profile_cases() -> Iterator[Case]:
+def profile_cases() -> Iterator[HardCase]:
     """Yield worn profiles with radial contact and with the elastic foundation."""
     angle = bin_centres(BINS)
     new = Surface()
@@ -248,7 +244,7 @@ def beyond_dead_point() -> None:
     replace(BASE, mechanism=shorter).check()
 
 
-def state_cases() -> Iterator[Case]:
+def state_cases() -> Iterator[HardCase]:
     """Yield initial states in contact or just before it, and mechanisms close to a dead point."""
     for penetration in (1e-6, 1e-12):
         name = f"start in contact, {penetration:g} m deep"
@@ -300,7 +296,7 @@ def drifts(cycles: int, scene: Scene) -> Checks:
     yield Check("residual a cycle, growth / exchanged", per_cycle, 1e-8)
 
 
-def refusal_cases() -> Iterator[Case]:
+def refusal_cases() -> Iterator[HardCase]:
     """Yield values beyond their ranges, which are refused by name, value and range."""
 
     def checks(make: Callable[[], object]) -> Checks:
@@ -312,9 +308,11 @@ def refusal_cases() -> Iterator[Case]:
             name = f"{key} = {value:g}"
             make = partial(changed, BASE, {key: value})
             pattern = rf"{key} = .*allowed is"
-            yield Case(name, "beyond its range", "any", partial(checks, make), pattern)
+            yield HardCase(
+                name, "beyond its range", "any", partial(checks, make), pattern
+            )
     pattern = "crank angle .* joint .* does not close or is at a dead point"
-    yield Case(
+    yield HardCase(
         "toggle, one step nearer",
         "a dead point",
         "any",
@@ -323,7 +321,7 @@ def refusal_cases() -> Iterator[Case]:
     )
 
 
-def long_cases() -> Iterator[Case]:
+def long_cases() -> Iterator[HardCase]:
     """Yield runs of many cycles.
 
     The in-house engine has constraints, which the tree keeps exactly.

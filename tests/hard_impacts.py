@@ -5,9 +5,10 @@ import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
+from hard_case import HardCase, run_sound
 
 from presswear.engines.base import Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
@@ -24,19 +25,10 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.friction_and_normal import ONSET_SPEED_FLOOR
 from presswear.physics.packed import mass_of
 from presswear.validation import reference_problems as references
-from presswear.validation.cases import (
-    Case,
-    Check,
-    contacts_of,
-    first_contact,
-    guarded,
-    run_sound,
-)
+from presswear.validation.cases import Check, contacts_of, first_contact, guarded
 
 Checks = Iterator[Check]
-DATA = tomllib.loads(
-    files("presswear.validation").joinpath("hard_cases.toml").read_text("utf-8")
-)
+DATA = tomllib.loads(Path(__file__).with_name("hard_cases.toml").read_text("utf-8"))
 
 JOINTS = ExudynJoints(100, 10, free_step=2e-5, newton=1e-10)
 # Error of the restitution allowed; twice that in kinetic energy
@@ -314,7 +306,7 @@ def bounces(engine: Engine, clearance: float) -> Checks:
     yield Check("closing speed over release speed before, less 1", worst, bound)
 
 
-def impact_cases() -> Iterator[Case]:
+def impact_cases() -> Iterator[HardCase]:
     """Yield the cases of one or two bodies."""
     functions: tuple[Callable[..., Checks], ...] = (
         stays_centred,
@@ -332,15 +324,15 @@ def impact_cases() -> Iterator[Case]:
     for engine in (ExudynTree(), JOINTS, references.TIGHT):
         for name, reason, function, *values in DATA["impacts_in_all_engines"]:
             checks = partial(by_name[function], engine, *values)
-            yield Case(name, reason, engine.word, checks)
+            yield HardCase(name, reason, engine.word, checks)
     for engine in (JOINTS, references.TIGHT):
         for name, reason, function, *values in DATA["impacts"]:
             is_calm = engine is JOINTS and function in ("creeps", "sticks", "rests")
             used = replace(JOINTS, free_step=1e-3) if is_calm else engine
             checks = partial(by_name[function], used, *values)
             is_long = is_calm and name == HOUR
-            yield Case(name, reason, engine.word, checks, is_long=is_long)
+            yield HardCase(name, reason, engine.word, checks, is_long=is_long)
     reason = "two free bodies, worn deep and differently, both spinning"
-    yield Case("worn pair", reason, "dae", partial(conserves, 0.3, 50))
+    yield HardCase("worn pair", reason, "dae", partial(conserves, 0.3, 50))
     long = partial(conserves, 6.0, 1000)
-    yield Case("worn pair, 1,000 contacts", reason, "dae", long, is_long=True)
+    yield HardCase("worn pair, 1,000 contacts", reason, "dae", long, is_long=True)

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from presswear.validation.cases import Case
-from presswear.validation.hard_impacts import impact_cases
-from presswear.validation.hard_press import (
+from hard_case import HardCase
+from hard_impacts import impact_cases
+from hard_press import (
     law_cases,
     long_cases,
     profile_cases,
@@ -13,7 +13,7 @@ from presswear.validation.hard_press import (
 )
 
 
-def hard_cases() -> Iterator[Case]:
+def hard_cases() -> Iterator[HardCase]:
     """Yield every hard case, long ones included."""
     makers = (
         impact_cases,
