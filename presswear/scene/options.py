@@ -184,6 +184,7 @@ _ALIASES = {"clearance": "radial_clearance"}
 # Quantities of a new joint relative to its radial clearance
 NEW_OVER_CLEARANCE = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
 _TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new")
+_DECIMAL_COMMA = re.compile(r"\d*,\d+")  # a limit after a comma begins with a name
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>=?\s*(\S.*?)\s*$")
 _STROKES = Quantity("", 1.0, 1e15)
 
@@ -240,6 +241,11 @@ class Life(Checked):
         """
         limits = []
         names_of_kind = {"pin": tuple(clearances), "guide": tuple(tilts)}
+        if comma := _DECIMAL_COMMA.search(self.until):
+            raise InputError(
+                f"until = {self.until!r}: use a decimal point, "
+                f"{comma[0].replace(',', '.')!r}"
+            )
         for text in map(str.strip, self.until.split(",")):
             match = _LIMIT.match(text)
             if match is None:

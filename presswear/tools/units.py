@@ -52,6 +52,7 @@ UNITS: dict[str, dict[str, float]] = {
         "N/mm": 1e3,
         "MN/m": 1e6,
         "kN/mm": 1e6,
+        "MN/mm": 1e9,
         "GN/m": 1e9,
     },
     "N/m^n": dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0),

@@ -135,6 +135,7 @@ def test_services_are_read_in_the_order_of_strokes():
     ("settings", "message"),
     [
         ({"until": "depth 5 um"}, "NAME > VALUE is expected"),
+        ({"until": "A.depth > 0,3 mm"}, r"use a decimal point, '0\.3'"),
         ({"until": "dept > 5 um"}, "did you mean depth"),
         ({"until": "D.depth > 5 um"}, "joint with clearance in until"),
         (

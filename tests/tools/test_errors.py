@@ -33,6 +33,7 @@ def test_a_word_for_what_is_not_modelled_is_answered(name):
         ("lubricants", "viscosity"),
         ("H8/f7", "110 H8/f7"),
         ("flywheel", "motor.inertia"),
+        ("motor.power", "22 kW at 1440 rpm are 146 N m"),
     ],
 )
 def test_a_word_for_what_has_another_name_is_answered(name, answer):

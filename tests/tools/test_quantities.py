@@ -47,6 +47,7 @@ def _read(text: str, unit: str) -> float:
             1e-3,
             ["1e-3kg m^2", "1e-3 kg*m^2", "1e-3 kgm2", "1000 kg mm²", "10 kg cm2"],
         ),
+        ("N/m", 1e9, ["1 MN/mm", "1000kN/mm", "1GN/m"]),
         ("m/s", 0.1, ["100mm/s", "6 m/min"]),
         ("m/s^2", 9.81, ["9.81 m/s^2", "9.81m/s2"]),
         ("s", 3e-3, ["3ms", "3000 us"]),
