@@ -3,10 +3,8 @@
 import ast
 import inspect
 import json
-import math
 import re
 import shlex
-import textwrap
 import tomllib
 import unicodedata
 from collections.abc import Iterator
@@ -16,14 +14,12 @@ from importlib.metadata import version
 from itertools import takewhile
 from multiprocessing.forkserver import ensure_running
 from pathlib import Path
-from typing import Any
 
 import pytest
 import speed
 from columns import PAGE, filled
 from lines import PAGES, TABLES, all_lines, failures, lines_in_cells, lines_of
 from public_names import NAMES, missing_names
-from readme import result_table
 
 import presswear as pw
 from presswear.cli import COMMANDS
@@ -35,7 +31,6 @@ from presswear.scene.settings import changed
 from presswear.show import figures
 from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines
-from presswear.tools.errors import NARROW
 from presswear.tools.processes import starting_processes
 
 ROOT = Path(__file__).parents[2]
@@ -394,29 +389,6 @@ def test_examples_of_the_reference_run(tmp_path, monkeypatch):
     assert "statistics.half_width" in named
 
 
-def estimates(text: str) -> dict[str, list[float]]:
-    plain = text.replace("−", "-").replace(NARROW, "")
-    rows = re.findall(r"(?m)^\| (.*) \| (\S+) \| (\S+) to (\S+) \|$", plain)
-    return {label: [float(x) for x in numbers] for label, *numbers in rows}
-
-
-def test_table_in_the_readme_is_that_of_a_run():
-    """Intervals of twice the width overlap; chance separates them once in 100,000 runs."""
-    (text,) = re.findall(
-        r"(?s)<!-- result -->(.*?)<!-- end -->", (ROOT / "README.md").read_text()
-    )
-    stored = estimates(text)
-    computed = estimates(result_table(cycles=8))
-    assert list(stored) == list(computed)
-    assert len(stored) == 7
-    for label, (mean, low, high) in computed.items():
-        assert low < mean < high, label
-        stored_mean, stored_low, stored_high = stored[label]
-        assert abs(stored_mean - mean) < (stored_high - stored_low) + (high - low), (
-            label
-        )
-
-
 def test_tables_of_speed_are_those_of_the_stored_measurements():
     """``python docs/_tools/speed.py fill`` writes them."""
     pages = [page.read_text() for page in speed.PAGES]
@@ -425,35 +397,6 @@ def test_tables_of_speed_are_those_of_the_stored_measurements():
     assert sorted(marks) == sorted(speed.TABLES)
 
 
-def test_mechanism_in_the_readme_runs(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (code,) = re.findall(
-        r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+",
-        (ROOT / "README.md").read_text(),
-    )
-    names: dict[str, Any] = {}
-    exec(textwrap.dedent(code), names)
-    assert pw.load("results/four-bar").stages[1].joints["B"].statistics.contacts > 0
-
-
 def test_names_of_the_figures_are_listed():
     for text in ((DOCS / "how-to" / "results.md").read_text(), pw.Result.plot.__doc__):
         assert set(figures.NAMES) <= set(re.findall(r"\w+", text or ""))
-
-
-def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient():
-    """The second interval follows from the first one and the scatter."""
-    text = (ROOT / "README.md").read_text().replace("\n", " ")
-    found = re.search(
-        r"is ([\d.]+) million strokes \(([\d.]+) to ([\d.]+) million\).*?"
-        r"\((\d+) %, literature\) ([\d.]+) to ([\d.]+) million",
-        text,
-    )
-    assert found
-    strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
-    assert scatter == 100.0 * pw.linkage.Materials().wear_scatter
-    deviation = math.sqrt(math.log1p((scatter / 100.0) ** 2))
-    factor = math.hypot(0.5 * math.log(high / low), 1.96 * deviation)
-    assert [total_low, total_high] == pytest.approx(
-        [strokes / math.exp(factor), strokes * math.exp(factor)], rel=0.01
-    )

@@ -1,0 +1,67 @@
+"""Numbers and code of the README are those of the program."""
+
+import math
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import pytest
+from readme import result_table
+
+import presswear as pw
+from presswear.tools.errors import NARROW
+
+ROOT = Path(__file__).parents[2]
+
+
+def estimates(text: str) -> dict[str, list[float]]:
+    plain = text.replace("−", "-").replace(NARROW, "")
+    rows = re.findall(r"(?m)^\| (.*) \| (\S+) \| (\S+) to (\S+) \|$", plain)
+    return {label: [float(x) for x in numbers] for label, *numbers in rows}
+
+
+def test_table_in_the_readme_is_that_of_a_run():
+    """Intervals of twice the width overlap; chance separates them once in 100,000 runs."""
+    (text,) = re.findall(
+        r"(?s)<!-- result -->(.*?)<!-- end -->", (ROOT / "README.md").read_text()
+    )
+    stored = estimates(text)
+    computed = estimates(result_table(cycles=8))
+    assert list(stored) == list(computed)
+    assert len(stored) == 7
+    for label, (mean, low, high) in computed.items():
+        assert low < mean < high, label
+        stored_mean, stored_low, stored_high = stored[label]
+        assert abs(stored_mean - mean) < (stored_high - stored_low) + (high - low), (
+            label
+        )
+
+
+def test_mechanism_in_the_readme_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (code,) = re.findall(
+        r"(?m)^    import presswear as pw\n(?:(?:    .*)?\n)+",
+        (ROOT / "README.md").read_text(),
+    )
+    names: dict[str, Any] = {}
+    exec(textwrap.dedent(code), names)
+    assert pw.load("results/four-bar").stages[1].joints["B"].statistics.contacts > 0
+
+
+def test_life_in_the_readme_includes_the_scatter_of_the_wear_coefficient():
+    """The second interval follows from the first one and the scatter."""
+    text = (ROOT / "README.md").read_text().replace("\n", " ")
+    found = re.search(
+        r"is ([\d.]+) million strokes \(([\d.]+) to ([\d.]+) million\).*?"
+        r"\((\d+) %, literature\) ([\d.]+) to ([\d.]+) million",
+        text,
+    )
+    assert found
+    strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
+    assert scatter == 100.0 * pw.linkage.Materials().wear_scatter
+    deviation = math.sqrt(math.log1p((scatter / 100.0) ** 2))
+    factor = math.hypot(0.5 * math.log(high / low), 1.96 * deviation)
+    assert [total_low, total_high] == pytest.approx(
+        [strokes / math.exp(factor), strokes * math.exp(factor)], rel=0.01
+    )
