@@ -17,7 +17,7 @@ def _module(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise not_installed(f"a table of {name}", name, "sweep") from None
+        raise not_installed(f"a table of {name}", name) from None
 
 
 def frame(

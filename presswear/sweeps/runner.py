@@ -345,7 +345,7 @@ def _dask_executor(
         import dask
         from distributed import Client
     except ImportError:
-        raise not_installed(f"on = {on}", "distributed", "sweep") from None
+        raise not_installed(f"on = {on}", "distributed") from None
     address, local = on.removeprefix("dask").removeprefix("://"), {}
     if on == "dask":
         local = {"n_workers": count, "threads_per_worker": 1, "host": LOCAL}

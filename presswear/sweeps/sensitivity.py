@@ -63,7 +63,7 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     try:
         import SALib  # noqa: F401
     except ImportError:
-        raise not_installed("sensitivity analysis", "SALib", "sweep") from None
+        raise not_installed("sensitivity analysis", "SALib") from None
     # A block or trajectory with a missing value is omitted.
     dimension = len(points.parameters)
     size = {"saltelli": dimension + 2, "morris": dimension + 1}.get(kind, 1)

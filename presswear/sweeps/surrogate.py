@@ -135,7 +135,7 @@ def fit(points: Points) -> Surrogate:
         from sklearn.metrics import r2_score
         from sklearn.model_selection import KFold, cross_val_predict
     except ImportError:
-        raise not_installed("a surrogate", "scikit-learn", "sweep") from None
+        raise not_installed("a surrogate", "scikit-learn") from None
     points = _with_value(points)
     inputs = _scaled(points, points.points)
     logarithmic = is_logarithmic(points.means)

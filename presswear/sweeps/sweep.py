@@ -221,7 +221,7 @@ def export_table(table: Table, path: Path) -> None:
             else table.to_pandas().to_parquet(index=False)
         )
     except ImportError:
-        raise not_installed(f"{path}: Parquet", "pyarrow", "sweep") from None
+        raise not_installed(f"{path}: Parquet", "pyarrow") from None
     write_bytes(path, data)
 
 

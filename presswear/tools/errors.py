@@ -84,9 +84,9 @@ def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
     return InputError(f"unknown {kind} {shown(name)}{remedy(f'{name}', names)}")
 
 
-def not_installed(what: str, package: str, extra: str) -> InputError:
-    """Return the error for something that needs a package of an extra."""
-    source = f"pip install '.[{extra}]' in the folder of the sources"
+def not_installed(what: str, package: str) -> InputError:
+    """Return the error for something that needs a package of the extra ``sweep``."""
+    source = "pip install '.[sweep]' in the folder of the sources"
     return InputError(f"{what} needs {package}: pip install {package}, or {source}")
 
 

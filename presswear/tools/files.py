@@ -261,20 +261,18 @@ class FolderLock:
         self._file.close()
 
 
-def lock(file: IO[str], waits: bool = False) -> int:
-    """Take the system's lock on a file, or wait for it; return the number of the error, or 0."""
+def lock(file: IO[str]) -> int:
+    """Take the system's lock on a file if it is free; return the number of the error, or 0."""
     try:
         if sys.platform == "win32":
             import msvcrt
 
             file.seek(1 << 30)  # behind the text, which other processes may read
-            mode = msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK
-            msvcrt.locking(file.fileno(), mode, 1)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
         else:
             import fcntl
 
-            mode = fcntl.LOCK_EX if waits else fcntl.LOCK_EX | fcntl.LOCK_NB
-            fcntl.flock(file.fileno(), mode)
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         return error.errno or errno.EIO
     return 0
