@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from closed_form import press_motion, slider_crank_motion
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -65,6 +65,7 @@ def assert_equal_motions(result: Motion, exact: Motion, speed: float) -> None:
     assert_allclose(result.acceleration, exact.acceleration, atol=1e-10 * largest)
 
 
+@settings(max_examples=20)  # an example takes 60 ms
 @given(
     st.sampled_from(sorted(GEOMETRIES)),
     st.floats(0.1 * math.pi, 40.0 * math.pi),
@@ -82,6 +83,7 @@ def test_the_press_moves_as_in_closed_form(name, speed, cycles):
     assert_equal_motions(result, exact, speed)
 
 
+@settings(max_examples=15)  # an example takes 0.1 s
 @given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
 def test_the_slider_crank_moves_as_in_closed_form(crank, ratio, speed):
     rod = min(ratio * crank, 10.0)
