@@ -75,15 +75,13 @@ def scene_of(name: str, **bearing: Any) -> pw.Scene:
 
 
 SLOW = ("quick return", "slotted crank")  # a slot on a crank, as the Scotch yoke has
+NAMES = [
+    pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+    for name in SCENES
+]
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name in SCENES
-    ],
-)
+@pytest.mark.parametrize("name", NAMES)
 def test_engines_agree_and_keep_the_energy(name):
     """With friction and damping, over more than 8 touches of the corners."""
     scene = scene_of(name, friction=0.05, restitution=0.8)
@@ -351,7 +349,7 @@ def test_corner_forces_on_a_turned_body():
 
 
 @pytest.mark.parametrize("clearance", [1e-5, 1e-7])
-@pytest.mark.parametrize("name", ["Scotch yoke", "quick return", "slotted crank"])
+@pytest.mark.parametrize("name", NAMES[:2] + NAMES[3:4])
 def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
     """All bodies leave their ideal places by a few clearances and contacts."""
     scene = scene_of(name, clearance=clearance, restitution=0.1, contact_stiffness=1e10)
@@ -366,7 +364,7 @@ def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
     assert off[:, 2].max() < 2.0 * play / (0.5 * L)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_no_energy_is_lost_without_friction_and_damping(name):
     scene = scene_of(name, friction=0.0, restitution=1.0)
     run = run_scene(scene, FINE, 0.5 * scene.mechanism.period)
