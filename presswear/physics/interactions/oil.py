@@ -280,9 +280,9 @@ class _OilText(JointText):
         energy = self.name("energy")
         law = f"elastic_of(data.joints[{self.number}].normal, {size})"
         text.write(f"{elastic}, {energy} = {law}")
-        mass = float(self.record["effective_mass"])
+        reduced = float(self.record["effective_mass"])
         # Between two prescribed bodies nothing oscillates.
-        mass = self.parameter("mass", mass if math.isfinite(mass) else 0.0)
+        mass = self.parameter("mass", reduced if math.isfinite(reduced) else 0.0)
         ratio = self.parameter("damping_ratio", self._oil.damping_ratio)
         call = f"contact_damping({elastic}, {energy}, {mass}, {ratio})"
         text.write(f"{self.name('damping')}, {self.name('relaxation')} = {call}")
