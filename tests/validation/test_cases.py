@@ -31,6 +31,10 @@ SLOW_IN = {
     ("toggle, as near as allowed", "exudyn-tree"),
     ("speed 0.1 pi", "exudyn-tree"),
     ("clearance at C alone", "exudyn-tree"),
+    # A second each: these laws run in this engine in test_laws_in_scenes, too.
+    *((law, "exudyn-tree") for law in ("liu", "kelvin-voigt", "foundation")),
+    *((f"{law}, c_f = 0.8", "exudyn-tree") for law in ("threlfall", "lugre")),
+    ("ce = 1 and c_f = 0", "exudyn-tree"),
 }
 TIGHT = reference_problems.TIGHT
 GRAVITY = reference_problems.GRAVITY
