@@ -1,6 +1,7 @@
 """Key numbers of the drives: torque and power, compared with rigid joints."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
 
 from presswear.linkage.drives import linear_bodies
 from presswear.recording.statistics.estimate import Estimate, key_of_greatest
@@ -26,6 +27,15 @@ BEHIND_FLYWHEEL = (
 )
 
 
+class _Quantity(NamedTuple):
+    """Quantity of the drives with a key number."""
+
+    name: str  # of the duty of a drive: torque or power
+    word: str  # in titles: torque, force or power
+    unit: str
+    bodies: Collection[str]  # whose drives have it
+
+
 def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """Return the peak torque and power, each of the drive where it is largest.
 
@@ -33,68 +43,115 @@ def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
     """
     if scene.has_untrusted_loads or not scene.mechanism.linkage().drives:
         return []
-    drives = drives_of(scene, stages[-1])
-    ideal = ideal_drives(scene)
-    rubbing = rubbing_drives(scene)
-    new = drives_of(scene, stages[0]) if len(stages) > 1 else {}
-    rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
-    if scene.base_linkage.has_motors:
-        rigid = {
-            f"{words}, at the nominal speed": duty for words, duty in rigid.items()
-        }
-    duties = {body: drive.duty for body, drive in drives.items()} or rubbing or ideal
-    static = static_torques(scene)
-    result = []
+    comparison = _Comparison(scene, stages)
     linear = linear_bodies(scene.base_linkage.drives)
-    cranks = [body for body in duties if body not in linear]
-    motor_cranks = _turned_by_flywheels(scene)
-    for name, words, unit, bodies in (
-        ("torque", "torque", "N m", cranks),
-        ("torque", "force", "N", linear),
-        ("power", "power", "W", duties),
-    ):
-        if not bodies:
-            continue
-        peaks = {}
-        for body, drive in drives.items():
-            peak = getattr(drive, f"peak_{name}")
-            if body in bodies and peak is not None:
-                peaks[body] = peak
-        if not peaks:
-            peaks = _peaks_of({body: duties[body] for body in bodies}, name)
+    rotating = [body for body in comparison.duties if body not in linear]
+    quantities = (
+        _Quantity("torque", "torque", "N m", rotating),
+        _Quantity("torque", "force", "N", linear),
+        _Quantity("power", "power", "W", comparison.duties),
+    )
+    return [comparison.number(quantity) for quantity in quantities if quantity.bodies]
+
+
+class _Comparison:
+    """Drives of a run, and those of linkages with rigid joints to which they are compared.
+
+    Attributes
+    ----------
+    drives : dict of str to DriveResult
+        Drives of the last stage by body; empty if torques were not stored.
+    new_drives : dict of str to DriveResult
+        Drives before the wear by body; empty with one stage.
+    rigid : dict of str to dict
+        Duties of the drives by body, by the name of the linkage.
+    duties : mapping of str to DriveDuty
+        Duties of the drives by body.
+    """
+
+    def __init__(self, scene: Scene, stages: list[StageResult]) -> None:
+        self.scene = scene
+        self.drives = drives_of(scene, stages[-1])
+        self.new_drives = drives_of(scene, stages[0]) if len(stages) > 1 else {}
+        self.motor_bodies = _turned_by_flywheels(scene)
+        self.static = static_torques(scene)
+        ideal = ideal_drives(scene)
+        rubbing = rubbing_drives(scene)
+        self.model = RUBBING if rubbing else IDEAL
+        rigid = {RUBBING: rubbing, IDEAL: ideal} if rubbing else {IDEAL: ideal}
+        speed = ", at the nominal speed" if scene.base_linkage.has_motors else ""
+        self.rigid = {f"{name}{speed}": duties for name, duties in rigid.items()}
+        duties = {body: drive.duty for body, drive in self.drives.items()}
+        self.duties: Mapping[str, DriveDuty] = duties or rubbing or ideal
+
+    def number(self, quantity: _Quantity) -> KeyNumber:
+        """Return the key number of a quantity."""
+        peaks = self._peaks(quantity)
         body = key_of_greatest(peaks)
-        if name == "torque":
-            typical = f"rms {numbers.quantity_text(duties[body].torque.rms, unit)}."
+        kind = "motor" if self._has_motor(body) else "drive"
+        title = f"Peak {kind} {quantity.word}"
+        text = self._text(quantity, body, peaks[body])
+        if self.drives:
+            number = measured(title, peaks[body], quantity.unit, text)
         else:
-            typical = _mean_power(
-                scene, [duty.power.mean for duty in duties.values()], peaks[body]
-            )
-        has_motor = bool(drives) and body in motor_cranks
+            number = exact(title, peaks[body].mean, quantity.unit, text)
+        return number._replace(compared=self._compared(quantity, body))
+
+    def _peaks(self, quantity: _Quantity) -> dict[str, Estimate]:
+        """Return the peaks of a quantity by body."""
+        peaks = {}
+        for body, drive in self.drives.items():
+            peak = getattr(drive, f"peak_{quantity.name}")
+            if body in quantity.bodies and peak is not None:
+                peaks[body] = peak
+        if peaks:
+            return peaks
+        duties = {body: self.duties[body] for body in quantity.bodies}
+        return _peaks_of(duties, quantity.name)
+
+    def _has_motor(self, body: str) -> bool:
+        """Return whether the torque of a body is that of a motor with a flywheel."""
+        return bool(self.drives) and body in self.motor_bodies
+
+    def _text(self, quantity: _Quantity, body: str, peak: Estimate) -> str:
+        """Return the text on the largest peak, which is that of a body."""
+        if quantity.name == "torque":
+            rms = self.duties[body].torque.rms
+            typical = f"rms {numbers.quantity_text(rms, quantity.unit)}."
+        else:
+            means = [duty.power.mean for duty in self.duties.values()]
+            typical = _mean_power(self.scene, means, peak)
         text = f"Largest in a stroke at {body}; {typical}"
-        if has_motor and words == "torque":
+        if self._has_motor(body) and quantity.word == "torque":
             text = f"Largest in a stroke of the motor, reduced to {body}; {typical} "
             text += BEHIND_FLYWHEEL
-        title = f"Peak {'motor' if has_motor else 'drive'} {words}"
-        compared = tuple(
-            (label, _peak_text({one: duty[one] for one in bodies}, name, unit, body))
-            for label, duty in rigid.items()
-        )
-        if name == "torque" and static:
-            loads = {body: static[body] for body in bodies}
-            compared += ((STATIC, _static_text(loads, unit)),)
-        if not drives:
-            text += f" Computed with {RUBBING if rubbing else IDEAL}; drive_torque = on includes "
-            text += "clearance and friction."
-            peak = exact(title, peaks[body].mean, unit, text)
-            result.append(peak._replace(compared=compared))
-            continue
-        before = getattr(new[body], f"peak_{name}") if body in new else None
-        if before is not None:
-            text += f" Before the wear: {numbers.quantity_text(before.mean, unit)}."
-        result.append(
-            measured(title, peaks[body], unit, text)._replace(compared=compared)
-        )
-    return result
+        if not self.drives:
+            return (
+                f"{text} Computed with {self.model}; drive_torque = on includes clearance "
+                "and friction."
+            )
+        new_peak = None
+        if body in self.new_drives:
+            new_peak = getattr(self.new_drives[body], f"peak_{quantity.name}")
+        if new_peak is not None:
+            before = numbers.quantity_text(new_peak.mean, quantity.unit)
+            text += f" Before the wear: {before}."
+        return text
+
+    def _compared(self, quantity: _Quantity, body: str) -> tuple[tuple[str, str], ...]:
+        """Return the names of the linkages with rigid joints, and their peaks as texts.
+
+        ``body`` is that of the largest peak of the run.
+        """
+        name, _, unit, bodies = quantity
+        compared = []
+        for label, duties in self.rigid.items():
+            of_bodies = {each: duties[each] for each in bodies}
+            compared.append((label, _peak_text(of_bodies, name, unit, body)))
+        if name == "torque" and self.static:
+            torques = {each: self.static[each] for each in bodies}
+            compared.append((STATIC, _static_text(torques, unit)))
+        return tuple(compared)
 
 
 def _turned_by_flywheels(scene: Scene) -> list[str]:
