@@ -22,7 +22,7 @@ import lines  # noqa: E402
 import outputs  # noqa: E402
 import signatures  # noqa: E402
 
-from presswear.results.folder import program_digest  # noqa: E402
+from presswear.results.provenance import program_digest  # noqa: E402
 
 # Pages call ``presswear`` and ``python`` of the environment of the build.
 os.environ["PATH"] = lines.PATH

@@ -17,8 +17,8 @@ from matplotlib.axes import Axes
 
 import presswear
 from presswear.campaign.campaign import run_stage
-from presswear.campaign.ensemble import Runner
 from presswear.campaign.refinement import Refinement
+from presswear.campaign.runner import Runner
 from presswear.campaign.runs import workers_of
 from presswear.campaign.service_life import BlockPlan, LifeProblem, next_block
 from presswear.campaign.wear_histories import WearHistories

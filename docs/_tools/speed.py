@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from presswear.results.folder import provenance
+from presswear.results.provenance import provenance
 from presswear.tools.numbers import counted
 
 ROOT = Path(__file__).parents[2]

@@ -27,8 +27,9 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
-# Values of ``settled``, which is otherwise the number of cycles before a run settled
-FAILED, IRREGULAR = -2, -1
+# Values of the column ``settled`` of ``Runs`` instead of the cycles before a run settled
+FAILED = -2
+IRREGULAR = -1
 Runs = np.recarray[Any, Any]  # rows of ``settle.run_start``, with attributes
 
 
@@ -54,14 +55,14 @@ class Watch:
 class FinalMotion:
     """Motion to which some of the starts led.
 
-    Forces and contacts are means over its last cycles.
+    Forces and contacts are means over the last cycles of the runs.
     """
 
     starts: int
     share: Estimate  # of the starts whose run did not fail
     period: int | None  # cycles; None: irregular until the last cycle
     peak_force: Mapping[str, float]  # of a cycle, by joint, N
-    contacts: Mapping[str, float]  # that end in a cycle, by joint
+    contacts: Mapping[str, float]  # number of contacts that end in a cycle, by joint
     runs: tuple[int, ...]  # indices of the runs from these starts
     # smallest kick of each pin that leads to rattling; None: not determined
     kicks: tuple[Kick, ...] | None = None
@@ -85,7 +86,7 @@ class FinalMotionsAt:
     runs: Runs  # finished runs, in the order of the starts
     # the motion of most starts is first, the irregular motion is last
     motions: tuple[FinalMotion, ...]
-    # of the irregular motion, cycles; None: no run or every run settled at once
+    # half-life of the irregular motion, cycles; None: no run or every run settled at once
     half_life: Estimate | None
     # lower 95 % limit of the half-life if no start has settled, cycles
     least_half_life: float | None
@@ -156,7 +157,10 @@ def evaluate(
     kicks: Mapping[int, Sequence[Kick]],
     value: float | None,
 ) -> FinalMotionsAt:
-    """Return the final motions of finished runs; ``kicks`` are by the first start of a motion."""
+    """Return the final motions of finished runs.
+
+    ``kicks`` are those of each motion, by the index of its first start.
+    """
     counted = int((runs.settled != FAILED).sum())
     settled = np.flatnonzero(runs.settled >= 0)
     settled_motions = [
@@ -193,7 +197,7 @@ def _motion(
     counted: int,
     period: int | None,
 ) -> FinalMotion:
-    """Return the final motion of some rows of the runs; its share is that of ``counted`` runs."""
+    """Return the final motion of some rows of the runs, with its share of ``counted`` runs."""
     force = runs.peak_force[list(rows)].mean(axis=0)
     contacts = runs.contacts[list(rows)].mean(axis=0)
     return FinalMotion(

@@ -12,7 +12,7 @@ from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import quantity_text, readable, whole
 
-# Names of the columns with units, and the rows
+# Headings of the columns with units, and the rows
 Table = tuple[Sequence[str], list[list[object]]]
 
 
@@ -157,6 +157,7 @@ def _named(name: str, unit: str) -> str:
 
 
 def _values(result: FinalMotions) -> Iterable[tuple[list[object], FinalMotionsAt]]:
+    """Yield the first cells of the rows, with the value of the parameter, and the motions."""
     for settled in result.values:
         yield ([] if result.parameter is None else [settled.value]), settled
 
@@ -173,9 +174,10 @@ def _start_heads(joints: Sequence[str]) -> list[str]:
 def _start_rows(result: FinalMotions) -> list[list[object]]:
     rows = []
     for first, settled in _values(result):
-        motion_of: dict[int, int] = {}
+        motion_of: dict[int, int] = {}  # number of the motion by index of the run
         for number, motion in enumerate(settled.motions, 1):
-            motion_of |= dict.fromkeys(motion.runs, number)
+            for index in motion.runs:
+                motion_of[index] = number
         for k, run in enumerate(settled.runs):
             row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
             if run.settled >= 0:

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import Ensemble, EnsembleState, Runner
+from presswear.campaign.ensemble import Ensemble, EnsembleState
 from presswear.campaign.life_result import unknown_life
 from presswear.campaign.life_wear import wear_between
 from presswear.campaign.quick_life import quick_life, rates_of
 from presswear.campaign.replicates import RunSpec, StepCheck, worn_out
+from presswear.campaign.runner import Runner
 from presswear.campaign.stage_statistics import stage_result
 from presswear.campaign.wear_histories import LifeState, run_life
 from presswear.campaign.wear_update import (

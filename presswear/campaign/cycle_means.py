@@ -1,4 +1,8 @@
-"""Means over the cycles of a stage, from the recorders of its replicates."""
+"""Means over the cycles of a stage, from the recorders of its replicates.
+
+``recorders`` are those of runs whose cycles are samples, ``alone`` those of runs that are
+single samples; see ``pooled``.
+"""
 
 from collections.abc import Callable, Sequence
 
@@ -14,7 +18,7 @@ Mean = Callable[[Recorders, Recorders, str, int | None], Estimate]
 def mean_over_cycles(
     recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
 ) -> Estimate:
-    """Return the mean over cycles of a quantity; see ``pooled``."""
+    """Return the mean over cycles of a quantity with its interval; see ``pooled``."""
     return _pooled_mean(recorders, alone, lambda run: run.each_cycle(name, joint))
 
 
@@ -28,9 +32,10 @@ def _pooled_mean(
 def mean_without_interval(
     recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
 ) -> Estimate:
-    """Return the mean over cycles alone, because an interval would not be valid.
+    """Return the mean over cycles without an interval.
 
-    This is so for different motions and on rough surfaces.
+    An interval is not valid if replicates settle on different motions, and on rough
+    surfaces.
     """
     return mean_over_cycles(recorders, alone, name, joint).without_interval
 
@@ -69,12 +74,12 @@ def mean_cycle_time(recorders: Recorders, alone: Recorders) -> float:
 def mean_drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
     """Return the mean drive work of a cycle, J.
 
-    The samples are the drive work minus the change of stored energy.  In the long run
-    their mean is the same.  It scatters less: energy stored at the end of a cycle is
-    returned in the next.
+    The samples are the drive work minus the change of stored energy. Their mean over many
+    cycles is that of the drive work. They scatter less, because energy that is stored at
+    the end of a cycle is returned in the next one.
     """
 
-    def used(run: Recorder) -> Array:
+    def used_energy(run: Recorder) -> Array:
         return run.each_cycle("drive_work") - run.each_cycle("stored_energy_change")
 
-    return _pooled_mean(recorders, alone, used)
+    return _pooled_mean(recorders, alone, used_energy)

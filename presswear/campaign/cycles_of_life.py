@@ -57,10 +57,11 @@ def fewest_cycles(problem: LifeProblem, clearances: Mapping[str, float]) -> floa
 def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
     """Return the cycles of each history that are expected until the computation ends.
 
-    After the last refinement others follow by the rule of ``next_refinement``. The
-    error of the scatter falls with the root of the cycles of all refinements. That of
-    the step follows from the distance of the first life and the last one. In the first
-    refinement the scatter follows from the depths worn so far.
+    Further refinements follow by the rule of ``next_refinement``. The sampling error is
+    proportional to 1 / sqrt(cycles of all refinements); in the first refinement it
+    follows from the depths worn so far. The error of the step is proportional to the
+    step, 1 / cycles of a refinement; its factor follows from the difference of the lives
+    of the first and the last refinement.
     """
     *coarser, last = refinements
     limits = problem.limits
@@ -78,8 +79,8 @@ def cycles_left(problem: LifeProblem, refinements: Refinements) -> float:
         pooled = ends[-1]
     if math.isinf(sampling):
         return left
-    part = FIRST_SCATTER if coarser else EARLY_SCATTER
-    distance = max(FIRST_DISTANCE * problem.tolerance, part * sampling)
+    scatter = FIRST_SCATTER if coarser else EARLY_SCATTER
+    distance = max(FIRST_DISTANCE * problem.tolerance, scatter * sampling)
     if coarser:
         lives = coarser[0].crossing(limits), coarser[-1].crossing(limits)
         change = abs(math.log(lives[0] / lives[1]))
@@ -127,17 +128,17 @@ def _expected_sampling(
 def _left_in_last(
     problem: LifeProblem, refinements: Refinements, completed: int
 ) -> float:
-    """Return the cycles of each history up to the life that the last refinement lacks.
+    """Return the cycles of each history that the last refinement lacks up to the life.
 
-    They are assumed to be spread evenly over the depth that wears off. The completed
-    part follows from the limit on a quantity of the surfaces, or from the refinement
-    before for a quantity of a stroke.
+    The wear per cycle is assumed to be constant. For a limit on a quantity of the
+    surfaces the lacking cycles follow from the present value, for a limit on a quantity
+    of a stroke from the share of the life in the refinement before.
     """
     *coarser, last = refinements
     blocks = last.blocks
     limits = problem.limits
     remaining = []  # expected cycles up to each limit
-    whole = float(MIN_CYCLES)
+    whole = float(MIN_CYCLES)  # expected cycles of the refinement
     if coarser:
         before = coarser[-1]
         life = before.crossing(limits)
@@ -158,8 +159,8 @@ def _left_in_last(
             if per_cycle > 0.0:
                 remaining.append(float(limit.value - values[-1]) / per_cycle)
         elif coarser and before.crossing([limit]) == life:
-            part = before.cycles_until(strokes) / max(finished[-1], 1.0)
-            remaining.append((1.0 + MARGIN) * whole * (1.0 - part))
+            completed_share = before.cycles_until(strokes) / max(finished[-1], 1.0)
+            remaining.append((1.0 + MARGIN) * whole * (1.0 - completed_share))
     if completed and strokes > blocks[-2].strokes:
         strokes_per_cycle = (strokes - blocks[-2].strokes) / blocks[-1].cycles
         remaining.append((problem.at_most - strokes) / strokes_per_cycle)

@@ -1,22 +1,13 @@
 """Ensemble: one linkage run from several replicates, which are samples of a chaotic motion.
 
-Initial states differ by up to 2 % of the smallest clearance.  Within a cycle or two
-that makes the runs independent, which cycles of one run need not be.  Each replicate
-has its own worn surfaces. After a wear update in one jump the replicates run in two
-sets: together on the surfaces that all their maps give, and each alone.
-
-A set ends when its maps are known, in rounds: all its runs reach the end of a round,
-then the maps of all decide whether that is enough, so that no number depends on the
-order, the place or the number of processes.  The first round takes FEWEST samples.
-Each further round takes half of the cycles that the error of the maps says are lacking,
-because that number is itself an estimate: all of it would overshoot as often as
-undershoot (Hall, Annals of Statistics 9, 1229, 1981).
+The initial states of the replicates differ by up to 2 % of the smallest clearance. After
+one or two cycles their runs are therefore independent; successive cycles of a run may be
+correlated. After a wear update in one jump there are two sets of runs: in the set
+``together`` all replicates have the surfaces from the mean of their wear maps, in the set
+``alone`` each has the surfaces from its maps.
 """
 
-import logging
-import math
-import time as clock
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -24,47 +15,23 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign.replicates import (
-    STEP_CHECK_CYCLES,
-    Part,
     RunSpec,
     RunState,
-    WorkUnit,
-    linkage_on,
 )
 from presswear.campaign.settled_motions import settling_of
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
-from presswear.recording.columns import cycle_column
-from presswear.recording.film import Film
-from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import (
-    MIN_SAMPLES,
-    STARTUP_CYCLES,
     MapBatches,
-    map_batches,
-    map_errors,
     smoothed_maps,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.processes import Job, Workers
 
-_LOG = logging.getLogger(__name__)
-
-Shares = tuple[float, float]  # one that never falls, and the latest estimate
-
-# samples of all replicates before a stage may end early: fewer agree by luck
-FEWEST = 20
-ROUND_FRACTION = 0.5  # of the lacking cycles, in each further round
-WATCHED_CYCLES = 50  # of each replicate, in which most motions that settle have settled
-WATCHED_SECONDS = 10.0  # computing time of all replicates that these cycles may take
-MAX_SHARE = 0.99  # of a stage, before it ends: another round may follow
-# key of the step check among the jobs, whose other keys are indices of runs
-STEP_CHECK = -1
-# not summed
+# Diagnostics of which the largest is that of an ensemble, not the sum
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
 
 
@@ -115,19 +82,19 @@ class Ensemble:
 
     @cached_property
     def settling(self) -> Settling | None:
-        """Motions that the runs came to; None without clearance, or if no cycle is complete."""
+        """Motions on which the runs settled; None without clearance or a complete cycle."""
         return settling_of(
             self.linkage.clearances, [run.cycles for run in self.recorders]
         )
 
     @cached_property
     def together(self) -> "Ensemble":
-        """The first set, which the statistics of a stage are of."""
+        """First set, from which the statistics of a stage are."""
         return self._samples(0, self.replicates)
 
     @cached_property
     def alone(self) -> "Ensemble":
-        """The last set, whose runs are independent: each replicate on surfaces of its own."""
+        """Last set, whose runs are independent: each replicate has other surfaces."""
         first = self.replicates if len(self.runs) > self.replicates else 0
         # If one of them failed there are fewer runs than surfaces.
         return self._samples(first, len(self.runs))
@@ -153,19 +120,17 @@ class Ensemble:
 
     @property
     def failure(self) -> str:
-        """Message of the run that failed, or nothing."""
+        """Message of the run that failed, or ""."""
         last = self.runs[-1]
         if last.status != "failed":
             return ""
-        return (
-            last.message
-            if len(self.runs) == 1
-            else f"run {len(self.runs)}: {last.message}"
-        )
+        if len(self.runs) == 1:
+            return last.message
+        return f"run {len(self.runs)}: {last.message}"
 
     @property
     def finding(self) -> Finding | None:
-        """Finding that ended it, if it failed."""
+        """Finding that ended the ensemble, if a run failed."""
         return self.runs[-1].finding
 
     @property
@@ -198,264 +163,8 @@ class Ensemble:
             values: list[Any] = [run.diagnostics.get(key, 0) for run in self.runs]
             if key == "energy_residual_J":
                 # Residuals of different signs would cancel in the sum.
-                values = [*map(abs, values)]
+                values = [abs(value) for value in values]
             merged[key] = max(values) if key in _LARGEST else sum(values)
-        return merged | ({"replicates": len(self.runs)} if len(self.runs) > 1 else {})
-
-
-@dataclass
-class Runner:
-    """Runs the linkage of a scene from every replicate, and reports the progress.
-
-    Progress counts the cycles of each replicate in a stage and the wear update after
-    it.
-    """
-
-    scene: Scene
-    workers: Workers = field(default_factory=Workers)
-    observers: Sequence[Observer] = ()
-    # of the stage that runs; None: the service life before them
-    index: int | None = None
-    done: float = 0.0  # cycles of the ensembles before this one
-    later: float = 0.0  # cycles expected after it
-    reported: float = 0.0  # cycles that were reported
-    before: float = 0.0  # cycles of each run in the stage before
-    shares: Shares = (0.0, 0.0)  # completed part of the stage
-    life: Shares = (0.0, 0.0)  # part of the campaign that the service life was
-
-    def start_stage(self, index: int) -> None:
-        """Start the progress of another stage."""
-        self.life = self.shares if self.index is None else self.life
-        self.index = index
-        self.shares = (0.0, 0.0)
-        self.done = self.later = self.reported = 0.0
-
-    def count_as(self, cost: float, later: float) -> None:
-        """Count each cycle so far as ``cost`` cycles, before ``later`` expected ones."""
-        self.done *= cost
-        self.reported *= cost
-        self.later = later
-
-    def run(
-        self,
-        depth: Array,
-        spec: RunSpec,
-        state: EnsembleState | None = None,
-        keep: Callable[[EnsembleState], None] = lambda state: None,
-        step_check: Job | None = None,
-    ) -> Ensemble:
-        """Run every replicate on its surfaces, m, in one set or two, or resume from a state.
-
-        A run that fails ends the rounds of its set, and all runs after it in order. The
-        step check runs beside the others, if these are long enough. The state is kept
-        whenever it changes.
-        """
-        rounds = _Rounds(self, depth, spec, state or EnsembleState(), keep, step_check)
-        jobs = {**rounds.units(range(len(depth))), **rounds.check()}
-        self.workers.run(jobs, rounds.on_end, rounds.on_report)
-        ensemble = Ensemble.of(self.scene, spec, depth, rounds.state)
-        self.done += ensemble.state.cycles / self.scene.replicate_count
-        return ensemble
-
-    def report(
-        self, part: float, whole: float, word: str, linkage: Linkage, film: Any
-    ) -> None:
-        """Report cycles of each replicate in the present ensemble, and as many as are needed.
-
-        Each cycle completes an equal part of what is left, so that progress never
-        falls.
-        """
-        done = self.done + part
-        left = whole - part + self.later
-        step = max(done - self.reported, 0.0)
-        self.reported = max(done, self.reported)
-        shown = self.shares[0]
-        if step > 0.0:
-            shown = min(shown + (1.0 - shown) * step / (step + left), MAX_SHARE)
-        self.shares = shown, done / (done + left)
-        whole, estimate = self.shares
-        if self.index is not None:
-            stages = self.scene.wear_updates + 1
-            index = self.index
-            whole, estimate = (
-                life + (1.0 - life) * (index + share) / stages
-                for life, share in zip(self.life, self.shares, strict=True)
-            )
-        progress = Progress(
-            self.index or 0, shown, whole, word, linkage, film, estimate
-        )
-        for observer in self.observers:
-            observer.on_progress(progress)
-
-
-@dataclass
-class _Rounds:
-    """Rounds of an ensemble: the next jobs, and the progress."""
-
-    runner: Runner
-    depth: Array
-    spec: RunSpec
-    state: EnsembleState
-    keep: Callable[[EnsembleState], None]
-    step_check: Job | None
-
-    def __post_init__(self) -> None:
-        self._started = clock.perf_counter() - self.state.wall
-        self._size = size = self.runner.scene.replicate_count
-        first = (self.spec.cycles,) * size
-        if self.spec.tolerance is not None:
-            first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
-        sets = len(self.depth) // size
-        runs = self.state.runs or (None,) * len(self.depth)
-        until = self.state.until or first * sets
-        self.state = replace(self.state, runs=runs, until=until)
-        self._linkages = [
-            linkage_on(self.runner.scene, surfaces) for surfaces in self.depth
-        ]
-        self._done = [0.0 if run is None else float(run.cycles) for run in runs]
-        # As many as in the stage before, or the first round, is most often enough.
-        before = self.runner.before if self.spec.tolerance is not None else 0.0
-        self._needed = [max(float(max(until)), before)] * sets
-
-    def _deal(self, total: int) -> tuple[int, ...]:
-        """Return cycles for the runs of a set, with a total, as equal as possible."""
-        each = ((total + self._size - 1 - k) // self._size for k in range(self._size))
-        return tuple(min(cycles, self.spec.cycles) for cycles in each)
-
-    def _last(self) -> int:
-        """Return the index of the last run that counts: the first that failed."""
-        runs = self.state.runs
-        failed = (k for k, run in enumerate(runs) if run and run.status == "failed")
-        return next(failed, len(runs) - 1)
-
-    def _is_over(self, index: int) -> bool:
-        run = self.state.runs[index]
-        if run is None or run.status is None:
-            return False
-        return run.status != "enough" or run.cycles >= self.state.until[index]
-
-    def check(self) -> dict[int, Job]:
-        """Start the step check once the runs are long enough."""
-        if self.step_check is None or sum(self.state.until) < STEP_CHECK_CYCLES:
-            return {}
-        job = self.step_check
-        self.step_check = None
-        return {STEP_CHECK: job}
-
-    def units(self, indices: Iterable[int]) -> dict[int, Job]:
-        """Return the work units of runs that are not at the end of their round."""
-        runner = self.runner
-        last = self._last()
-        frames = max((observer.frames for observer in runner.observers), default=0)
-        observers = tuple(item for item in runner.observers if item.observes_runs)
-        units: dict[int, Job] = {}
-        for k in indices:
-            if k > last or self._is_over(k):
-                continue
-            run = self.state.runs[k]
-            arrays = None if run is None else run.arrays
-            number = k + self._size * self.spec.number
-            part = Part(self.depth[k], number, self.state.until[k], arrays)
-            duration = runner.workers.lasts
-            units[k] = WorkUnit(
-                runner.scene, self.spec, part, duration, frames, observers
-            )
-        return units
-
-    def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
-        """Store the outcome of a job; return the next jobs, None for those not needed any more."""
-        if key == STEP_CHECK:
-            self.state = replace(self.state, step_errors=outcome)
-            return {}
-        ended: RunState = outcome
-        runs = [*self.state.runs]
-        runs[key] = ended
-        wall = clock.perf_counter() - self._started
-        self.state = replace(self.state, runs=tuple(runs), wall=wall)
-        self._done[key] = float(ended.cycles)
-        following: dict[int, Job | None] = {}
-        if ended.status is None:
-            following |= self.units([key])
-        elif ended.status == "failed":
-            following |= dict.fromkeys(
-                [*range(self._last() + 1, len(runs)), STEP_CHECK]
-            )
-        else:
-            following |= self.units(self._next_round(key // self._size))
-            following |= self.check()
-        self.keep(self.state)
-        return following
-
-    def _next_round(self, number: int) -> Sequence[int]:
-        """Return the runs of a set if another round of it starts."""
-        spec = self.spec
-        members = range(number * self._size, (number + 1) * self._size)
-        if spec.tolerance is None or self._last() < members[-1]:
-            return ()
-        if not all(map(self._is_over, members)):
-            return ()
-        maps = [
-            run.maps for run in self.state.runs[members.start : members.stop] if run
-        ]
-        error = float(map_errors(*map_batches(maps)).max())
-        cycles = [run.cycles for run in maps]
-        _LOG.info("wear maps known to %.2g after %d cycles", error, sum(cycles))
-        samples = sum(run.samples for run in maps)
-        lacking = max(samples * ((error / spec.tolerance) ** 2 - 1.0), 0.0)
-        unseen = self._unseen(members)
-        if max(lacking, unseen) == 0.0 or min(cycles) >= spec.cycles:
-            return ()
-        until = [*self.state.until]
-        more = max(math.ceil(ROUND_FRACTION * lacking), unseen)
-        dealt = self._deal(sum(cycles) + more)
-        until[members.start : members.stop] = dealt
-        self.state = replace(self.state, until=tuple(until))
-        needed = (sum(cycles) + lacking) / len(maps)
-        self._needed[number] = min(max(needed, *dealt), spec.cycles)
-        return members
-
-    def _unseen(self, members: range) -> int:
-        """Return the cycles that the runs of a set lack to show whether the motion settles.
-
-        Each is watched for WATCHED_CYCLES, or for as many as WATCHED_SECONDS allow.  If
-        only some have settled then, twice as many follow.
-        """
-        rows = [
-            run.arrays["recorder/cycles"]
-            for run in self.state.runs[members.start : members.stop]
-            if run
-        ]
-        cycles = sum(map(len, rows))
-        steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
-        solver = self.runner.scene.solver
-        is_worn = self.depth[members.start].any()
-        step_time = solver.worn_step_time if is_worn else solver.step_time
-        seconds = step_time * steps / cycles
-        watched = self._size * min(
-            WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size))
-        )
-        if cycles < watched:
-            return watched - cycles
-        settling = settling_of(self._linkages[members.start].clearances, rows)
-        return cycles if settling and settling.verdict == "mixed" else 0
-
-    def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
-        """Report the progress of the runs."""
-        is_compiling = math.isnan(done)
-        size = self._size
-        if index != STEP_CHECK and not is_compiling:
-            self._done[index] = done
-        needed = np.repeat(self._needed, size)
-        cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
-        word = self.spec.label or cycle
-        linkage = self._linkages[index]
-        film = None
-        # A window shows one of the runs.
-        if rows is not None and all(map(self._is_over, range(index))):
-            film = Film.of(rows, len(linkage.clearances))
-        part, whole = (
-            float(sum(each)) / size for each in (np.minimum(self._done, needed), needed)
-        )
-        self.runner.report(
-            part, whole, COMPILING if is_compiling else word, linkage, film
-        )
+        if len(self.runs) > 1:
+            merged["replicates"] = len(self.runs)
+        return merged

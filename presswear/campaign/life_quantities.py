@@ -29,21 +29,23 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
         item = depth[:, k, :, : joint.bins]
         levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
         levels[f"{joint.name}.wear_volume"] = np.array(
-            [worn_volume(joint, one) for one in item]
+            [worn_volume(joint, wear) for wear in item]
         )
         if not NEW_OVER_CLEARANCE.keys().isdisjoint(limited):
-            play = np.array([largest_play(joint, one) for one in item])
+            play = np.array([largest_play(joint, wear) for wear in item])
             levels[f"{joint.name}.radial_clearance"] = 0.5 * play
             levels[f"{joint.name}.diametral_clearance"] = play
     for guide, walls in walls_of(linkage, depth).items():
-        corner = next(one for one in linkage.corners if one.guide.name == guide)
+        corner = next(
+            corner for corner in linkage.corners if corner.guide.name == guide
+        )
         levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
-        volumes = [wall_volume(corner, one) for one in walls]
+        volumes = [wall_volume(corner, wall) for wall in walls]
         levels[f"{guide}.wear_volume"] = np.array(volumes)
-        tilts = [tilt_between(corner, one) for one in walls]
+        tilts = [tilt_between(corner, wall) for wall in walls]
         levels[f"{guide}.tilt"] = np.array(tilts)
     if "total_clearance" in limited:
-        values = [total_clearance(linkage_on(scene, one)) for one in depth]
+        values = [total_clearance(linkage_on(scene, surfaces)) for surfaces in depth]
         levels["total_clearance"] = np.array(values)
     return levels
 
@@ -53,9 +55,8 @@ def pseudo_levels_of(
 ) -> dict[str, Array]:
     """Return pseudo-values of the quantities of the mean surfaces of several histories, by key.
 
-    Noise makes the deepest place of a map too deep. The map of the mean has less of it
-    than that of a history, and the mean of the pseudo-values of the jackknife lacks its
-    part that falls with one over the number of histories.
+    Noise makes the deepest place of a map too deep. The mean of the pseudo-values of the
+    jackknife has no error of first order in 1 / histories; that of the mean surfaces has.
     """
     count = len(depth)
     others = (depth.sum(axis=0) - depth) / (count - 1)
@@ -81,13 +82,12 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
         samples[f"{guide}.force_max"] = greatest.mean(axis=1)
     ideal = bottom_of(scene.ideal)
     if ideal is not None:
-        off = rows[:, :, cycle_column("bottom_height")] - ideal.height
-        mean = off.mean(axis=1)
-        # Where a history wears out in one stroke, only the histories together have a
-        # variance.
-        is_single = off.shape[1] == 1
-        variance = (
-            np.full(len(off), off.var(ddof=1)) if is_single else off.var(axis=1, ddof=1)
-        )
+        error = rows[:, :, cycle_column("bottom_height")] - ideal.height
+        mean = error.mean(axis=1)
+        if error.shape[1] == 1:
+            # With one cycle the variance is that between the histories.
+            variance = np.full(len(error), error.var(ddof=1))
+        else:
+            variance = error.var(axis=1, ddof=1)
         samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
     return samples

@@ -147,7 +147,8 @@ def life_result(
         limits=tuple(limits),
         refinements=tuple(stored),
         services=tuple(
-            f"{one.words} after {one.strokes:.4g} strokes" for one in services
+            f"{service.words} after {service.strokes:.4g} strokes"
+            for service in services
         ),
         curves=curves,
         settled=tuple(block.settled for block in last.blocks if block.cycles),

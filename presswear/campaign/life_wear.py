@@ -18,48 +18,54 @@ def wear_between(
     since: float,
     until: float,
 ) -> wear_update.WearUpdate:
-    """Return the wear between two numbers of strokes, interpolated between ends of blocks."""
+    """Return the wear between two numbers of strokes, interpolated between ends of blocks.
+
+    ``initial`` are the depths of the initial surfaces of all replicates, shape
+    (replicates, joints, 2, bins), m.
+    """
     last = refinements[-1]
     coarser = None
-    surfaces_at = _interpolated(last, initial)
-    added_depth = surfaces_at(until)[1] - surfaces_at(since)[1]
+    wear_at = _interpolated(last, initial)
+    added_depth = wear_at(until)[1] - wear_at(since)[1]
     if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
         coarser_at = _interpolated(refinements[-2], initial)
         coarser = coarser_at(until)[1] - coarser_at(since)[1]
     steps = []
-    at = since
+    begin = since
     for block in last.blocks:
         end = min(block.strokes, until)
-        if end <= at:
+        if end <= begin:
             continue
-        depth, material_loss = surfaces_at(end)
-        change = (material_loss - surfaces_at(at)[1]).mean(axis=0) / block.cycles
+        depth, material_loss = wear_at(end)
+        change = (material_loss - wear_at(begin)[1]).mean(axis=0) / block.cycles
         forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
         steps.append(
             WearStep(
-                cycles_per_update=end - at,
+                cycles_per_update=end - begin,
                 cycles=block.cycles * len(initial),
-                factor=(end - at) / block.cycles,
+                factor=(end - begin) / block.cycles,
                 clearance_change=wear_update.largest_change(joints, change),
                 max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
                 peak_force=wear_update.by_joint(joints, forces),
                 wall_s=block.wall_s,
             )
         )
-        at = end
-    return wear_update.WearUpdate(
-        surfaces_at(until)[0], added_depth, tuple(steps), coarser
-    )
+        begin = end
+    depth = wear_at(until)[0]
+    return wear_update.WearUpdate(depth, added_depth, tuple(steps), coarser)
 
 
 def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
-    """Return a function of strokes: depth of the surfaces and material lost, stacked, m.
+    """Return a function from a number of strokes to depth and material loss, m.
 
-    A bushing that was replaced has lost its material all the same.
+    Its result has the shape (2, replicates, joints, 2, bins). The depth is that of the
+    present surfaces. The material loss includes that of replaced bushings.
     """
     depth = np.array([initial, *(block.depth for block in refinement.blocks)])
     added_depth = np.diff(depth, axis=0, prepend=depth[:1])
-    added_depth[1:][[not block.cycles for block in refinement.blocks]] = 0.0
+    # A block without cycles is a replacement of bushings.
+    is_replacement = [block.cycles == 0 for block in refinement.blocks]
+    added_depth[1:][is_replacement] = 0.0
     values = np.stack([depth, np.cumsum(added_depth, axis=0)], axis=1)
     ends = np.append(0.0, refinement.strokes)
 

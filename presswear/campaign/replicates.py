@@ -35,17 +35,18 @@ from presswear.tools.numbers import quantity_text
 from presswear.tools.processes import Report, Stopped, is_stopped
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-# of the smallest clearance; 1e-9 m apart, replicates share their first two cycles
+# Largest displacement of the start of a replicate over the smallest clearance. With 1e-9 m,
+# replicates share their first two cycles.
 SPREAD = 0.02
-SPREAD_CLOSED = 1e-9  # m, where no joint has clearance
-# that close the joints: the first leaves the square of a part of the clearance
+SPREAD_CLOSED = 1e-9  # largest displacement without clearance, m
+# Newton steps that close the joints. The first one leaves an error of second order.
 NEWTON_STEPS = 2
 
-PIECES = 100  # of a cycle: between two touchdowns of a joint lie some of them
-PIECE_STRIDE = 4  # one piece in so many runs again with finer steps
-REFINEMENT = 100.0  # of the tolerance of these pieces
-SETTLING = 2  # cycles before the one whose pieces run again
-# from which on the step check costs at most a twentieth of a stage
+PIECES = 100  # pieces of a cycle; there are several between two touchdowns of a joint
+PIECE_STRIDE = 4  # every fourth piece is repeated with finer steps
+REFINEMENT = 100.0  # factor by which the tolerance of the repeated pieces is smaller
+SETTLING = 2  # cycles before the one whose pieces are repeated
+# Cycles of a stage from which the step check takes at most a twentieth of its time
 STEP_CHECK_CYCLES = 50
 
 
@@ -60,7 +61,7 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     """
     start = _ideal_start(scene.ideal)
     start = replace(start, velocity=_start_rate(scene) * start.velocity)
-    # Multiples of two independent irrational numbers leave no two replicates close
+    # With multiples of two independent irrational numbers no two replicates are close
     # together.
     fraction = (index * GOLDEN + scene.seed * math.sqrt(2.0)) % 1.0
     if fraction == 0.0:
@@ -98,25 +99,25 @@ def _start_rate(scene: Scene) -> float:
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
-    """Return a start moved along the free direction that moves the output most.
+    """Return a start that is displaced along the free direction that moves the output most.
 
-    The coordinate that changes most changes by the distance, m or rad. None where the
-    joints leave no direction free.
+    ``distance`` is the largest change of a coordinate, m or rad. None if the linkage has
+    no degree of freedom.
     """
     jacobian = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
-    # Bit for bit scipy.linalg.null_space, which takes 0.2 s to import in each process.
+    # As scipy.linalg.null_space, whose import takes 0.2 s in each process
     _, sizes, rows = np.linalg.svd(jacobian)
     least = sizes.max(initial=0.0) * max(jacobian.shape) * np.finfo(float).eps
     free = rows[int((sizes > least).sum()) :].T
     if free.shape[1] == 0:
         return None
-    probe = 3 * linkage.index(linkage.output.body)
-    along = [math.cos(linkage.output.direction), math.sin(linkage.output.direction)]
-    weights = np.array(along) @ free[probe : probe + 2]
-    moved = free @ weights if np.linalg.norm(weights) > 1e-6 else free[:, 0]
+    output = 3 * linkage.index(linkage.output.body)
+    direction = linkage.output.direction
+    unit_vector = np.array([math.cos(direction), math.sin(direction)])
+    # Rate of the output along its direction for each free direction
+    rates = unit_vector @ free[output : output + 2]
+    moved = free @ rates if np.linalg.norm(rates) > 1e-6 else free[:, 0]
     position = start.position + distance * moved / np.abs(moved).max()
-    # The step along the tangent leaves the constraints by the square of the distance;
-    # velocities have to follow the turned tangent.
     return with_velocity(linkage, position, start.velocity)
 
 
@@ -152,31 +153,33 @@ def worn_out(
     time: float = 0.0,
     strokes: float = 0.0,
 ) -> Finding | None:
-    """Return a finding on the first surface that is worn deeper than the model holds.
+    """Return a finding on the first surface that is too deep for the model, or None.
 
-    See ``linkage.clearance_joint.deepest_wear``. The shape of the depth is
-    (..., joints, 2, bins), m; ``strokes`` wore it.
+    See ``linkage.clearance_joint.deepest_wear``. ``depth`` has the shape
+    (..., joints, 2, bins), m, after ``strokes`` strokes.
     """
     deepest = depth.max(axis=-1, initial=0.0)
     allowed = np.array([joint.deepest_wear for joint in joints])[:, np.newaxis]
-    places = np.argwhere(deepest > allowed)
-    if not len(places):
+    too_deep = np.argwhere(deepest > allowed)
+    if not len(too_deep):
         return None
-    first = tuple(places[0])
+    first = tuple(too_deep[0])
     joint = joints[first[-2]]
     worn = float(deepest[first])
     part = "wall" if isinstance(joint, GuideCorner) else SIDES[first[-1]]
+    loss = quantity_text(worn, "m")
     limit = quantity_text(joint.deepest_wear, "m")
-    what = (
-        f"{where}the {part} would lose {quantity_text(worn, 'm')}, more than {limit}, "
-    )
-    what += f"with a clearance of {quantity_text(joint.clearance, 'm')}"
+    clearance = quantity_text(joint.clearance, "m")
     tenth = 0.1 * strokes * joint.clearance / worn
-    advice = (
-        f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance"
+    return Finding(
+        "wear",
+        f"{where}the {part} would lose {loss}, more than {limit}, "
+        f"with a clearance of {clearance}",
+        time,
+        joint.name,
+        f"cycles_per_update = {tenth:.1g} wears it by about a tenth of the clearance; "
+        "or check wear_coefficient",
     )
-    advice += "; or check wear_coefficient"
-    return Finding("wear", what, time, joint.name, advice)
 
 
 @dataclass(frozen=True)
@@ -188,26 +191,30 @@ class RunSpec:
     tolerance: float | None = None
     # wear after each cycle, see ``Plan.wear``
     wear: Callable[[int, Array, Array], Array] | None = None
-    number: int = 0  # of the ensemble within its stage; no two of them start alike
+    number: int = 0  # of the ensemble within its stage; each has other starts
     label: str = ""  # short description for progress
 
     def plan(self, scene: Scene) -> Plan:
         """Return the plan of each run, without observers."""
         recorded = Plan.recorded_cycles
         if scene.process is not None:
-            # Strokes on work are samples of the loads of joints and drives.
+            # Working strokes are samples of the loads on joints and drives.
             recorded = STARTUP_CYCLES + RANGE_STROKES
         recording = scene.recording
         if recording.recorded_cycles is not None:
             recorded = recording.recorded_cycles
+        sections = recording.phases
+        if self.wear is not None:
+            # The results of a stage are not from runs that wear after each cycle.
+            recorded = 1
+            sections = ()
         bottom = bottom_of(scene.ideal)
-        # Series are recorded only of the runs that a stage is judged by.
         return Plan(
             scene.mechanism.period,
             self.cycles,
-            recorded if self.wear is None else 1,
+            recorded,
             rows_per_cycle=recording.rows_per_cycle,
-            sections=recording.phases if self.wear is None else (),
+            sections=sections,
             torques=scene.stores_torques,
             wear=self.wear,
             run_up=scene.run_up,
@@ -219,7 +226,7 @@ class RunSpec:
 class RunState:
     """State of a run between two cycles."""
 
-    arrays: State  # of its recorder and, where the run can resume, of its engine
+    arrays: State  # of its recorder and, if the run can be resumed, of its engine
     status: Status | None = None  # as ``Run.status``; None: the run is not finished
     finding: Finding | None = None
     end: Start | None = None
@@ -298,7 +305,7 @@ class WorkUnit:
 
 
 class _RunningPart(Observer):
-    """Ends a part of a run in time, and keeps the arrays to resume from."""
+    """Observer that ends a part of a run, and stores the arrays to resume from."""
 
     def __init__(self, unit: WorkUnit) -> None:
         self._unit = unit
@@ -333,10 +340,10 @@ class _RunningPart(Observer):
 
 
 class _OnPiece(Observer):
-    """Calls a function at the end of each piece of a run.
+    """Observer that calls a function at the end of each piece of a run.
 
-    A class within the function would keep all that it refers to until garbage is
-    collected.
+    A class inside of ``StepCheck.__call__`` would keep its variables in memory until the
+    garbage collection.
     """
 
     def __init__(self, function: Callable[[int, Callable[[], State]], None]) -> None:
@@ -355,7 +362,7 @@ _CHECKED = {
 
 
 def _values_of(recorder: Recorder, piece: int) -> Array:
-    """Return the checked numbers of a piece, (numbers, joints); nan if it did not end."""
+    """Return the checked numbers of a piece, (numbers, joints); NaN if it was not completed."""
     joints = range(recorder.records.memory.size)
     values = np.full((len(_CHECKED), len(joints)), np.nan)
     if piece < len(recorder.cycles):
@@ -366,16 +373,16 @@ def _values_of(recorder: Recorder, piece: int) -> Array:
 
 @dataclass(frozen=True)
 class StepCheck:
-    """Check of the time step: short pieces of a run again, with a hundred times finer tolerance.
+    """Check of the time step: pieces of a run are repeated with a 100 times smaller tolerance.
 
-    Two runs at different tolerances diverge after some touchdowns, and then their
-    difference measures the chaos of the motion, not the error of integration.  Each
-    piece therefore starts in a state of the run itself and is too short to diverge.
+    Two runs at different tolerances diverge after some touchdowns, because the motion is
+    chaotic. Their difference is then not the error of integration. Each piece therefore
+    starts in a state of the run and is too short to diverge.
     """
 
     scene: Scene
     depth: Array  # of the surfaces, (joints, 2, bins), m
-    replicate: int = -1  # those of stages are not negative
+    replicate: int = -1  # replicates of stages have other numbers, from 0
 
     def __call__(self, report: Report) -> dict[str, float]:
         """Return the relative changes of load distance and of the peak forces of the pieces.

@@ -14,8 +14,9 @@ from presswear.campaign.wear_update import initial_depth
 from presswear.engines.settings import Engine
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.soundness import Finding
-from presswear.results.folder import INTERVAL, ResultFolder, provenance
+from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.life import LifeResult
+from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -27,8 +28,9 @@ from presswear.tools.processes import Report, Workers, check_jobs, cores
 
 # imported by worker processes before the first job
 WORK_MODULE = "presswear.campaign.replicates"
-TURN = 1.0  # s, of work units that several processes share: they end together
-_UNITS_PER_CHECKPOINT = 4.0  # a state may be so much of the checkpoint interval old
+# Longest work unit with several processes, s: the processes then end nearly together
+TURN = 1.0
+_UNITS_PER_CHECKPOINT = 4.0  # work units in the interval between two checkpoints
 
 
 def run(
@@ -70,7 +72,7 @@ def run(
 
 
 class _Memory(Observer):
-    """Keeps a campaign in memory."""
+    """Observer that stores the stages and the life of a campaign in memory."""
 
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
@@ -158,13 +160,13 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
     """Run a scene in this process and return its status, with the reason of a failure."""
 
     class Reports(Observer):
-        """Passes the progress on."""
+        """Observer that reports the progress to the process that started this one."""
 
         def on_progress(self, progress: Progress) -> None:
-            is_compiling = progress.word == COMPILING
-            report(
-                math.nan if is_compiling else min(progress.whole, 0.999), progress.word
-            )
+            completed = min(progress.whole, 0.999)
+            if progress.word == COMPILING:
+                completed = math.nan
+            report(completed, progress.word)
 
         def on_life_start(self, cycles: float, seconds: float) -> None:
             report(math.nan, "", np.array([cycles, seconds]))
@@ -189,13 +191,11 @@ def workers_of(
     interval: float = math.inf,
 ) -> Workers:
     """Return the workers for the runs of a scene, with checkpoints at an interval, s."""
-    is_twice = (
-        scene.wear_updates > 0
-        and not scene.wears_in_steps
-        and scene.replicate_count > 1
-    )
-    count = min(jobs or cores(), scene.replicate_count * (2 if is_twice else 1))
-    # Frames for a window do not leave the process that runs.
+    runs = scene.replicate_count
+    if scene.wear_updates > 0 and not scene.wears_in_steps and runs > 1:
+        runs *= 2  # two sets of runs, see ``ensemble``
+    count = min(jobs or cores(), runs)
+    # Observers of runs and frames for a window need the runs in this process.
     if any(observer.observes_runs or observer.frames for observer in observers):
         count = 1
     duration = interval / _UNITS_PER_CHECKPOINT
@@ -215,7 +215,7 @@ def run_into(
         if store.is_finished:
             return None
         checkpoint = None if store.resumed is None else Checkpoint.load(store.resumed)
-        # A jump adds replicates on surfaces of their own.
+        # The number of runs (first axis) differs between the stages of a scene.
         if checkpoint and checkpoint.depth.shape[1:] != initial_depth(scene).shape[1:]:
             raise InputError(f"{store.path}: its checkpoint is of another scene")
         workers = workers or Workers(lasts=store.interval / _UNITS_PER_CHECKPOINT)

@@ -24,6 +24,7 @@ def wall_statistics(
     """Return the wear rates of the walls of each guide by side."""
     runs = [run.maps for run in recorders]
     means = walls_of(linkage, mean_map(runs))
+    # Independent runs are samples; the batches of a single run may be correlated.
     batches = [run.batches for run in runs]
     if len(runs) > 1:
         batches = [run.sampled[np.newaxis] / run.samples for run in runs]
@@ -73,17 +74,15 @@ def _of_wall(
     deepest = int(mean.argmax())
     area = corner.width * _map_of(corner).bin_length
 
-    def estimate(value: float, series: list[Array]) -> Estimate:
-        values = np.concatenate(series)
-        half = half_width(values) if len(series) > 1 else half_width_of_runs(series)
+    def estimate(value: float, by_run: list[Array]) -> Estimate:
+        values = np.concatenate(by_run)
+        half = half_width(values) if len(by_run) > 1 else half_width_of_runs(by_run)
         return Estimate.symmetric(value, half, values.size).positive
 
+    volumes = [area * depth.sum(axis=-1) for depth in samples]
+    depths = [depth[:, deepest] for depth in samples]
     return WallStatistics(
-        volume_per_cycle=estimate(
-            wall_volume(corner, mean), [area * each.sum(axis=-1) for each in samples]
-        ),
-        depth_per_cycle=estimate(
-            float(mean[deepest]), [each[:, deepest] for each in samples]
-        ),
+        volume_per_cycle=estimate(wall_volume(corner, mean), volumes),
+        depth_per_cycle=estimate(float(mean[deepest]), depths),
         place=float(bin_centres_of(_map_of(corner))[deepest]),
     )

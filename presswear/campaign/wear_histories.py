@@ -10,13 +10,7 @@ import numpy as np
 
 from presswear.campaign import wear_update
 from presswear.campaign.cycles_of_life import cycles_left
-from presswear.campaign.ensemble import (
-    WATCHED_CYCLES,
-    WATCHED_SECONDS,
-    Ensemble,
-    EnsembleState,
-    Runner,
-)
+from presswear.campaign.ensemble import Ensemble, EnsembleState
 from presswear.campaign.life_problem import fewest_cycles_of, problem_of
 from presswear.campaign.life_quantities import pseudo_levels_of, samples_of
 from presswear.campaign.life_result import life_by_rate, life_result, preliminary_life
@@ -27,6 +21,7 @@ from presswear.campaign.refinement import (
     Refinements,
 )
 from presswear.campaign.replicates import RunSpec, RunState, StepCheck, worn_out
+from presswear.campaign.runner import WATCHED_CYCLES, WATCHED_SECONDS, Runner
 from presswear.campaign.service_life import (
     BlockPlan,
     LifeProblem,
@@ -184,7 +179,9 @@ class WearHistories:
         maps = [run.maps for run in runs if run]
         if not maps or is_known:
             return self.problem
-        removed = np.mean([one.sampled / max(one.samples, 1) for one in maps], axis=0)
+        removed = np.mean(
+            [run_maps.sampled / max(run_maps.samples, 1) for run_maps in maps], axis=0
+        )
         change = wear_update.largest_change(joints, removed)
         of_depth = [law for law in depth_laws_of(joints) if law is not None]
         change *= max((law.ratio for law in of_depth if law.ratio > 1.0), default=1.0)

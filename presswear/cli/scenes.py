@@ -39,9 +39,10 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         return 0
     scene = load_scene(arguments.scene)
     groups = settings_in_groups(scene, arguments.all)
-    width = max(len(one.key) for settings in groups.values() for one in settings)
+    keys = [setting.key for settings in groups.values() for setting in settings]
+    width = max(map(len, keys))
     for title, settings in groups.items():
-        lines = (f"{one.key:{width}} {one.described()}" for one in settings)
+        lines = (f"{setting.key:{width}} {setting.described()}" for setting in settings)
         print_lines(console, f"{title}:", *lines, "")
     if not arguments.all:
         every = settings_in_groups(scene, every=True)

@@ -136,7 +136,7 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
     """
     scene = terminal.requested_scene(arguments)
     folder = arguments.out or terminal.free_folder(f"benchmark-{scene.name}")
-    from presswear.results.folder import provenance
+    from presswear.results.provenance import provenance
     from presswear.tools.serialize import write_json
 
     measure = _measure_features if arguments.features else _measure_methods

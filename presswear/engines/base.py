@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
+from presswear.linkage.point_position import point_position
 from presswear.linkage.points import GROUND
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT, MEMORY
@@ -58,7 +59,7 @@ from presswear.tools.compile import Records
 
 Status = Literal["completed", "enough", "failed"]
 
-STROKE_NOISE = 1e-9  # of a cycle, by which a stroke ends earlier than planned
+STROKE_NOISE = 1e-9  # time by which a stroke ends earlier than planned, over a cycle
 
 
 @dataclass(frozen=True)
@@ -78,30 +79,30 @@ class Plan:
     """Duration of a run and the results to store."""
 
     cycle: float  # nominal duration, s
-    cycles: int  # at most
-    # at the start, whose series and single contacts are stored
+    cycles: int  # largest number of cycles
+    # number of cycles at the start of which series and single contacts are stored
     recorded_cycles: int = 5
-    rows_per_cycle: int = ROWS_AT_LEAST  # of a series, at least
-    # Parts of each cycle at which its state is stored and a step ends, rising, above 0
-    # up to 1
+    rows_per_cycle: int = ROWS_AT_LEAST  # least number of rows of the series in a cycle
+    # Fractions of each cycle at which a step ends and the state is stored: in increasing
+    # order, above 0 and up to 1
     sections: tuple[float, ...] = ()
-    torques: bool = True  # whether the series hold the torques of the drives
-    # notified after each cycle; each can end the run
+    torques: bool = True  # True: the series contain the torques of the drives
+    # Objects that are notified after each cycle; each of them can end the run
     observers: tuple[Observer, ...] = ()
     # Called many times a second with the completed fraction, 0 to 1, and the recorder
     report: Callable[[float, Recorder], object] = lambda part, recorder: None
-    # Returns the depth, m, that the surfaces lose after a cycle, from the number of
-    # cycles, the depth that the last one added, and that of the surfaces, all of shape
-    # (joints, 2, m); None: the surfaces stay.
+    # Function that returns the depth by which the surfaces wear after a cycle, m, from the
+    # number of cycles, the wear depth of the last cycle, m, and the depth of the
+    # surfaces, m. All depths have the shape (joints, 2, bins). None: the surfaces stay.
     wear: Callable[[int, Array, Array], Array] | None = None
-    # of a run with the same linkage, start, engine and plan
+    # State to resume from, of a run with the same linkage, start, engine and plan
     resume: State | None = None
-    # nominal time before the first cycle, s; it is in the series, and in no cycle
+    # Nominal time before the first cycle, s; the series include it
     run_up: float = 0.0
     # Nominal times from the start of a cycle between which the bottom of its stroke is
-    # searched, s; the first may be negative.  None: start and end of the cycle.
+    # searched, s; the first may be negative. None: start and end of the cycle
     stroke: tuple[float, float] | None = None
-    # True: cycles end at times of the clock, with a motor, too
+    # True: cycles end at times, also with a motor; False: at nominal times
     by_clock: bool = False
 
     def time_of(self, cycles: float) -> float:
@@ -110,7 +111,7 @@ class Plan:
 
     @property
     def duration(self) -> float:
-        """Nominal time of the most cycles, s."""
+        """Nominal time of a run with the largest number of cycles, s."""
         return self.time_of(self.cycles)
 
     @property
@@ -151,7 +152,7 @@ def with_velocity(linkage: Linkage, position: Array, velocity: Array) -> Start:
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     """Return the empty recorder of a run; the modes of its loads are those of the start.
 
-    InputError if a spring has no direction in the start.
+    InputError if a spring has the length zero at the start.
     """
     check_springs(linkage, start.position)
     count = len(linkage.clearances)
@@ -221,7 +222,7 @@ def _output_of(linkage: Linkage, start: Start, plan: Plan) -> Records:
     output["sin"] = math.sin(point.direction)
     output["x"] = point.x
     output["y"] = point.y
-    x, y = place_of(linkage, point.attachment, start.position.tolist())
+    x, y = point_position(linkage, point.attachment, start.position.tolist())
     output["start"] = math.cos(point.direction) * x + math.sin(point.direction) * y
     output["velocity"] = math.inf
     output["bottom"] = math.inf
@@ -290,7 +291,7 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
         model = f"{model}, {listed(names)} prescribed"
     named = [
         load.name
-        for load in linkage.live_loads
+        for load in linkage.loads_with_law
         if isinstance(load, Force) and load.name
     ]
     if named:

@@ -19,11 +19,11 @@ from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
 
-# Exudyn ends a run this close to its end time, s; a cycle is closed the same way.
+# Exudyn ends a run if the time left is shorter, s; a cycle ends by the same tolerance.
 END_TOLERANCE = 1e-10
-# Part of the expected time to the end of a section that its first step takes at most
+# Longest first step of a section that ends at an angle, over the expected time to its end
 FIRST_PART = 0.5
-# End time for a section that ends at an angle, in longest steps: PostStep ends it earlier
+# Number of longest steps up to the end time of such a section: PostStep ends it earlier
 MOST_STEPS = 10**9
 # Factor by which Exudyn shortens the step that the error of DOPRI5 allows
 STEP_SAFETY = 0.9
@@ -54,21 +54,22 @@ class Solver:
     longest: float  # step, s
     remedy: str  # advice if the solver gives up
     counts: Mapping[str, str]  # attributes of Exudyn's iteration by name of a count
-    # Over all cycles so far: accepted steps (``steps``), repeated ones (``sent_back``),
-    # ``counts``, and the wall time, s. Also the time of the last accepted step
-    # (``time``), and the next step that contacts allow (``following``) and that the
-    # solver proposes (``proposed``), s
+    # Sums over all cycles so far: accepted steps (``steps``), repeated steps
+    # (``sent_back``), the names of ``counts``, and the wall time (``wall``), s. Values of
+    # the last accepted step: its time (``time``), and the next step that contacts allow
+    # (``following``) and that the solver proposes (``proposed``), s
     sums: dict[str, float] = field(init=False)
     _end: float = 0.0  # of the present section, s; nominal with a leader
     # The present section ends at an angle of the leader. Stored here, because reading it
     # from the recorder takes as long as a stage of the method.
     _ends_by_angle: bool = False
     _has_ended: bool = False  # the cycle ran to its end
-    _is_broken: bool = False
-    _limit: float = 0.0  # of the step to come, s
-    _finding: Finding | None = None  # what ends the run between two cycles
+    _is_broken: bool = False  # the state is not finite
+    _limit: float = 0.0  # longest next step, s; 0: no limit
+    _finding: Finding | None = None  # reason to end the run within a cycle
     _progress: Progress = field(init=False)
-    # of a function that Exudyn calls, which would wrap it: raised after the solve
+    # Error in a function that Exudyn calls. It is raised after the solve, because Exudyn
+    # would replace it by an error of its own.
     error: BaseException | None = None
     _iteration: Any = None
 
@@ -118,7 +119,7 @@ class Solver:
             if self._iteration is None:
                 self._iteration = system.sys["dynamicSolver"].it
                 if self.time > 0.0:
-                    # The first call of a cycle shows its initial state, which the last
+                    # The first call of a cycle has its initial state, which the last
                     # cycle has recorded.
                     first_step = min(self.sums["following"], self._first_step(t))
                     self._limit_next(first_step)
@@ -126,7 +127,7 @@ class Solver:
                 self.sums["steps"] -= 1.0
             return self._accept(t)
         except BaseException as error:
-            self.error = error  # raised after the solve, because Exudyn would wrap it
+            self.error = error
             return False
 
     def _accept(self, t: float) -> bool:
@@ -175,13 +176,13 @@ class Solver:
         """Return the longest first step of a section, s."""
         if not self._ends_by_angle:
             return self._end - t
-        # The last section chose the step that follows without this end.
+        # The proposed step of the last section does not know the end of this section.
         rate = float(self.recorder.records.nominal["rate"][0])
         nominal_step = FIRST_PART * (self._end - self.recorder.nominal_time)
         return nominal_step / rate if rate > 0.0 else self.longest
 
     def _judge(self, t: float) -> Finding | None:
-        """Return a finding if contacts have created energy, or if time stands still."""
+        """Return a finding if contacts created energy, a motor stalled or steps became tiny."""
         records = self.recorder.records
         if self.recorder.nominal_time > self.plan.settled:
             loss, exchange = records.energies[[CONTACT_LOSS, DRIVE_EXCHANGE]]
@@ -199,8 +200,9 @@ class Solver:
     def run(self, system: Any, live: Mapping[str, Any], end: float) -> Finding | None:
         """Run from the present state up to the end of a section; return what went wrong.
 
-        The end time of Exudyn lies after that of the section, and PostStep ends the
-        solve: a step that Exudyn cuts at its own end time is no measure for the next.
+        The end time of Exudyn is later than that of the section, and PostStep ends the
+        solve. If Exudyn shortened the last step to meet its end time, it would propose
+        too short a step for the next section.
 
         Parameters
         ----------

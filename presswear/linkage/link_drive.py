@@ -35,7 +35,7 @@ from presswear.linkage.mechanism import (
     number_field,
 )
 from presswear.linkage.motor import Motor
-from presswear.linkage.parts import gravity, run_up
+from presswear.linkage.parts import gravity_field, run_up_field
 from presswear.tools.fields import quantity
 
 _OF_PRESS = "press of 2,500 t in presslink 0.0.3"
@@ -94,7 +94,7 @@ class LinkDrive(Mechanism):
     rod_inertia: float | None = chosen_inertia(
         None, f"inertia of the rod{DEFAULT_OF_ROD}"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = quantity(
         25.0 * math.pi / 30.0,
         unit="rad/s",
@@ -103,7 +103,7 @@ class LinkDrive(Mechanism):
         origin=_OF_PRESS,
         text="crank speed omega",
     )
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
     frame_mass: float | None = frame_mass_field()
     frame_stiffness: float | None = frame_stiffness_field()

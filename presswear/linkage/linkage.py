@@ -1,8 +1,8 @@
-"""A planar linkage as data, and how it is assembled from its parts.
+"""Planar linkage as data, and its assembly from parts.
 
-One description serves every engine. Coordinates of body ``i`` are the position of its
+Every engine uses this description. The coordinates of body ``i`` are the position of its
 mass centre and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the order of
-``Linkage.bodies``. The frame is the name ``GROUND``; points on it are global.
+``Linkage.bodies``. The frame has the name ``GROUND``; its points have global coordinates.
 """
 
 import math
@@ -27,12 +27,12 @@ from presswear.linkage.part_checks import (
 from presswear.linkage.parts import (
     Parts,
     Placing,
-    cycle,
-    gravity,
+    cycle_field,
+    gravity_field,
     part_with_names,
-    run_up,
+    run_up_field,
 )
-from presswear.linkage.points import GROUND, Attachment, OutputPoint
+from presswear.linkage.points import GROUND, OutputPoint
 from presswear.linkage.spring import AnySpring
 from presswear.tools.arguments import checked_arguments
 from presswear.tools.errors import InputError
@@ -61,10 +61,10 @@ class Linkage(Checked):
     drives: tuple[Drive, ...]
     output: OutputPoint
     guess: tuple[tuple[str, float], ...] = ()
-    cycle: float | None = cycle()
-    run_up: int = run_up()
+    cycle: float | None = cycle_field()
+    run_up: int = run_up_field()
     name: str = "linkage"
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     springs: tuple[AnySpring, ...] = ()
     loads: tuple[AnyLoad, ...] = ()
     clearances: tuple[ClearanceJoint, ...] = ()
@@ -273,12 +273,12 @@ class Linkage(Checked):
         return tuple(joint for joint in self.joints if isinstance(joint, Guide))
 
     @property
-    def dead_loads(self) -> tuple[Load, ...]:
+    def constant_loads(self) -> tuple[Load, ...]:
         """Constant loads."""
         return tuple(load for load in self.loads if isinstance(load, Load))
 
     @property
-    def live_loads(self) -> tuple[Force | Moment, ...]:
+    def loads_with_law(self) -> tuple[Force | Moment, ...]:
         """Loads with a law."""
         return tuple(load for load in self.loads if not isinstance(load, Load))
 
@@ -383,18 +383,19 @@ def assemble(  # noqa: PLR0913 - the tables of a file of a mechanism
     InputError
         Names the body, point, joint or value that does not fit.
     """
-    rows = list(bodies)
+    typed_bodies = list(bodies)
     for k, body in enumerate(bodies):
         if isinstance(body, Mapping):
-            rows[k] = make(f"bodies[{k}]", Bar if "length" in body else Body, body)
-    if not rows:
+            kind = Bar if "length" in body else Body
+            typed_bodies[k] = make(f"bodies[{k}]", kind, body)
+    if not typed_bodies:
         raise InputError("bodies: at least one is needed")
-    is_default = output is None or (isinstance(output, str) and not output)
-    end = getattr(rows[-1], "name", "") if is_default else output
-    tables = rows, joints, drives, springs, loads
+    if output is None or (isinstance(output, str) and not output):
+        output = getattr(typed_bodies[-1], "name", "")
+    tables = typed_bodies, joints, drives, springs, loads
     make_parts: Any = Parts  # Any, because it also takes numbers as texts with units
     parts: Parts = make_parts(
-        end, name, direction, dict(guess), cycle, run_up, gravity, *tables
+        output, name, direction, dict(guess), cycle, run_up, gravity, *tables
     )
     placing = Placing(parts)
     for body in parts.guess:
@@ -428,21 +429,10 @@ def _check(linkage: Linkage) -> None:
     }
     check_names(names)
     check_joint_names(joints)
-    for load in linkage.live_loads:
+    for load in linkage.loads_with_law:
         if isinstance(load.law, OverTime) and load.law.period is None:
             load.law.check_period("cycle", linkage.period)
     check_parts(linkage.bodies, linkage.joints, linkage.drives, dict(linkage.guess))
-
-
-def place_of(
-    linkage: Linkage, point: Attachment, position: Sequence[float]
-) -> tuple[float, float]:
-    """Return the place of a point of a body, or of the frame, m, in a position of all bodies."""
-    if point.body == GROUND:
-        return point.x, point.y
-    x, y, angle = position[3 * linkage.index(point.body) :][:3]
-    c, s = math.cos(angle), math.sin(angle)
-    return x + c * point.x - s * point.y, y + s * point.x + c * point.y
 
 
 def linkage_from(data: Mapping[str, Any], place: str) -> Linkage:

@@ -38,7 +38,7 @@ from presswear.linkage.mechanism import (
     motor_field,
 )
 from presswear.linkage.motor import Motor
-from presswear.linkage.parts import gravity, run_up
+from presswear.linkage.parts import gravity_field, run_up_field
 from presswear.tools.fields import choice, quantity
 
 
@@ -77,7 +77,7 @@ class SliderCrank(Mechanism):
     rod_inertia: float | None = chosen_inertia(
         None, f"inertia of the rod{DEFAULT_OF_ROD}"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = quantity(
         5000.0 * math.pi / 30.0,
         unit="rad/s",
@@ -86,7 +86,7 @@ class SliderCrank(Mechanism):
         origin=LITERATURE,
         text="crank speed omega",
     )
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
     frame_mass: float | None = frame_mass_field()
     frame_stiffness: float | None = frame_stiffness_field()
@@ -164,9 +164,9 @@ class FourBar(Mechanism):
     side: str = choice(
         "above", ("above", "below"), "side of the frame on which the rocker begins"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = chosen_speed(10.0 * math.pi, "crank speed omega")
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
     frame_mass: float | None = frame_mass_field()
     frame_stiffness: float | None = frame_stiffness_field()
@@ -237,9 +237,9 @@ class SixBar(Mechanism):
     lower_inertia: float | None = chosen_inertia(
         None, f"inertia of the lower link{DEFAULT_OF_ROD}"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = chosen_speed(2.0 * math.pi, "crank speed omega")
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
     frame_mass: float | None = frame_mass_field()
     frame_stiffness: float | None = frame_stiffness_field()
@@ -313,11 +313,11 @@ class TwoPoint(Mechanism):
     rod_inertia: float | None = chosen_inertia(
         None, f"inertia of a rod{DEFAULT_OF_ROD}"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = chosen_speed(
         2.0 * math.pi, "speed of crank 2; crank 1 has the opposite one"
     )
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:

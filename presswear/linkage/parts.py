@@ -17,13 +17,13 @@ from presswear.tools.fields import count, quantity
 from presswear.tools.serialize import Checked
 
 # Fields of data classes; without a cycle its time follows from the drives.
-run_up = partial(
+run_up_field = partial(
     count, 0, 0, 1000, "chosen", "number of cycles of the run-up from rest"
 )
-cycle = partial(
+cycle_field = partial(
     quantity, None, "s", MIN_CYCLE, MAX_CYCLE, "", "time after which the motion repeats"
 )
-gravity = partial(
+gravity_field = partial(
     quantity, 9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y"
 )
 
@@ -36,9 +36,9 @@ class Parts(Checked):
     name: str
     direction: float | None = angle("of the output point", None)
     guess: Mapping[str, Annotated[float, ANGLE]] = field(default_factory=dict)
-    cycle: float | None = cycle()
-    run_up: int = run_up()
-    gravity: float = gravity()
+    cycle: float | None = cycle_field()
+    run_up: int = run_up_field()
+    gravity: float = gravity_field()
     bodies: Sequence[Body] = ()
     joints: Sequence[AnyPin | Guide] = ()
     drives: Sequence[Drive | LinearDrive | GearedDrive] = ()

@@ -34,7 +34,7 @@ from presswear.linkage.mechanism import (
     paper_mass,
 )
 from presswear.linkage.motor import Motor
-from presswear.linkage.parts import gravity, run_up
+from presswear.linkage.parts import gravity_field, run_up_field
 from presswear.linkage.points import Attachment, OutputPoint
 from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
@@ -136,7 +136,7 @@ class Press(Mechanism):
     inertia_7: float = paper_inertia(
         5.396e-4, "inertia of crank 7 (affects the drive torque only)"
     )
-    gravity: float = gravity()
+    gravity: float = gravity_field()
     speed: float = quantity(
         3.5 * math.pi,
         unit="rad/s",
@@ -145,7 +145,7 @@ class Press(Mechanism):
         origin="paper, per study",
         text="crank speed omega: crank 7 turns at +omega, crank 2 at -omega",
     )
-    run_up: int = run_up()
+    run_up: int = run_up_field()
     torque_limit: float | None = torque_limit()
     frame_mass: float | None = frame_mass_field()
     frame_stiffness: float | None = frame_stiffness_field()

@@ -190,7 +190,7 @@ def _from_maps(
     rows = cycles_by_replicate(result, last, "load_distance")[
         : result.scene.replicate_count
     ]
-    cycles = sum(pw.statistics.after_startup(one).size for one in rows)
+    cycles = sum(pw.statistics.after_startup(row).size for row in rows)
 
     def measured(name: str) -> Measured | None:
         if name == "angle":

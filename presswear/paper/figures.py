@@ -169,8 +169,8 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
         loc="outside upper center",
         ncols=3,
     )
-    printed = [one for one in PRINTED if one.figure[:-1] == f"{number}"]
-    doubts = dict.fromkeys(one.misprint for one in printed if one.misprint)
+    printed = [entry for entry in PRINTED if entry.figure[:-1] == f"{number}"]
+    doubts = dict.fromkeys(entry.misprint for entry in printed if entry.misprint)
     caption = CAPTIONS["depths"] + "".join(f" In print: {doubt}." for doubt in doubts)
     return Drawing(f"fig-{number:02d}.png", f"Fig. {number} Wear depth", caption, sheet)
 

@@ -91,7 +91,11 @@ RANGES = tuple(
 
 def printed_at(place: Place, quantity: str) -> Printed | None:
     """Return the printed number of a quantity at a place; None if none is printed."""
-    numbers = (one for one in PRINTED if (one.place, one.quantity) == (place, quantity))
+    numbers = (
+        number
+        for number in PRINTED
+        if (number.place, number.quantity) == (place, quantity)
+    )
     return next(numbers, None)
 
 
@@ -213,8 +217,8 @@ _SHOWN = f"{WEAR}:1 {WEAR}:2 {FRICTION}:1 {HIGH_FRICTION}:1 {SLOW}:1 {FAST}:1"
 DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not printed
     *comparisons("depth more wear A,C 1,2"),
     *(
-        replace(one, over=one.under, under=one.over)
-        for one in comparisons(f"depth more joints {_SHOWN}")
+        replace(comparison, over=comparison.under, under=comparison.over)
+        for comparison in comparisons(f"depth more joints {_SHOWN}")
     ),
     *comparisons("depth more friction A,C 1"),
     *comparisons("depth more speed A,C 1"),

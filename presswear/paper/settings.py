@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import presswear as pw
 
-# relative error of the wear maps of a setting, from all replicates together
+# Relative error of the wear maps of a setting, from all replicates together
 TOLERANCE = 0.05
 _COMMON: dict[str, Any] = {
     "tolerance": TOLERANCE,
@@ -27,7 +27,7 @@ TABLES: dict[str, Any] = tomllib.loads(
 
 
 class Setting(NamedTuple):
-    """Setting of the paper: its label, a short one, and the name of its scene."""
+    """Setting of the paper: its label, a short label, and the name of its scene."""
 
     label: str
     short: str
@@ -47,13 +47,15 @@ class Case:
     label: str
     settings: tuple[str, ...] = tuple(SETTINGS)
     set: Mapping[str, Any] = field(default_factory=dict)  # settings of the scene
-    # factors on properties of materials
+    # factors on properties of the materials, by name
     scale: Mapping[str, float] = field(default_factory=dict)
-    # of the second frame joint, m
+    # displacements of the second frame joint, m, by name of the coordinate
     move: Mapping[str, float] = field(default_factory=dict)
-    finer: float = 1.0  # factor by which the steps are more accurate
-    other_engine: bool = False
-    wear_updates: int = 1  # at most
+    finer: float = 1.0  # factor by which the tolerance of the engine is smaller
+    other_engine: bool = (
+        False  # runs with Exudyn instead of dae, or with dae instead of Exudyn
+    )
+    wear_updates: int = 1  # largest number of wear updates
     replicates: int = 3  # the fewest with an interval
     tolerance_factor: float = 2.0  # on the relative error of the wear maps
 
@@ -74,10 +76,10 @@ class Case:
 
 
 SENSITIVITIES = {
-    name: Case(settings=(WEAR,), **one) for name, one in TABLES["sensitivities"].items()
+    name: Case(settings=(WEAR,), **row) for name, row in TABLES["sensitivities"].items()
 }
-CASES = {name: Case(**one) for name, one in TABLES["cases"].items()} | SENSITIVITIES
-BASE, *_, LONG = TABLES["cases"]
+CASES = {name: Case(**row) for name, row in TABLES["cases"].items()} | SENSITIVITIES
+BASE, *_, LONG = TABLES["cases"]  # names of the first and the last case
 PAPER_STEP = "paper-step"
 # Cases whose runs take the most time: Exudyn, 1,800 cycles, worn foundations
 LONGEST = ("other-engine", LONG, "refined")
@@ -105,8 +107,11 @@ def base_scene(setting: str, **settings: Any) -> pw.Scene:
 
 def make_scenes(engine: str | None = None, quick: bool = False) -> dict[str, pw.Scene]:
     """Return all scenes by the names of their folders; see ``run_paper``."""
-    common: dict[str, Any] = {} if engine is None else {"engine": engine}
-    common |= {"cycles": QUICK_CYCLES} if quick else {}
+    common: dict[str, Any] = {}
+    if engine is not None:
+        common["engine"] = engine
+    if quick:
+        common["cycles"] = QUICK_CYCLES
     scenes = {}
     for name, case in CASES.items():
         for setting in case.settings:

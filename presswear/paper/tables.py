@@ -199,10 +199,13 @@ def fit_table(evidence: Evidence) -> Table:
     """Return printed depths divided by ours; a perfect fit would be one number for all."""
     factors = [depth_factors(evidence, name) for name in JUDGED]
     lines = []
-    for place in dict.fromkeys(place for one in factors for place in one):
+    for place in dict.fromkeys(place for by_place in factors for place in by_place):
         doubt = " (doubtful print, left out)" if place in DOUBTFUL else ""
         lines.append(
-            (joint_text(place) + doubt, *(readable(one.get(place)) for one in factors))
+            (
+                joint_text(place) + doubt,
+                *(readable(by_place.get(place)) for by_place in factors),
+            )
         )
     best, typical, largest = zip(*map(fit, factors), strict=True)
     summary = (
@@ -230,10 +233,12 @@ def case_ratio(
     hold 1.
     """
     pair = [evidence.measured(name, place, quantity) for name in cases]
-    measured = [one for one in pair if one is not None and one.estimate.mean > 0.0]
+    measured = [
+        value for value in pair if value is not None and value.estimate.mean > 0.0
+    ]
     if len(measured) < 2:
         return text_of(None), False
-    over, under = ([one.estimate] for one in measured)
+    over, under = ([value.estimate] for value in measured)
     wide = verdicts.ratio(over, under, verdicts.factors_of(measured, count))
     differs = (
         wide.low is not None
@@ -305,9 +310,11 @@ def run_table(evidence: Evidence) -> Table:
     lines = []
     for name, result in evidence.results.items():
         statistics = [stage.statistics for stage in result.stages]
-        moving = [one for one in statistics if one.energy_exchanged]
-        residuals = [abs(one.energy_residual) / one.energy_exchanged for one in moving]
-        cycles = ", ".join(whole(one.cycles) for one in statistics)
+        moving = [stage for stage in statistics if stage.energy_exchanged]
+        residuals = [
+            abs(stage.energy_residual) / stage.energy_exchanged for stage in moving
+        ]
+        cycles = ", ".join(whole(stage.cycles) for stage in statistics)
         status = f"{result.status}: {result.message}".removesuffix(": ")
         residual = text_of(max(residuals, default=None), digits=1)
         wall = text_of(result.wall_s)

@@ -59,7 +59,9 @@ def ratio(
         below = math.log(one.mean / one.low) if one.low > 0.0 else math.inf
         return factor * below, factor * math.log(max(one.high / one.mean, 1.0))
 
-    value = math.prod(one.mean for one in over) / math.prod(one.mean for one in under)
+    numerator = math.prod(estimate.mean for estimate in over)
+    denominator = math.prod(estimate.mean for estimate in under)
+    value = numerator / denominator
     every = [*over, *under]
     below = []  # widths of the logarithms below and above the ratio
     above = []
@@ -116,14 +118,14 @@ def compared(
     """
     places = (*comparison.over, *comparison.under)
     every = [evidence.measured(case, place, comparison.quantity) for place in places]
-    measured = [one for one in every if one is not None]
+    measured = [value for value in every if value is not None]
     if len(measured) < len(places):
         return None
-    ours = [one.estimate for one in measured]
+    ours = [value.estimate for value in measured]
     factors = factors_of(measured, count)
     if comparison.is_difference:
         return difference(ours[0], ours[1], comparison.quantity == "angle", factors)
-    if any(one.mean <= 0.0 for one in ours):
+    if any(estimate.mean <= 0.0 for estimate in ours):
         return None
     numerators = len(comparison.over)
     return ratio(ours[:numerators], ours[numerators:], factors)
@@ -131,7 +133,7 @@ def compared(
 
 def factors_of(measured: Sequence[Measured], count: int) -> list[float]:
     """Return the factors that widen the intervals of quantities to ``count`` that hold together."""
-    return [widening(one.freedom, count) for one in measured]
+    return [widening(value.freedom, count) for value in measured]
 
 
 def verdict(ours: pw.statistics.Estimate | None, comparison: Comparison) -> Verdict:

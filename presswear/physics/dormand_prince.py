@@ -1,8 +1,8 @@
 """Coefficients of Dormand and Prince's embedded Runge-Kutta methods.
 
 Orders 8(5,3) and 5(4), as published with DOP853 and DOPRI5 (Hairer, Norsett, Wanner:
-Solving Ordinary Differential Equations I, sections II.4 and II.5).  SciPy has the same
-numbers, but to import them from there takes a quarter of a second.
+Solving Ordinary Differential Equations I, sections II.4 and II.5). SciPy has the same
+numbers, but its import takes a quarter of a second.
 """
 
 from typing import NamedTuple
@@ -17,12 +17,13 @@ class Tableau(NamedTuple):
 
     a: Array  # (n, n)
     b: Array  # (n,)
-    c: Array
+    c: Array  # (n,)
     error: Array  # weights of the error estimate, (n + 1,)
-    second_error: Array  # ... and of the one of lower order that DOP853 blends in
-    exponent: float  # of the ratio of errors, which gives the ratio of steps
-    # Steps end at corners of a law of friction. A corner between two stages of order 8
-    # is sometimes in no estimate of the error.
+    # weights of the second error estimate of DOP853, which has a lower order, (n + 1,)
+    second_error: Array
+    exponent: float  # the step is proportional to the error to this power
+    # True: steps end at corners of the friction law, because the error estimates of
+    # order 8 may miss a corner between two stages
     ends_at_corners: bool
 
 

@@ -21,8 +21,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
 
-# Instants of a cycle, every eighth of half a degree, at which a torque is compared with
-# its limit
+# Instants of a cycle at which a torque is compared with its limit: 16 in a degree
 _INSTANTS = 8 * 720
 # Largest change of friction moments in the last iteration, over the largest moment
 FRICTION_TOL = 1e-12
@@ -78,7 +77,7 @@ def forces_in_motion(
         states = np.array([motion.position, motion.velocity, motion.acceleration])
         needed -= load_forces(packed.loads, motion.time, states)
     if linkage.springs:
-        without_loads = replace(linkage, loads=linkage.dead_loads)
+        without_loads = replace(linkage, loads=linkage.constant_loads)
         forces = BodyForces(without_loads, packed._replace(loads=None))
         for k, t in enumerate(motion.time):
             needed[k] -= forces(t, motion.position[k], motion.velocity[k])
@@ -213,13 +212,13 @@ def load_corners(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     The shape is (k,), s. Instants are between the first and the last of ``time``, s,
     which must resolve the motion.
     """
-    if not linkage.live_loads:
+    if not linkage.loads_with_law:
         return np.zeros(0)
     from scipy.interpolate import CubicHermiteSpline  # slow to import
 
     motion = ideal.at(time)
     corners = [np.zeros(0)]
-    for load in linkage.live_loads:
+    for load in linkage.loads_with_law:
         if isinstance(load.law, OverTime):
             period = linkage.period if load.law.period is None else load.law.period
             turns = time[-1] / period if period > 0.0 else 0.0

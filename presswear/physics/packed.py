@@ -132,7 +132,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     joints = _pack_joints(linkage, offset, wearing)
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.dead_loads:
+    for load in linkage.constant_loads:
         i = offset[load.body]
         weight[i : i + 3] += load.x, load.y, load.moment
     nodes = int(joints["surface_nodes"].max(initial=0))

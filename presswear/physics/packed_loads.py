@@ -85,14 +85,14 @@ def load_forces(loads: Loads, time: Array, levels: Array) -> Array:
 def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
     """Return the sizes of loads over one coordinate in a recorded motion, shape (n, loads), N.
 
-    They are in the modes of the run that recorded it: a row stands at every change of
-    them. Columns of ``motion`` are time, s, and place, m, velocity and acceleration
-    along the loads' direction.
+    The series has a row at every change of a mode of a load, so that the modes are those
+    of the run. Columns of ``motion`` are time, s, and position, m, velocity and
+    acceleration along the direction of the loads.
     """
-    chosen = tuple(laws)
-    records = np.zeros(len(chosen), LOAD)
+    laws = tuple(laws)
+    records = np.zeros(len(laws), LOAD)
     records["cosine"] = 1.0
-    loads = _pack_laws(records, chosen, linkage)
+    loads = _pack_laws(records, laws, linkage)
     levels = np.zeros((3, len(motion), 3))
     levels[:, :, 0] = motion[:, 1:].T
     return sizes_in(loads, motion[:, 0], levels) * loads.records["cosine"]
@@ -100,11 +100,11 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
 
 def pack_loads(linkage: Linkage) -> Loads | None:
     """Return the loads of a linkage that have a law."""
-    if not linkage.live_loads:
+    if not linkage.loads_with_law:
         return None
-    loads = np.zeros(len(linkage.live_loads), LOAD)
+    loads = np.zeros(len(linkage.loads_with_law), LOAD)
     loads["cosine"] = 1.0
-    for record, load in zip(loads, linkage.live_loads, strict=True):
+    for record, load in zip(loads, linkage.loads_with_law, strict=True):
         record["body"] = 3 * linkage.index(load.body)
         record["turns"] = isinstance(load, Moment)
         if isinstance(load, Force):
@@ -113,11 +113,11 @@ def pack_loads(linkage: Linkage) -> Loads | None:
             record["y"] = point.y
             record["cosine"] = math.cos(load.direction)
             record["sine"] = math.sin(load.direction)
-    return _pack_laws(loads, [load.law for load in linkage.live_loads], linkage)
+    return _pack_laws(loads, [load.law for load in linkage.loads_with_law], linkage)
 
 
 def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Loads:
-    """Return loads from their laws and from records of where they act, which are filled."""
+    """Return loads from their laws; ``records`` have the points and directions of the loads."""
     nodes: list[tuple[float, float]] = []
     for record, law in zip(records, laws, strict=True):
         table: Sequence[tuple[float, float]] = ()
@@ -136,6 +136,7 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
             record["unloading"] = law.unloading
             table = law.table
             if law.sense == "against":
+                # In kernels a load acts while its position grows; see LOAD.
                 for name in ("cosine", "sine", "zero"):
                     record[name] *= -1.0
                 table = [(-place, -size) for place, size in reversed(table)]
@@ -148,7 +149,7 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
             table = law.harmonics
             record["mean"] = law.mean
             record["frequency"] = law.frequency
-        else:
+        else:  # a constant
             record["kind"] = SERIES
             record["mean"] = law
         record["first"] = len(nodes)
@@ -159,15 +160,19 @@ def _pack_laws(records: Records, laws: Sequence[object], linkage: Linkage) -> Lo
 
 
 def _whole_period(law: OverTime, period: float) -> list[tuple[float, float]]:
-    """Return a table from 0 to its period, with what lies between its last node and its first."""
+    """Return a table from 0 to the period: linear from its last node to its first one."""
     nodes = list(law.table)
     if period == 0.0:
         return nodes
-    (x0, y0), (x1, y1) = nodes[0], nodes[-1]
-    gap = x0 + period - x1
-    edge = y1 + (y0 - y1) * (period - x1) / gap if gap > 0.0 else y1
-    if x0 > 0.0:
-        nodes.insert(0, (0.0, edge))
-    if x1 < period:
-        nodes.append((period, edge))
+    first_time, first_size = nodes[0]
+    last_time, last_size = nodes[-1]
+    gap = first_time + period - last_time
+    size_at_end = last_size
+    if gap > 0.0:
+        rise = (first_size - last_size) * (period - last_time) / gap
+        size_at_end = last_size + rise
+    if first_time > 0.0:
+        nodes.insert(0, (0.0, size_at_end))
+    if last_time < period:
+        nodes.append((period, size_at_end))
     return nodes

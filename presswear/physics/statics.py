@@ -62,10 +62,10 @@ class _Rest:
                 "deflection needs a linkage whose ideal joints hold each body just once"
             )
         self.position = self.ideal.at(np.array([time])).position[0]
-        self.packed = pack(replace(linkage, loads=linkage.dead_loads))
+        self.packed = pack(replace(linkage, loads=linkage.constant_loads))
         self.tolerance = ROUND_OFF * self.ideal.rows.size
         self._onset = np.zeros(len(linkage.clearances))
-        resting = replace(linkage, loads=linkage.dead_loads)
+        resting = replace(linkage, loads=linkage.constant_loads)
         self._forces = BodyForces(resting, self.packed, self._onset)
         self.contacts = self._forces.contacts
         self._linkage = linkage

@@ -24,10 +24,11 @@ from presswear.physics.worn_map import SURFACES, bin_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, call, compiled, lazily_compiled
 
-STEP_TOL = 1e-12  # error of a step, part of the depth so far
-LEAST_STEP = 1e-12  # part of the interval, so that a law that jumps is integrated, too
-GROWTH = 5.0  # largest growth of a step, and shrinkage
-# Places of the numbers of a law in an array
+STEP_TOL = 1e-12  # allowed error of a step over the depth
+# Shortest step over the interval; shorter ones would not pass a jump of the law
+LEAST_STEP = 1e-12
+GROWTH = 5.0  # largest ratio of two successive steps
+# Indices of the numbers of a law in an array
 ADDRESS, COEFFICIENT, PRESSURE, SCALE, PER_DEPTH = range(5)
 
 
@@ -50,7 +51,7 @@ def slope_at(
     """Return the rate of the excess at a place ``x`` of the interval, see ``excess_over``."""
     if is_inverse:
         return excess_rate(law, x, x + excess, True)
-    # No surface grows, but a stage of a step that is too long may.
+    # The depth may be negative in a stage of a step that is too long.
     depth = max(start[0] + x + excess, 0.0)
     return excess_rate(law, depth, start[1] + x, False)
 
@@ -64,11 +65,11 @@ def excess_over(
     tableau: Tableau,
     slopes: Array,
 ) -> float:
-    """Return by how much wear exceeds the ``length`` of an interval of Archard's depth, m.
+    """Return the wear depth less the ``length`` of an interval of Archard's depth, m.
 
-    ``start`` are the depths h and H, m. With ``is_inverse`` the interval is one of worn
-    depth from new, and the result the excess of Archard's depth. Dormand and Prince's
-    method of order 8 with step control; ``slopes`` is working space.
+    ``start`` are the depths h and H, m. With ``is_inverse`` the interval is one of wear
+    depth from new, and the result is Archard's depth less its length. The method is that
+    of Dormand and Prince of order 8 with step control; ``slopes`` is working space.
 
     ``scipy.integrate.solve_ivp`` over all places at once takes 60 times as long for a law
     that jumps, because each place jumps at another instant.
@@ -97,10 +98,10 @@ def excess_over(
         missed = h * error * error / blended if blended > 0.0 else 0.0
         allowed = STEP_TOL * abs(x + h + excess + h * change)
         if missed <= allowed or h <= LEAST_STEP * length:
-            # A step of the whole rest ends there to the last digit.
+            # The last step ends at ``length`` without round-off.
             x = x + h if h < length - x else length
             excess += h * change
-        # No number after a step that is too long
+        # The error of a step that is too long may be NaN.
         ratio = 1.0 / GROWTH if math.isnan(missed) else GROWTH
         if missed > 0.0:
             ratio = 0.9 * (allowed / missed) ** 0.125

@@ -16,13 +16,12 @@ from presswear.physics.event_time import crossing, hermite
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, floats, inlined
 
-# Time before the end of a section from which on it is reached, s: more than the
-# round-off of angles
+# A section has ended if the nominal time left is shorter, s; more than the round-off
 SECTION_TOL = 1e-11
 
 # Speed over nominal speed below which a motor that has run is stalled
 STALLED = 0.05
-# Rotation that shows that a starting motor still turns, in turns and in rad
+# Rotation after which a starting motor is not stalled, turns
 ADVANCE = 1e-3
 _ADVANCE_ANGLE = 2.0 * math.pi * ADVANCE
 
@@ -59,7 +58,8 @@ def nominal_of(linkage: Linkage) -> Records:
     nominal["stall"] = math.inf
     if leader is not None:
         nominal["column"] = 3 * linkage.index(leader.body) + 2
-        nominal["start"], nominal["speed"] = leader.angle, leader.speed
+        nominal["start"] = leader.angle
+        nominal["speed"] = leader.speed
     return nominal
 
 
@@ -79,8 +79,8 @@ def nominal_within(
 ) -> float:
     """Return the nominal time at a time ``elapsed`` after the start of a step, s.
 
-    The step has the length ``h`` and ends at ``t``, s. ``now`` are nominal time and
-    rate at its end. Those at its start are in the record.
+    The step has the length ``h`` and ends at ``t``, s. ``now`` has the nominal time and
+    its rate at the end of the step. The record has both at its start.
     """
     state = nominal[0]
     if state.column < 0:
@@ -106,6 +106,7 @@ def note_nominal(
     state = nominal[0]
     state.now, state.rate = now
     if state.column >= 0:
+        speed = abs(state.speed)
         rise = a[state.column] / state.speed
         state.jerk = (rise - state.rise) / h if h > 0.0 else 0.0
         state.rise = rise
@@ -114,10 +115,7 @@ def note_nominal(
         elif state.runs:
             if math.isinf(state.stall):
                 state.stall = now[0]
-        elif (
-            now[0] * abs(state.speed)
-            > state.furthest * abs(state.speed) + _ADVANCE_ANGLE
-        ):
+        elif now[0] * speed > state.furthest * speed + _ADVANCE_ANGLE:
             state.furthest = now[0]
             state.idle = 0.0
         else:
@@ -141,11 +139,11 @@ def time_left(nominal: Records, t: float, end: float) -> float:
 def section_at_start(
     nominal: Records, smooth: bool
 ) -> tuple[float, float, float, float]:
-    """Return the nominal time minus the end of the section, s, and three derivatives.
+    """Return the nominal time minus the end of the section, s, and three derivatives by time.
 
-    They are those of the last accepted state. The difference is minus infinity if the
-    section has no end in nominal time. The third derivative is 0 unless the motion is
-    ``smooth``.
+    The values are those of the last accepted state. The difference is minus infinity if
+    the section has no end in nominal time. The third derivative is 0 unless the motion
+    is ``smooth``.
     """
     state = nominal[0]
     jerk = state.jerk if smooth else 0.0
@@ -162,9 +160,9 @@ def section_value(nominal: Records, q: Array, v: Array) -> tuple[float, float]:
 def section_crossing(
     nominal: Records, q: Array, v: Array, h: float, behind: float
 ) -> float:
-    """Return the fraction of a step after which the end of the section is passed; 2 if never.
+    """Return the fraction of a step at which the section ends, or 2 if it does not end in it.
 
-    It is passed if the nominal time exceeds the end by ``behind``, s.
+    ``behind`` is the time by which the nominal time exceeds the end of the section, s.
     """
     state = nominal[0]
     if math.isinf(state.end):

@@ -44,7 +44,7 @@ class Observer:
 
     @property
     def observes_runs(self) -> bool:
-        """True if it overrides ``on_cycle``: a campaign then keeps its runs in this process."""
+        """True if it overrides ``on_cycle``: a campaign then runs everything in this process."""
         return type(self).on_cycle is not Observer.on_cycle
 
     def on_progress(self, progress: Progress) -> None:
@@ -56,7 +56,7 @@ class Observer:
         Parameters
         ----------
         state : callable
-            Returns all that another process needs to continue the run.
+            Returns the arrays from which another process can continue the run.
         """
         return False
 

@@ -9,9 +9,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition
 from presswear.linkage.loads import Force
+from presswear.linkage.point_position import point_position
 from presswear.linkage.process import PROCESSES
 from presswear.physics.constraints import Constraints
 from presswear.physics.equations.body_forces import BodyForces
@@ -282,11 +283,11 @@ def _depth_in_work(linkage: Linkage, recorder: Recorder) -> str:
         return ""
     motion = ideal_motion(linkage.ideal, linkage.period).at(np.array([stall]))
     position = motion.position[0].tolist()
-    forces = (load for load in linkage.live_loads if isinstance(load, Force))
+    forces = (load for load in linkage.loads_with_law if isinstance(load, Force))
     for load in forces:
         if load.name not in PROCESSES or not isinstance(load.law, OverPosition):
             continue
-        x, y = place_of(linkage, load.attachment, position)
+        x, y = point_position(linkage, load.attachment, position)
         along = x * math.cos(load.direction) + y * math.sin(load.direction)
         depth = load.law.zero - along
         if 0.0 < depth < -load.law.table[0][0]:
@@ -319,7 +320,7 @@ def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
         with_spring = replace(without, springs=(spring,))
         forces = BodyForces(with_spring, pack(with_spring))
         elements.append(_Element(f"spring {spring.name}", forces))
-    for k, load in enumerate(linkage.live_loads):
+    for k, load in enumerate(linkage.loads_with_law):
         with_load = replace(without, loads=(load,))
         loads = records.packed.loads
         assert loads is not None

@@ -172,7 +172,7 @@ def _dry_contacts(
         f"Contacts are deep: pins penetrate their bearings at joint {places}. The stiffness is "
         "that of small contacts; here bottom dead centre under load may be wrong, forces less so."
     )
-    last = next(one for one in reversed(stages) if not one.failed)
+    last = next(stage for stage in reversed(stages) if not stage.failed)
     peaks = []
     for name in deep:
         if name in last.statistics.joints:

@@ -1,4 +1,4 @@
-"""Result folder: its document ``result.json`` with provenance, and writing into it.
+"""Result folder: its document ``result.json``, and writing into it.
 
 One process at a time writes into a folder. A finished stage is stored at once. The
 state of an unfinished run is stored in a checkpoint after every stage and at an
@@ -7,32 +7,24 @@ interval within a stage, so that an interrupted run resumes with the same number
 used, and nothing that is read is executed.
 """
 
-import hashlib
-import os
-import platform
-import shlex
-import subprocess
-import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal, NotRequired, Self, TypedDict
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from presswear.recording.observer import Observer
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import WITHOUT_CURVES, LifeResult
+from presswear.results.provenance import Provenance, provenance, versions_of
 from presswear.results.stage import StageResult
 from presswear.scene.differences import differences
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.exudyn import requested_module
 from presswear.tools.files import PART, FolderLock, is_free
 from presswear.tools.processes import is_stopped
 from presswear.tools.serialize import plain, read_json, typed, write_json
@@ -43,96 +35,6 @@ SCHEMA = 11
 _MOST_BYTES = 2**26
 FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
 INTERVAL = 60.0  # s between two checkpoints within a stage
-PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
-_SOURCE = Path(__file__).resolve().parents[1]
-
-
-class Provenance(TypedDict):
-    """Versions, revision, machine and date (UTC); ``resumed``: machine and date of each resume."""
-
-    python: str
-    packages: dict[str, str]
-    revision: str
-    source: str
-    machine: str
-    started: str
-    command: NotRequired[str]  # that started the run
-    resumed: NotRequired[list[dict[str, str]]]
-
-
-def revision_of(source: Path) -> str:
-    """Return the revision of the repository that tracks the package in ``source``, or "unknown".
-
-    An installed package may lie in the environment of another repository.
-    """
-    git = partial(
-        subprocess.run,
-        cwd=source,
-        capture_output=True,
-        text=True,
-        timeout=5,
-        check=True,
-    )
-    try:
-        git(["git", "ls-files", "--error-unmatch", "__init__.py"])
-        return git(
-            ["git", "describe", "--always", "--dirty", "--abbrev=12"]
-        ).stdout.strip()
-    except (OSError, subprocess.SubprocessError):
-        return "unknown"
-
-
-@cache
-def _program() -> Provenance:
-    """Return what stays the same while this process runs, without a date."""
-    packages = {name: version(name) for name in PACKAGES}
-    packages["exudyn"] += (
-        f", {requested_module()}"  # last digits differ between its modules
-    )
-    sha = hashlib.sha256()
-    for path in sorted(_SOURCE.rglob("*.py")):
-        sha.update(path.relative_to(_SOURCE).as_posix().encode())
-        sha.update(path.read_bytes())
-    return {
-        "python": platform.python_version(),
-        "packages": packages,
-        "revision": revision_of(_SOURCE),
-        "source": sha.hexdigest()[:16],  # distinguishes changes of one revision
-        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "started": "",
-    }
-
-
-def provenance() -> Provenance:
-    """Return the provenance of numbers that are computed here and now."""
-    started = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-    return {**_program(), "started": started, "command": command_of(sys.argv)}
-
-
-def command_of(arguments: Sequence[str]) -> str:
-    """Return a process's arguments as a command line; empty without a script or in a notebook."""
-    script = Path(arguments[0]).name if arguments else ""
-    if not script or script.startswith(("ipykernel", "-")):
-        return ""
-    name = "presswear" if script == "__main__.py" else script
-    return shlex.join([name, *arguments[1:]])
-
-
-def _versions(origin: Provenance) -> dict[str, str]:
-    """Return the versions of the source and of all packages that numbers depend on, by name."""
-    packages = {
-        name: number
-        for name, number in origin["packages"].items()
-        if name != "matplotlib"
-    }
-    return {"python": origin["python"], "source": origin["source"], **packages}
-
-
-@cache
-def program_digest() -> str:
-    """Return the digest of source and versions, without those that only draw figures."""
-    text = "\n".join(_versions(provenance()).values())
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
@@ -270,8 +172,8 @@ class ResultFolder(Observer):
         changes = differences(stored.scene, plain(scene.as_dict()))
         looser = [change for change in changes if _is_looser(scene, *change)]
         self._refuse(start, [change for change in changes if change not in looser])
-        before = _versions(stored.provenance)
-        now = _versions(here)
+        before = versions_of(stored.provenance)
+        now = versions_of(here)
         start = f"folder {self.path}: another program started this run, and numbers would differ: "
         self._refuse(
             start, [(name, before.get(name, "missing"), now[name]) for name in now]

@@ -86,11 +86,13 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     strokes = sampled_strokes(scene, stage)
     time, size = stage.clock, np.abs(tilt_series(stage, guide))
     at = {
-        name: mean_of_strokes(_value(time, size, getattr(one, name)) for one in strokes)
+        name: mean_of_strokes(
+            _value(time, size, getattr(stroke, name)) for stroke in strokes
+        )
         for name in ("contact", "fracture", "bottom")
     }
     greatest = mean_of_strokes(
-        float(size[_rows(time, one)].max(initial=0.0)) for one in strokes
+        float(size[_rows(time, stroke)].max(initial=0.0)) for stroke in strokes
     )
     joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
     friction = scene.bearing(guide.name).friction
@@ -98,7 +100,8 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     losses = _friction_loss(scene, stage, guide)
     if losses is None:
         losses = mean_of_strokes(
-            sum(load.loss(one.start, one.end) for load in loads) for one in strokes
+            sum(load.loss(stroke.start, stroke.end) for load in loads)
+            for stroke in strokes
         )
     times, forces = _shares(loads, strokes)
     return GuideTilt(

@@ -39,7 +39,7 @@ class JointResult:
 
     def _series(self, name: str) -> Array:
         if name not in self.arrays:
-            has_series = any(one in self.arrays for one in JOINT_ARRAYS)
+            has_series = any(series in self.arrays for series in JOINT_ARRAYS)
             advice = "run the scene again" if has_series else "use series = all"
             raise NotStored(f"joint {self.name}: its {name} was not stored; {advice}")
         return self.arrays[name]

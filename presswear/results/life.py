@@ -154,8 +154,8 @@ class LifeResult:
         first = self.first
         if first is None:
             reached = (
-                f"{words_of(one.key)} {quantity_text(one.last, one.unit)}"
-                for one in self.limits
+                f"{words_of(limit.key)} {quantity_text(limit.last, limit.unit)}"
+                for limit in self.limits
             )
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         total = span_of(self.strokes, self.total_error)

@@ -268,9 +268,9 @@ def _limit_of(limits: Sequence[Limit], reading: Reading) -> float:
             for name, each in NEW_OVER_CLEARANCE.items()
         }
     values = [
-        one.value * sizes[one.name]
-        for one in limits
-        if one.joint == reading.joint and one.name in sizes
+        limit.value * sizes[limit.name]
+        for limit in limits
+        if limit.joint == reading.joint and limit.name in sizes
     ]
     return min(values, default=math.inf)
 
@@ -400,11 +400,11 @@ def _remaining(
 
 def _grid_of(lives: Sequence[_JointLife]) -> Array:
     """Return the logarithms of strokes at which the distributions are computed."""
-    ends = [one.logarithms[np.isfinite(one.logarithms)] for one in lives]
+    ends = [life.logarithms[np.isfinite(life.logarithms)] for life in lives]
     values = np.concatenate(ends)
     if not values.size:
         raise InputError("readings: the wear that was computed reaches no limit")
-    margin = 6.0 * max(float(one.deviations.max()) for one in lives)
+    margin = 6.0 * max(float(life.deviations.max()) for life in lives)
     even = np.linspace(values.min() - margin, values.max() + margin, _STROKES)
     # The life of a joint whose coefficient is well known lies between two even nodes.
     return np.unique(np.concatenate([even, *ends]))

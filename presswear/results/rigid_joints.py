@@ -105,7 +105,7 @@ def static_torques(scene: Scene) -> dict[str, float]:
     if scene.process is None:
         return {}
     linkage = scene.loaded
-    work = linkage.live_loads[-len(scene.process_laws) :]
+    work = linkage.loads_with_law[-len(scene.process_laws) :]
     loads = pack_loads(replace(linkage, loads=work))
     assert loads is not None
     time, is_last = _two_cycles(scene)

@@ -154,8 +154,8 @@ class StageResult:
 
     def _columns(self) -> tuple[dict[str, Array], dict[str, str]]:
         """Return the recorded series of the output point and the joints, and their units."""
-        columns = {one.table_name: getattr(self, one.name) for one in SERIES}
-        units = {one.table_name: one.unit for one in SERIES}
+        columns = {column.table_name: getattr(self, column.name) for column in SERIES}
+        units = {column.table_name: column.unit for column in SERIES}
         for name, joint in self.joints.items() if self.has_joint_series else ():
             for one in JOINT_SERIES:
                 columns[f"{name}_{one.table_name}"] = joint.series(one.name)

@@ -53,7 +53,7 @@ class BearingJoints:
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance; of a guide those of its four corners."""
         guides = (guide.name for guide in self.loose_guides)
-        corners = (f"{guide} {one}" for guide in guides for one in CORNERS)
+        corners = (f"{guide} {corner}" for guide in guides for corner in CORNERS)
         return (*self.loose_pins, *corners)
 
     @property
@@ -86,7 +86,7 @@ class BearingJoints:
     @property
     def dry_pins(self) -> tuple[str, ...]:
         """Names of the pin joints with clearance whose contacts begin and end in the run."""
-        return tuple(one for one in self.loose_pins if not self.bearing(one).has_film)
+        return tuple(pin for pin in self.loose_pins if not self.bearing(pin).has_film)
 
     @property
     def joint_choice(self) -> Choice:

@@ -121,7 +121,7 @@ def deepest_wall(bearing: Bearing, guide: Guide) -> float:
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:
     """Return the names of the settings of a bearing that have no effect in a guide."""
-    names = (one.name for one in fields(bearing.materials))
+    names = (setting.name for setting in fields(bearing.materials))
     read = ("youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient")
     of_pins = tuple(name for name in names if name not in read)
     return (*bearing.unread, *_ROUND, *of_pins)

@@ -12,7 +12,7 @@ from presswear.tools.serialize import make
 Parametric = Press | SliderCrank | FourBar | SixBar | TwoPoint | LinkDrive
 AnyMechanism = Parametric | Linkage
 MECHANISMS: dict[str, type[Parametric]] = {
-    one.kind: one for one in get_args(Parametric)
+    mechanism.kind: mechanism for mechanism in get_args(Parametric)
 }
 """Classes of the mechanisms that are made of a few quantities, by kind."""
 

@@ -34,8 +34,8 @@ from presswear.scene.run_checks import (
     check_torque_limits,
 )
 from presswear.scene.stage_names import stage_name
-from presswear.scene.user_laws import LinkageWithUserLaws
-from presswear.tools.errors import InputError, shown, unknown
+from presswear.scene.user_laws import LinkageWithUserLaws, refuse_files
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.fields import choice, count, named_set, one_of, quantity
 from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked, converted, from_plain, plain
@@ -180,7 +180,9 @@ class Scene(LinkageWithUserLaws, Checked):
         self._set(  # in one spelling, so that equal scenes are equal
             joints=self.joint_choice.combine(self.bearing_joints),
             joint_bearings={
-                k: b for k, b in self.joint_bearings.items() if b != self.bearings
+                name: bearing
+                for name, bearing in self.joint_bearings.items()
+                if bearing != self.bearings
             },
             surfaces=initial_surfaces(
                 self.surfaces,
@@ -195,12 +197,11 @@ class Scene(LinkageWithUserLaws, Checked):
         self._check_bearings()
         if self.life is not None:
             pins = {name: self.bearing(name) for name in self.loose_pins}
-            limits, walls = self.life_limits, self._deepest_walls
             check_life(
                 self.life,
-                limits,
+                self.life_limits,
                 pins,
-                walls,
+                self._deepest_walls,
                 self.conventions,
                 self.wear_updates,
                 self.replicates,
@@ -211,15 +212,15 @@ class Scene(LinkageWithUserLaws, Checked):
             )
 
     def _open_joints(self) -> None:
-        """Open the joints that ``bearings`` names, or those of the mechanism by default."""
-        if (
-            isinstance(self.bearings, Mapping)
-            and not self.bearings.keys() & Bearing.__dataclass_fields__.keys()
-        ):
+        """Give clearance to the joints in ``bearings``, or to the default of the mechanism."""
+        bearings: Any = self.bearings
+        is_mapping = isinstance(bearings, Mapping)
+        # Else the mapping has the fields of one bearing.
+        if is_mapping and not bearings.keys() & Bearing.__dataclass_fields__.keys():
             self._set(
-                joints=self.joint_choice.combine(self.bearings),
-                joint_bearings=dict(self.bearings),
-                bearings=next(iter(self.bearings.values()), Bearing()),
+                joints=self.joint_choice.combine(bearings),
+                joint_bearings=dict(bearings),
+                bearings=next(iter(bearings.values()), Bearing()),
             )
         if self.joints is None:
             if not self.mechanism.default_joints and self.bearings != Bearing():
@@ -276,7 +277,8 @@ class Scene(LinkageWithUserLaws, Checked):
         than the checks of single values.
         """
         coefficients = [
-            self.bearing(j).materials.wear_coefficient for j in self.all_loose_joints
+            self.bearing(joint).materials.wear_coefficient
+            for joint in self.all_loose_joints
         ]
         if self.wear_updates > 0 and coefficients and not any(coefficients):
             raise InputError(
@@ -327,7 +329,7 @@ class Scene(LinkageWithUserLaws, Checked):
 
     @property
     def _deepest_walls(self) -> dict[str, float]:
-        """Depth up to which the model of a worn wall holds, m, by guide."""
+        """Largest wear depth for which the model of a wall is valid, m, by guide."""
         return {
             guide.name: deepest_wall(self.bearing(guide.name), guide)
             for guide in self.worn_guides
@@ -372,10 +374,12 @@ class Scene(LinkageWithUserLaws, Checked):
     def bin_remark(self) -> str:
         """Remark on wear depths that depend on the width of the bins; else empty."""
         bearings = [self.bearing(name) for name in self.loose_pins]
-        wears = [one for one in bearings if one.materials.wear_coefficient > 0.0]
-        if self.conventions.wear_distribution != "bin" or not wears:
+        wearing = [
+            bearing for bearing in bearings if bearing.materials.wear_coefficient > 0.0
+        ]
+        if self.conventions.wear_distribution != "bin" or not wearing:
             return ""
-        widths = dict.fromkeys(f"{360.0 / one.angles:.3g}°" for one in wears)
+        widths = dict.fromkeys(f"{360.0 / bearing.angles:.3g}°" for bearing in wearing)
         return f"bins of {' and '.join(widths)}; twice as many bins halve it"
 
     @property
@@ -392,7 +396,7 @@ class Scene(LinkageWithUserLaws, Checked):
 
     @cached_property
     def solver(self) -> Engine:
-        """Engine of a run, tolerances resolved; ``exudyn`` is the smallest model possible."""
+        """Engine of a run with its tolerances; ``exudyn`` selects exudyn-tree if it is possible."""
         word = self.engine
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
@@ -430,20 +434,7 @@ class Scene(LinkageWithUserLaws, Checked):
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
         """Return a scene from ``as_dict``; InputError for a key that does not fit or is missing."""
-        _refuse_files(data)
+        refuse_files(data)
         if isinstance(data, Mapping) and data.get("joints") is None:
             raise InputError("scene: 'joints' is missing")
         return from_plain(Scene, data, "scene")
-
-
-def _refuse_files(data: Any) -> None:
-    """Raise InputError for a law that names a file; stored laws are names or source code."""
-    if isinstance(data, Mapping):
-        for key, value in data.items():
-            is_law = key in ("normal_law", "friction_law", "law")
-            if is_law and isinstance(value, str) and ".py:" in value:
-                raise InputError(f"{key} = {shown(value)}: a stored law is source code")
-            _refuse_files(value)
-    elif isinstance(data, list):
-        for value in data:
-            _refuse_files(value)

@@ -40,10 +40,10 @@ def settings_of(scene: Scene) -> list[Setting]:
     """Return all settings with present values; of single joints only those that differ."""
     common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
     differing = (
-        one
+        setting
         for joint in scene.joint_bearings
-        for one in _of_joint(scene, joint)
-        if one.value != common.get(one.key.removeprefix(f"{joint}."))
+        for setting in _of_joint(scene, joint)
+        if setting.value != common.get(setting.key.removeprefix(f"{joint}."))
     )
     return [*settings_in(scene, scene.origins), *differing]
 
@@ -53,7 +53,7 @@ def applicable_settings_of(scene: Scene) -> list[Setting]:
     unread = {*getattr(scene.mechanism, "unread", ())}
     if "guide" not in scene.bearing_joints:
         unread |= {"guide_length", "guide_width"}
-    return [one for one in settings_of(scene) if one.key not in unread]
+    return [setting for setting in settings_of(scene) if setting.key not in unread]
 
 
 def used_settings_of(scene: Scene) -> list[Setting]:
@@ -63,26 +63,28 @@ def used_settings_of(scene: Scene) -> list[Setting]:
     its laws do not read, and the settings of the other engines.
     """
     used = {
-        (one.key, one.value)
+        (setting.key, setting.value)
         for joint in scene.bearing_joints
-        for one in settings_in(scene.bearing(joint))
-        if one.key.partition(".")[0] not in unread_of(scene, joint)
+        for setting in settings_in(scene.bearing(joint))
+        if setting.key.partition(".")[0] not in unread_of(scene, joint)
     }
-    common = {one.key for one in settings_in(scene.bearings)} - {*SINGLE}
+    common = {setting.key for setting in settings_in(scene.bearings)} - {*SINGLE}
     engines = (
-        one for one in vars(scene.numerics).values() if one.word != scene.solver.word
+        engine
+        for engine in vars(scene.numerics).values()
+        if engine.word != scene.solver.word
     )
-    unused = {one.key for engine in engines for one in settings_in(engine)}
+    unused = {setting.key for engine in engines for setting in settings_in(engine)}
     unused |= {
         f"{joint}.{key}"
         for joint in scene.bearing_joints
         for key in unread_of(scene, joint)
     }
     return [
-        one
-        for one in applicable_settings_of(scene)
-        if one.key not in unused
-        and (one.key not in common or (one.key, one.value) in used)
+        setting
+        for setting in applicable_settings_of(scene)
+        if setting.key not in unused
+        and (setting.key not in common or (setting.key, setting.value) in used)
     ]
 
 

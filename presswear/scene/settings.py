@@ -181,12 +181,10 @@ def _changed(
     for name, key, value, meaning, inner in fields_of(owner, prefix):
         result = settings.get(key, value) if meaning is not None else value
         if isinstance(meaning, Choice) and result is not value and meaning.is_part:
-            is_same = result == meaning.shown(value)
-            result = (
-                value
-                if is_same
-                else meaning.chosen(f"{message_prefix}{key}", result, value)
-            )
+            if result == meaning.shown(value):
+                result = value
+            else:
+                result = meaning.chosen(f"{message_prefix}{key}", result, value)
         if isinstance(meaning, Choice) and meaning.parameters:
             numbers = _numbers_of(key, settings)
             result = meaning.with_numbers(f"{message_prefix}{key}", result, numbers)

@@ -1,9 +1,13 @@
 """User laws of a scene: source code of joints, loads and motors, and whether it may be executed."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from presswear.linkage.load_laws import LOAD_PARAMETERS, check_load
 from presswear.scene.loaded_linkage import LoadedLinkage
 from presswear.scene.pin_joints import check_user_friction, check_user_laws
 from presswear.tools.compiled_law import check_compiles
+from presswear.tools.errors import InputError, shown
 from presswear.tools.user_function import UserFunction
 
 
@@ -63,3 +67,16 @@ class LinkageWithUserLaws(LoadedLinkage):
         """Allow this process to execute the source code of the user laws."""
         for law in self.user_laws.values():
             law.trusted()
+
+
+def refuse_files(data: Any) -> None:
+    """Raise InputError for a stored law that names a file; allowed are names and source code."""
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            is_law = key in ("normal_law", "friction_law", "law")
+            if is_law and isinstance(value, str) and ".py:" in value:
+                raise InputError(f"{key} = {shown(value)}: a stored law is source code")
+            refuse_files(value)
+    elif isinstance(data, list):
+        for value in data:
+            refuse_files(value)

@@ -162,12 +162,14 @@ def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
     A mechanism of bodies is compared as a whole.
     """
     ours, theirs = settings_by_key(first), settings_by_key(second)
-    listed = [one.key for scene in (first, second) for one in settings_of(scene)]
+    listed = [
+        setting.key for scene in (first, second) for setting in settings_of(scene)
+    ]
     pairs = []
     for key in dict.fromkeys(listed):
         both = ours.get(key), theirs.get(key)
-        meaning = next(one.meaning for one in both if one)
-        values = [one.value if one else NOTHING for one in both]
+        meaning = next(setting.meaning for setting in both if setting)
+        values = [setting.value if setting else NOTHING for setting in both]
         if values[0] != values[1]:
             before, after = (_written(value, meaning) for value in values)
             pairs.append(SettingPair(key, before, after, meaning.text))
@@ -191,7 +193,7 @@ def _other_differences(
     pairs = []
     names = [name for name, *_ in differences(ours["mechanism"], theirs["mechanism"])]
     if unlisted := [name for name in dict.fromkeys(names) if name not in keys]:
-        before, after = (one.mechanism.linkage().name for one in (first, second))
+        before, after = (scene.mechanism.linkage().name for scene in (first, second))
         text = f"in {', '.join(unlisted)}"
         pairs.append(SettingPair("mechanism", before, after, text))
     if ours["surfaces"] != theirs["surfaces"]:

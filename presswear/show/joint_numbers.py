@@ -55,7 +55,7 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
         sentences.append(f"With {IDEAL}: {numbers.quantity_text(ideal, 'N')}.")
     if last is not first and at in first.statistics.joints:
         new = _peak_forces_text(first, at)
-        strokes = numbers.large(sum(one.cycles_per_update for one in stages[:-1]))
+        strokes = numbers.large(sum(stage.cycles_per_update for stage in stages[:-1]))
         sentences.append(f"Before the wear of {strokes} strokes: {new}.")
     settling = last.statistics.settling
     if settling and not needs_warning(settling):

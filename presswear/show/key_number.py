@@ -1,4 +1,4 @@
-"""Key number of an estimate: value, interval, and a note on a doubtful one."""
+"""Key number of an estimate: value, interval, and a note if it has too few samples."""
 
 import math
 
@@ -29,7 +29,7 @@ def measured(
     meaning: str,
     strokes: int | None = None,
 ) -> KeyNumber:
-    """Return a key number of an estimate in SI; a doubtful one has a note.
+    """Return a key number of an estimate in SI, with a note if the estimate is uncertain.
 
     ``strokes`` is the number of strokes of the estimate (default: its samples).
     """
@@ -48,10 +48,12 @@ def measured(
         single = estimate.without_interval
         return KeyNumber(name, value, UNKNOWN, meaning, note=note, estimate=single)
     digits = 3 if high - low < 0.2 * abs(mean) else 2
-    texts = [numbers.readable(factor * value, digits) for value in (mean, low, high)]
-    span = f"{texts[1]} to {texts[2]} {shown}".rstrip()
-    interval = span if texts[1] != texts[2] else ""
-    value = f"{texts[0]} {shown}".rstrip()
+    value = f"{numbers.readable(factor * mean, digits)} {shown}".rstrip()
+    low_text = numbers.readable(factor * low, digits)
+    high_text = numbers.readable(factor * high, digits)
+    interval = ""
+    if low_text != high_text:
+        interval = f"{low_text} to {high_text} {shown}".rstrip()
     return KeyNumber(name, value, interval, meaning, note=note, estimate=estimate)
 
 

@@ -99,7 +99,7 @@ def _improvement(
         reason = "It ends the service life."
     else:
         volumes = {name: one.wear_volume for name, one in joints.items()}
-        total = sum(one.mean for one in volumes.values())
+        total = sum(volume.mean for volume in volumes.values())
         if total > 0.0:
             first = _rivals(volumes)
             joint = " or ".join(first)

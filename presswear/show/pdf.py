@@ -68,8 +68,12 @@ def _write_texts(
         ]
         texts.table("Limits", ("", "value", "limit", ""), [("", rows)])
     numbers = [
-        (one.name, one.value, ", ".join(filter(None, (one.interval, one.note))))
-        for one in screen.key_numbers
+        (
+            number.name,
+            number.value,
+            ", ".join(filter(None, (number.interval, number.note))),
+        )
+        for number in screen.key_numbers
     ]
     if numbers:
         texts.table("Key numbers", ("", "value", "95 % interval"), [("", numbers)])

@@ -395,7 +395,9 @@ class Table:
         """Return the units of parameters and responses by column."""
         columns = (*self.parameters, *self.responses)
         units = {column.key: column.unit for column in columns}
-        halves = {f"{one.key}_half_width": one.unit for one in self.responses}
+        halves = {
+            f"{response.key}_half_width": response.unit for response in self.responses
+        }
         return units | halves
 
 

@@ -184,7 +184,7 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
                 one.number(value, 4) for one, value in zip(columns, place, strict=True)
             )
             lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
-        head = (*(one.label for one in columns), shown.label, "runs")
+        head = (*(column.label for column in columns), shown.label, "runs")
         tables.append(
             (f"Means with 95 % intervals{end}", page.plain_table(head, lines))
         )

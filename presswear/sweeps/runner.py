@@ -12,7 +12,7 @@ import shutil
 import statistics
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from presswear.recording.observer import Observer
-from presswear.results.folder import program_digest
+from presswear.results.provenance import program_digest
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
 from presswear.sweeps.response_readers import Response
@@ -47,7 +47,8 @@ from presswear.tools.processes import (
     starting_processes,
 )
 
-ROWS, RUNS = "rows", "runs"  # folders of rows and of complete results
+ROWS = "rows"  # folder of the files of rows
+RUNS = "runs"  # folder of complete results
 POLL = 0.2  # time between two reports of the progress, s
 QUEUED = 2  # rows submitted for each worker, so that no worker waits for the next row
 CONNECT = 10.0  # time in which a Dask scheduler must answer, s
@@ -80,10 +81,9 @@ def run_row(
 ) -> Outcome:
     """Run the scene of a row in this process and return its responses without user functions.
 
-    The complete result goes into `folder`, if there is one. An error of the machine is
-    raised, an error of the scene is the outcome. A process with another program than
-    the one that submitted the row raises `InputError`, because its numbers would
-    differ.
+    The complete result is stored in `folder`, unless it is None. An error of the machine
+    is raised, an error of the scene is stored in the outcome. `InputError` if the program
+    of this process differs from `program`, because the numbers would differ.
     """
     return run_scene(scene, requested, folder, program)[0]
 
@@ -101,7 +101,8 @@ def run_scene(
     while folder is not None and holder(folder):
         time.sleep(POLL)  # a worker of a killed sweep ends within a second
     start = time.perf_counter()
-    result, values = None, dict[str, Response]()
+    result = None
+    values: dict[str, Response] = {}
     try:
         result = run(scene, folder, jobs=1, observers=[Observer()], check=False)
         message = result.message if result.status == "failed" else ""
@@ -125,8 +126,8 @@ def with_functions(
 ) -> Outcome:
     """Return an outcome with the responses that are user functions, computed in this process.
 
-    A worker may not be able to import a function of a notebook. The error of a function
-    is that of its row.
+    A worker may not be able to import a function of a notebook. An error of a function
+    is stored as the error of the row.
     """
     if outcome.error or not functions:
         return outcome
@@ -142,10 +143,9 @@ def with_functions(
 
 
 def _message(error: Exception) -> str:
-    kind = (
-        "" if isinstance(error, InputError | RunFailed) else f"{type(error).__name__}: "
-    )
-    return f"{kind}{error}"
+    if isinstance(error, InputError | RunFailed):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
 
 
 def read_row(folder: Path, name: str) -> Outcome | None:
@@ -169,69 +169,36 @@ def run_rows(
     keep_results: bool = False,
     on_progress: Callable[[Progress], object] = lambda progress: None,
 ) -> None:
-    """Run the rows that a sweep folder does not hold; `RunFailed` if the executor fails.
+    """Run the rows that are not stored in a sweep folder; `RunFailed` if the executor fails.
 
-    `scenes` makes the scene of each row, by name. The executor computes so many rows at
-    a time as it has slots. `on_progress` is called several times a second; an exception
-    from it ends the sweep.
+    `scenes` are functions that return the scene of each row, by name. The executor
+    computes `slots` rows at a time. `on_progress` is called several times a second; an
+    exception from it ends the sweep.
     """
-    import msgspec
-
     (folder / ROWS).mkdir(exist_ok=True)
-    files = {name: folder / ROWS / f"{name}.json" for name in scenes}
-    program, done, claims = program_digest(), list[Outcome](), set[str]()
-    # User functions get the complete result, which the worker leaves in its folder.
-    sent, needs_result = replace(requested, functions=()), bool(requested.functions)
+    rows = _Rows(folder, requested, keep_results)
+    rows.read(scenes)
     running: dict[Future[Outcome], str] = {}
-    for name, file in files.items():
-        outcome = read_row(folder, name)
-        if outcome and (
-            outcome.error or not keep_results or (folder / RUNS / name).exists()
-        ):
-            done.append(outcome)
-        else:
-            file.unlink(missing_ok=True)
 
     def report() -> None:
-        seconds = [outcome.seconds for outcome in done if outcome.seconds > 0.0]
-        failed, median = (
-            sum(bool(each.error) for each in done),
-            statistics.median(seconds or [0.0]),
-        )
-        on_progress(Progress(len(scenes), len(done), failed, slots, median))
-
-    def store(name: str, outcome: Outcome) -> None:
-        path = folder / RUNS / name
-        outcome = with_functions(
-            outcome, requested.functions, partial(load, path, trust=True)
-        )
-        if needs_result and not keep_results:
-            shutil.rmtree(path, ignore_errors=True)
-        write_bytes(files[name], msgspec.json.encode(outcome))
-        claims.discard(name)
-        done.append(outcome)
+        on_progress(rows.progress(len(scenes), slots))
 
     def collect() -> None:
         for future in wait(running, POLL, FIRST_COMPLETED).done:
-            store(running.pop(future), _outcome(future))
+            rows.store(running.pop(future), _outcome(future))
         report()
 
     try:
         report()
-        for name, file in files.items():
-            try:
-                file.open("x").close()
-            except FileExistsError:
-                # the row is stored, or another part of the sweep has an equal row
+        for name, scene in scenes.items():
+            if not rows.start(name):
                 continue
-            claims.add(name)
-            path = folder / RUNS / name if keep_results or needs_result else None
             try:
-                running[
-                    executor.submit(run_row, scenes[name](), sent, path, program)
-                ] = name
+                arguments = rows.arguments(name, scene())
             except InputError as error:  # settings do not fit together
-                store(name, Outcome(error=str(error)))
+                rows.store(name, Outcome(error=str(error)))
+            else:
+                running[executor.submit(run_row, *arguments)] = name
             while len(running) >= QUEUED * slots - 1:
                 collect()
         while running:
@@ -240,10 +207,80 @@ def run_rows(
     finally:
         for future in running:
             future.cancel()
-        for name in claims:
+        rows.remove_unfinished()
+
+
+class _Rows:
+    """Files of the rows of a sweep, and the rows that this process has started."""
+
+    def __init__(self, folder: Path, requested: Requested, keep_results: bool) -> None:
+        self._folder = folder
+        self._requested = requested
+        self._keeps_results = keep_results
+        # User functions get the complete result, which the worker leaves in its folder.
+        self._stores_results = keep_results or bool(requested.functions)
+        self._program = program_digest()
+        self._completed: list[Outcome] = []
+        self._started: set[str] = set()
+
+    def _file(self, name: str) -> Path:
+        return self._folder / ROWS / f"{name}.json"
+
+    def read(self, names: Iterable[str]) -> None:
+        """Read the rows that are stored, and remove empty and incomplete ones."""
+        for name in names:
+            outcome = read_row(self._folder, name)
+            has_result = (self._folder / RUNS / name).exists()
+            if outcome and (outcome.error or not self._keeps_results or has_result):
+                self._completed.append(outcome)
+            else:
+                self._file(name).unlink(missing_ok=True)
+
+    def start(self, name: str) -> bool:
+        """Create the file of a row.
+
+        Returns False if the row is stored, or if another part of the sweep computes it.
+        """
+        try:
+            self._file(name).open("x").close()
+        except FileExistsError:
+            return False
+        self._started.add(name)
+        return True
+
+    def arguments(
+        self, name: str, scene: Scene
+    ) -> tuple[Scene, Requested, Path | None, str]:
+        """Return the arguments of ``run_row`` for a row."""
+        path = self._folder / RUNS / name if self._stores_results else None
+        return scene, replace(self._requested, functions=()), path, self._program
+
+    def store(self, name: str, outcome: Outcome) -> None:
+        """Write the file of a completed row."""
+        import msgspec
+
+        path = self._folder / RUNS / name
+        read = partial(load, path, trust=True)
+        outcome = with_functions(outcome, self._requested.functions, read)
+        if self._stores_results and not self._keeps_results:
+            shutil.rmtree(path, ignore_errors=True)
+        write_bytes(self._file(name), msgspec.json.encode(outcome))
+        self._started.discard(name)
+        self._completed.append(outcome)
+
+    def progress(self, count: int, slots: int) -> Progress:
+        """Return the progress of a sweep of ``count`` rows."""
+        failed = sum(bool(outcome.error) for outcome in self._completed)
+        seconds = [each.seconds for each in self._completed if each.seconds > 0.0]
+        median = statistics.median(seconds or [0.0])
+        return Progress(count, len(self._completed), failed, slots, median)
+
+    def remove_unfinished(self) -> None:
+        """Remove the files of rows that were started and are not complete."""
+        for name in self._started:
             # A signal can arrive just after a row is written.
-            if read_row(folder, name) is None:
-                files[name].unlink(missing_ok=True)
+            if read_row(self._folder, name) is None:
+                self._file(name).unlink(missing_ok=True)
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:
@@ -346,10 +383,16 @@ def _dask_executor(
         from distributed import Client
     except ImportError:
         raise not_installed(f"on = {on}", "distributed") from None
-    address, local = on.removeprefix("dask").removeprefix("://"), {}
+    address = on.removeprefix("dask").removeprefix("://")
+    local: dict[str, Any] = {}  # settings of a cluster of this machine
     if on == "dask":
-        local = {"n_workers": count, "threads_per_worker": 1, "host": LOCAL}
-        local |= {"dashboard_address": f"{LOCAL}:0", "silence_logs": logging.CRITICAL}
+        local = {
+            "n_workers": count,
+            "threads_per_worker": 1,
+            "host": LOCAL,
+            "dashboard_address": f"{LOCAL}:0",
+            "silence_logs": logging.CRITICAL,
+        }
     elif not address.rpartition(":")[2].isdigit():
         raise InputError(
             f"on = {on}: expected dask://HOST:PORT, such as dask://head:8786"

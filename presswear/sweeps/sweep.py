@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from presswear.results.folder import program_digest, provenance
+from presswear.results.provenance import program_digest, provenance
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

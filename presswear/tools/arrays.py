@@ -108,11 +108,11 @@ def _check_members(archive: zipfile.ZipFile, most: int) -> None:
     members = archive.infolist()
     # The other methods decompress without a limit.
     if any(
-        one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-        for one in members
+        member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        for member in members
     ):
         raise ValueError("it is not compressed by deflate")
-    size = sum(one.file_size for one in members)
+    size = sum(member.file_size for member in members)
     if size > most:
         raise ValueError(
             f"its arrays have {size / 1e6:.3g} MB, expected are {most / 1e6:.3g} MB"

@@ -13,7 +13,7 @@ from presswear.tools.user_function import UserFunction
 def check_compiles(law: UserFunction, key: str, allowed: tuple[str, ...]) -> None:
     """Raise InputError with the key for a function that fails or cannot be compiled.
 
-    It runs in Python before, because compiled code cannot be stopped by Ctrl-C.
+    The function is first run in Python, because Ctrl-C cannot stop compiled code.
     """
     law.check_runs(key, allowed)
     try:
@@ -40,7 +40,7 @@ def compile_function(
         number.name: repr(value)
         for number, value in function.settings(function.name, parameters)
     }
-    names = [one.arg for one in function.arguments(function.name).args]
+    names = [argument.arg for argument in function.arguments(function.name).args]
     used = ", ".join(values.get(name, name) for name in names)
     call = f"float({function.name}({used}))"
     exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)

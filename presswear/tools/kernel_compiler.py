@@ -75,7 +75,10 @@ def _types_found_once() -> Iterator[None]:
 
     def resolve(function: Any, arguments: Any, named: Any) -> Any:
         is_operator = getattr(function, "typing_key", None) in _OPERATORS
-        if not (is_operator and all(isinstance(one, _NUMBERS) for one in arguments)):
+        if not (
+            is_operator
+            and all(isinstance(argument, _NUMBERS) for argument in arguments)
+        ):
             return find(function, arguments, named)
         key = function, arguments
         if key not in _signatures:

@@ -69,6 +69,6 @@ def _meaning_of(name: str, annotation: ast.expr | None, text: str) -> Quantity:
 
 
 def _unit_of(text: str) -> str:
-    """Return the SI unit of a text with a number and a unit; one that no table has as it is."""
+    """Return the SI unit of a text with a number and a unit; an unknown unit is returned."""
     symbol = text.strip().partition(" ")[2].strip()
     return next((unit for unit, sizes in UNITS.items() if symbol in sizes), symbol)

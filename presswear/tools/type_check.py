@@ -7,13 +7,21 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from presswear.tools.errors import InputError, shown
 from presswear.tools.quantities import plain_number
 
-_WORDS: dict[Any, str] = {float: "finite number", int: "whole number", str: "text"}
-_WORDS |= {bool: "True or False", NoneType: "None"}
-_WORDS |= {tuple: "list", Sequence: "list", Mapping: "mapping"}
+# Types in messages
+_WORDS: dict[Any, str] = {
+    float: "finite number",
+    int: "whole number",
+    str: "text",
+    bool: "True or False",
+    NoneType: "None",
+    tuple: "list",
+    Sequence: "list",
+    Mapping: "mapping",
+}
 
 
 def check_type(name: str, value: Any, kind: Any) -> None:
-    """Raise InputError unless a value is of an annotated type; texts are no numbers here."""
+    """Raise InputError unless a value is of an annotated type; a text is not a number."""
     if not _is_of(name, value, kind):
         raise refusal(name, value, kind)
 

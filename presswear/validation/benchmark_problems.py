@@ -34,6 +34,7 @@ from presswear.scene.options import Numerics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
+from presswear.validation import andrews as squeezer
 from presswear.validation import cases, crosscheck
 from presswear.validation import reference_problems as references
 
@@ -132,7 +133,9 @@ def dae_methods(
             )
     values = {*steps, *([default.step] if default.integrator == "rk4" else [])}
     engines = [replace(default, integrator="rk4", equal_step=value) for value in values]
-    engines = [one for one in engines if not math.isclose(one.step, PAPER.step)]
+    engines = [
+        engine for engine in engines if not math.isclose(engine.step, PAPER.step)
+    ]
     for engine in sorted([*engines, PAPER], key=lambda one: -one.step):
         is_default = (
             default.integrator == engine.integrator and engine.step == default.step
@@ -242,14 +245,14 @@ def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     The uncertainty of the printed values is their distance from a solution at tolerance
     1e-13.
     """
-    linkage = references.andrews()
-    start = references.andrews_start()
-    duration = references.ANDREWS_DURATION
+    linkage = squeezer.andrews()
+    start = squeezer.andrews_start()
+    duration = squeezer.ANDREWS_DURATION
     plan = Plan(duration, 1, 1, torques=False)
 
     def errors(run: Run) -> Sequence[float]:
-        angles = references.andrews_angles(run.end.position) - references.ANDREWS_ANGLES
-        rates = references.andrews_angles(run.end.velocity) - references.ANDREWS_RATES
+        angles = squeezer.andrews_angles(run.end.position) - squeezer.ANDREWS_ANGLES
+        rates = squeezer.andrews_angles(run.end.velocity) - squeezer.ANDREWS_RATES
         return [
             np.abs(angles).max(),
             np.abs(rates).max(),

@@ -130,3 +130,11 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
 def part_of(report: Progress, start: float, size: float, prefix: str = "") -> Progress:
     """Return the progress of a part of a whole that starts at a fraction and has a size."""
     return lambda name, part: report(prefix + name, start + size * part)
+
+
+def worst_of(
+    name: str, reference: Sequence[float] | Array, computed: Array, bound: float
+) -> Check:
+    """Return the check of the number that differs most from its reference."""
+    worst = int(np.argmax(np.abs(computed - np.array(reference))))
+    return Check.against(name, float(reference[worst]), float(computed[worst]), bound)

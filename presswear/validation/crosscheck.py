@@ -20,7 +20,7 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.recording.statistics import Estimate, pooled
-from presswear.results.folder import provenance
+from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.tools.arrays import Array

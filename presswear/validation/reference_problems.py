@@ -16,7 +16,6 @@ from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.friction_law import FrictionLaw
-from presswear.linkage.joints import Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Load
 from presswear.linkage.normal_law import (
@@ -31,13 +30,14 @@ from presswear.linkage.spring import Spring
 from presswear.recording.columns import SERIES, names_of
 from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
+from presswear.validation.andrews import andrews_checks
 from presswear.validation.cases import (
     Case,
     Check,
     contacts_of,
     finished,
     first_contact,
-    order_of,
+    worst_of,
 )
 
 # the default, 1e-9, leaves 2e-8 in the restitution
@@ -45,16 +45,6 @@ TIGHT = InHouse(integration_tolerance=1e-11)
 
 _FILE = files("presswear.validation").joinpath("reference_problems.toml")
 _DATA = tomllib.loads(_FILE.read_text("utf-8"))
-_ANDREWS = _DATA["andrews"]
-ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
-ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
-ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
-# of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
-NEWTON = 1e-12
-# Angles of the seven bodies from the seven angles of the reference.
-_TURNS: Array = np.eye(7)
-_TURNS[[1, 3, 5], [0, 4, 6]] = 1.0
-_TURNS[1, 1] = 1.0
 
 
 def free_bodies(
@@ -74,87 +64,6 @@ def free_bodies(
         **rest,
     }
     return assemble(tuple(bodies), name=name, clearances=tuple(joints), **options)
-
-
-def andrews() -> Linkage:
-    """Return Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
-    bodies = _ANDREWS["bodies"]
-    spring = _ANDREWS["spring"]
-
-    def pin(body: str, name: str) -> Attachment:
-        pins = _ANDREWS["frame"] if body == GROUND else bodies[body]["pins"]
-        return Attachment(body, *pins[name])
-
-    ends = pin(spring["body"], spring["pin"]), Attachment(GROUND, *spring["frame"])
-    return assemble(
-        name="Andrews' squeezer",
-        bodies=tuple(
-            Body(k, bodies[k]["mass"], bodies[k]["inertia"]) for k in sorted(bodies)
-        ),
-        joints=tuple(
-            Revolute(name, pin(first, name[0]), pin(second, name[0]))
-            for name, first, second in _ANDREWS["joints"]
-        ),
-        output=OutputPoint("K3", 0.0),
-        gravity=0.0,
-        springs=(Spring("spring", *ends, spring["stiffness"], spring["length"]),),
-        loads=(Load("K1", moment=_ANDREWS["moment"]),),
-    )
-
-
-def andrews_start() -> Start:
-    """Return the bodies at rest at the angles ``ANDREWS_START``."""
-    angles = _TURNS @ ANDREWS_START
-    places = {name: np.array(place) for name, place in _ANDREWS["frame"].items()}
-    position = np.zeros(21)
-    for body, data in _ANDREWS["bodies"].items():
-        i = int(body[1]) - 1
-        c = math.cos(angles[i])
-        s = math.sin(angles[i])
-        pin_offsets = {
-            k: np.array([c * x - s * y, s * x + c * y])
-            for k, (x, y) in data["pins"].items()
-        }
-        first = next(iter(pin_offsets))
-        centre = places[first] - pin_offsets[first]
-        places = {name: centre + point for name, point in pin_offsets.items()} | places
-        position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
-    return Start(position, np.zeros(21))
-
-
-def andrews_angles(coordinates: Array) -> Array:
-    """Return the seven angles, or their rates, from the coordinates of all bodies, shape (21,)."""
-    return np.asarray(
-        np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3]), np.float64
-    )
-
-
-def _worst(
-    name: str, reference: Sequence[float] | Array, computed: Array, bound: float
-) -> Check:
-    i = int(np.argmax(np.abs(computed - np.array(reference))))
-    return Check.against(name, float(reference[i]), float(computed[i]), bound)
-
-
-def andrews_checks() -> Iterator[Check]:
-    """Check the angles and rates of Andrews' squeezer at t = 0.03 s, and the order of Exudyn."""
-    problem = andrews(), andrews_start(), Plan(ANDREWS_DURATION, 1, recorded_cycles=1)
-    end = finished(InHouse().simulate(*problem)).end
-    angles = andrews_angles(end.position)
-    rates = andrews_angles(end.velocity)
-    yield _worst("Andrews, dae: worst angle (rad)", ANDREWS_ANGLES, angles, 1e-8)
-    yield _worst("Andrews, dae: worst rate (rad/s)", ANDREWS_RATES, rates, 1e-5)
-    errors = []
-    for step in ANDREWS_STEPS:
-        # A step one part in 1e9 shorter keeps round-off from removing a step.
-        engine = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
-        angles = andrews_angles(finished(engine.simulate(*problem)).end.position)
-        errors.append(float(np.abs(angles - ANDREWS_ANGLES).max()))
-    name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
-    yield _worst(name, ANDREWS_ANGLES, angles, 1e-5)
-    yield Check.against(
-        "Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1
-    )
 
 
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``linkage.normal_law``.
@@ -377,11 +286,11 @@ def friction_checks() -> Iterator[Check]:
     left = -v / a
     positions = released + x + left * (v + 0.5 * a * left)
     millimetres = [1e3 * x for x in extrema]
-    yield _worst(
+    yield worst_of(
         "SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5
     )
     expected = [SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
-    yield _worst("SDND100, dae: its time (s)", expected, t + left, 1e-5)
+    yield worst_of("SDND100, dae: its time (s)", expected, t + left, 1e-5)
     rest = 1e3 * float(run.end.position[0])
     yield Check.against("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
     # The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.

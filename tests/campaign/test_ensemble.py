@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from presswear.campaign import ensemble as ensemble_module
-from presswear.campaign import replicates
+from presswear.campaign import replicates, runner
 from presswear.campaign.campaign import run_stage
-from presswear.campaign.ensemble import FEWEST, WATCHED_CYCLES, Ensemble
+from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.replicates import SPREAD, StepCheck, start_of
+from presswear.campaign.runner import FEWEST, WATCHED_CYCLES
 from presswear.campaign.runs import run
 from presswear.campaign.stage_arrays import COLUMNS, deviation
 from presswear.campaign.stage_wear import StageWear, wear_peaks_of
@@ -129,7 +129,7 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place():
 def test_stage_ends_when_all_replicates_together_know_the_maps(
     monkeypatch,
 ):
-    monkeypatch.setattr(ensemble_module, "WATCHED_CYCLES", 1)
+    monkeypatch.setattr(runner, "WATCHED_CYCLES", 1)
     scene = replace(QUICK, replicates=3, cycles=None, tolerance=0.12)
     ensemble = run_stage(scene)[1]
     maps, weights = map_batches(ensemble.maps)
@@ -162,7 +162,7 @@ def test_a_costly_motion_is_watched_for_as_long_as_the_time_allows(
         run_stage(replace(scene, cycles=12))[1].recorders[0].each_cycle("steps").mean()
     )
     seconds = 2 * 20.5 * steps * scene.solver.step_time
-    monkeypatch.setattr(ensemble_module, "WATCHED_SECONDS", seconds)
+    monkeypatch.setattr(runner, "WATCHED_SECONDS", seconds)
     cycles = [len(recorder.cycles) for recorder in run_stage(scene)[1].recorders]
     assert 12 < cycles[0] < 30
 

@@ -11,11 +11,11 @@ import pytest
 from endurance.sameness import folder_differences
 
 import presswear as pw
-from presswear.campaign import ensemble
+from presswear.campaign import runner
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.replicates import RunState, WorkUnit
+from presswear.campaign.runner import FEWEST
 from presswear.campaign.runs import run, run_into, workers_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.folder import ResultFolder, read_stored
@@ -52,8 +52,8 @@ def finished(scene: pw.Scene, jobs: int, path: Path) -> Path:
 @pytest.fixture
 def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Check the time step of stages of few cycles as well, which are not watched for longer."""
-    monkeypatch.setattr(ensemble, "STEP_CHECK_CYCLES", 1)
-    monkeypatch.setattr(ensemble, "WATCHED_CYCLES", 1)
+    monkeypatch.setattr(runner, "STEP_CHECK_CYCLES", 1)
+    monkeypatch.setattr(runner, "WATCHED_CYCLES", 1)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from endurance.sameness import folder_differences
 
 import presswear as pw
 from campaign.fake_engine import Stops
-from presswear.campaign import ensemble
+from presswear.campaign import runner
 from presswear.linkage.guide_corner import (
     WALL_BINS,
     WallMap,
@@ -38,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def unwatched(monkeypatch: pytest.MonkeyPatch) -> None:
     """Begin a life without 50 cycles that show whether the motion settles."""
-    monkeypatch.setattr(ensemble, "WATCHED_CYCLES", 1)
+    monkeypatch.setattr(runner, "WATCHED_CYCLES", 1)
 
 
 @pytest.fixture(scope="module")

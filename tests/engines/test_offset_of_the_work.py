@@ -9,7 +9,7 @@ from upright_press import UP, upright_press
 import presswear as pw
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.linkage import place_of
+from presswear.linkage.point_position import point_position
 from presswear.scene.catalog import scene_named
 from presswear.scene.settings import changed
 
@@ -71,13 +71,13 @@ def test_a_positive_offset_lies_to_the_right_with_the_work_below(
     stop = pw.Coining(offset=0.02, bottom=bottom)
     scene = pw.Scene(press, joints="guide", process=stop, cycles=1)
     linkage = scene.linkage()
-    (work,) = linkage.live_loads
+    (work,) = linkage.loads_with_law
     assert isinstance(work, pw.Force)
     position = scene.ideal.at(np.zeros(1)).position[0]
-    middle = place_of(linkage, linkage.output.attachment, position)
+    middle = point_position(linkage, linkage.output.attachment, position)
     right = 0.02 if bottom == "lowest" else -0.02
     expected = (middle[0] + right, middle[1])
-    assert place_of(linkage, work.attachment, position) == pytest.approx(expected)
+    assert point_position(linkage, work.attachment, position) == pytest.approx(expected)
 
 
 def test_an_offset_where_nothing_can_tilt():

@@ -19,14 +19,8 @@ import presswear as pw
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.runs import run_into
 from presswear.linkage.surface import SIDES, bin_centres
-from presswear.results.folder import (
-    FILE,
-    SCHEMA,
-    ResultFolder,
-    provenance,
-    read_stored,
-    revision_of,
-)
+from presswear.results.folder import FILE, SCHEMA, ResultFolder, read_stored
+from presswear.results.provenance import provenance, revision_of
 from presswear.results.result import unfinished
 from presswear.show.report import render_report
 from presswear.tools.serialize import write_json

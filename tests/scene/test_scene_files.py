@@ -275,7 +275,7 @@ def test_a_file_may_hold_loads(tmp_path):
     file.write_text(f"{example_file('points')}{LOADS}")
     scene = scene_from(file)
     assert [
-        len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads
+        len(getattr(load.law, "table", ())) for load in scene.linkage().loads_with_law
     ] == [3, 2, 2]
     assert pw.Scene.from_dict(scene.as_dict()) == scene
 
@@ -333,7 +333,7 @@ def test_a_part_from_python_settings_and_files(
 def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up):
     press = replace(IDEAL, mechanism=replace(IDEAL.mechanism, run_up=run_up))
     scene = replace(press, process=pw.Blanking())
-    (load,) = scene.linkage().live_loads
+    (load,) = scene.linkage().loads_with_law
     assert isinstance(load, pw.Force)
     assert isinstance(load.law, pw.OverPosition)
     bottom = bottom_of(IDEAL.ideal)
@@ -345,7 +345,7 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up):
     scene = replace(SLIDER_CRANK, process=pw.Coining(bottom="highest", height=1e-3))
     assert scene.bottom == pytest.approx(-0.17, abs=1e-15)
     assert scene.stroke == pytest.approx(0.1, abs=1e-15)
-    (load,) = scene.linkage().live_loads
+    (load,) = scene.linkage().loads_with_law
     assert isinstance(load, pw.Force)
     assert isinstance(load.law, pw.OverPosition)
     assert load.law.zero == pytest.approx(-0.169, abs=1e-15)

@@ -20,12 +20,12 @@ from presswear.recording.nominal_time import section_crossing, section_value
 from presswear.tools.compile import Records, compiled
 from presswear.tools.packing import PackedArguments, unpack
 
-# s; a later event differs from the event on which the last step ended
+# Time after which an event is not the one on which the last step ended, s
 MIN_SEPARATION = 1e-14
-# A step that ends on a change of a load's law, or of a section, goes so far behind it:
-# m, rad, m/s or rad/s
+# A step that ends on a transition of a load, or at the end of a section, passes it by
+# this distance, m, rad, m/s or rad/s
 BEHIND = 1e-13
-MAX_BEHIND = 1e-9  # ... and so far where round-off keeps it from ending sooner
+MAX_BEHIND = 1e-9  # largest such distance, if round-off allows no smaller one
 NEVER = 2.0  # fraction of a step before an event that does not happen in it
 
 
@@ -108,10 +108,10 @@ def is_repeated(
 ) -> bool:
     """Return whether a crossing is the event on which the last step ended, seen once more.
 
-    A joint that was just placed on an event moves away from it. Round-off alone brings
-    it back, by less than the resolution of its coordinates, m.  ``value`` and ``rate``
-    are those of ``joint_crossing``; ``after`` is the time from the start of the step,
-    s.
+    A joint moves away from the event on which the last step ended. Only round-off makes
+    it cross the event again, by less than ``resolution``, the round-off of the
+    coordinates, m. ``value`` and ``rate`` are those of ``joint_crossing``; ``after`` is
+    the time from the start of the step, s.
     """
     if rate > 0.0:
         return False

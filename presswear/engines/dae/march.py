@@ -1,9 +1,9 @@
 """The run loops: error-controlled with located events, and with equal steps.
 
-Events are touchdowns, separations, corners of friction and changes of the laws of
-loads. A trial step that holds one is repeated until it ends there, so that no step
-crosses a change of law. Equal steps are cut in two where a load's law changes;
-contacts change between them only.
+Events are touchdowns, separations, corners of friction laws and transitions of loads. A
+trial step that contains an event is repeated with shorter lengths until it ends at the
+event, so that no step crosses a change of the equations. Equal steps are cut in two at
+a transition of a load; contacts change between equal steps only.
 """
 
 from presswear.engines.dae.accepted_step import (
@@ -39,12 +39,13 @@ from presswear.tools.packing import PackedArguments, unpack
 
 RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
-# Next step over the last one: part of the step with the allowed error, and its limits
+# Next step over the step with the allowed error
 SAFETY = 0.9
+# Limits of the next step over the last one
 MIN_FACTOR = 0.2
 MAX_FACTOR = 5.0
 MAX_FINITE = 1e30  # larger numbers of a state or an error count as infinite
-MIN_PART = 1e-9  # of an equal step, below which the rest up to the end is round-off
+MIN_PART = 1e-9  # a shorter part of an equal step up to the end is round-off
 
 
 @compiled
@@ -79,7 +80,8 @@ def propose_step(address: PackedArguments, end: float) -> bool:
     if remaining <= 0.0:
         return False
     longest = longest_step(records, state.longest, state.parts)
-    h = min(step_to_break(records.motions, t, min(state.step, longest)), remaining)
+    h = step_to_break(records.motions, t, min(state.step, longest))
+    h = min(h, remaining)
     h = min(h, next_break(run.system.packed.loads) - t)
     state.reaches_end = h >= remaining
     start_search(run.control, h)
@@ -136,11 +138,11 @@ def reject_step(control: Records, tableau: Tableau, error: float) -> int:
 
 @compiled
 def reject_event(control: Records, first_corner: int, joints: int) -> int:
-    """Repeat a step in which no event is at the place of the cubic's; return the status.
+    """Shorten a step if the event of its cubic interpolant is not found; return the status.
 
-    A shorter cubic through both ends is more accurate. A corner of friction is ignored
-    in the next step: the sliding of a pin that hardly presses on a worn arc is
-    round-off.
+    The interpolant of a shorter step is more accurate. If the event is a corner of
+    friction, the step keeps its length and corners are ignored in it, because the
+    sliding speed of a pin that hardly presses on a worn arc is round-off.
     """
     state = control[0]
     state.ignores_corners = first_corner <= state.event < first_corner + 2 * joints
@@ -151,7 +153,7 @@ def reject_event(control: Records, first_corner: int, joints: int) -> int:
 
 @compiled
 def accept_step(address: PackedArguments, end: float) -> None:
-    """Take over the state at the end of a trial step, with the events that come with it."""
+    """Accept the state at the end of a trial step, and settle loads and contacts."""
     (run,) = unpack(address)
     system = run.system
     motion = run.motion
@@ -190,13 +192,16 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         remaining = time_left(run.records.nominal, t, end)
         if remaining <= MIN_PART * state.step:
             return DONE
-        whole = min(state.due - t if state.due > t else state.step, remaining)
+        whole = state.step
+        if state.due > t:  # the last step was cut
+            whole = state.due - t
+        whole = min(whole, remaining)
         h = fixed_step(address, t, whole)
         for i in range(2 * n):
             if not abs(motion.trial[i]) < MAX_FINITE:
                 return BROKEN
         copy_to(motion.y, motion.trial)
-        # The rest of a step that was cut is the next step.
+        # The next step ends where a step that was cut would have ended.
         state.due = t + whole if h < whole else 0.0
         accept_fixed_step(address, end if h >= remaining else t + h, h)
     return RUNNING
@@ -234,7 +239,7 @@ def accept_fixed_step(address: PackedArguments, t: float, h: float) -> None:
     if system.constraints is None:
         rates(address, t, motion.y, SPARE)
     else:
-        # Multipliers are dear: the accelerations stay those of the last stage.
+        # The accelerations are those of the last stage, because multipliers take long.
         evaluate_forces(system, t, motion.y, motion.slopes[SPARE], END)
     settle_loads(system.packed.loads, t, q, v, a)
     copy_contacts(records.contacts, system.contacts)

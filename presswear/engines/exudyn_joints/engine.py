@@ -165,7 +165,7 @@ def _drives(
     modelled = [drive for drive in linkage.drives if drive.name in objects]
     are_steady = all(is_steady(linkage, drive) for drive in modelled)
     # After the short step to a bend in a load, accelerations would oscillate.
-    bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
+    bends = any(isinstance(load.law, OverPosition) for load in linkage.loads_with_law)
     turns = [not linkage.prescribes(drive) for drive in linkage.drives]
     constraints = None
     if bends or not are_steady:

@@ -110,7 +110,7 @@ def add_joints(
     for drive, motion in zip(linkage.drives, motions, strict=True):
         if drive.body not in omitted and linkage.prescribes(drive):
             objects[drive.name] = model.add_drive(drive, motion)
-    for load in linkage.dead_loads:
+    for load in linkage.constant_loads:
         if load.body not in omitted:
             model.add_load(load)
     return objects

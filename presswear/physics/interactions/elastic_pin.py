@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from presswear.linkage.joints import Revolute
-from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.point_position import point_position
 from presswear.physics.equations.text import (
     ONE,
     Vector,
@@ -51,7 +52,7 @@ class ElasticPin:
         for pin in _plain_pins(linkage):
             assert pin.stiffness is not None
             bearing, centre = (
-                place_of(linkage, end, position.tolist()) for end in pin.ends
+                point_position(linkage, end, position.tolist()) for end in pin.ends
             )
             stretch = math.dist(bearing, centre)
             energy += 0.5 * pin.stiffness * stretch * stretch

@@ -16,8 +16,7 @@ class LawWithSettings(NamedTuple):
     numbers: type  # named tuple of the numbers that both kernels read
     numbers_of: Callable[[FrictionLaw], Any]  # returns this tuple
     state: str  # name of the state in the equations
-    # change of the state that matters, m, as a function of the numbers; steps are
-    # divided at the contacts of the joint
+    # smallest change of the state that matters, m, as a function of the numbers
     scale: Callable[[Any], float]
     # rate of the state, m/s: kernel of sliding, state, is_closed and the numbers
     rate: Callable[..., float]
@@ -39,7 +38,7 @@ class FrictionWithSettings:
 
     page: Page
     prefix: str  # of the joint
-    joint: int  # its number
+    joint: int  # index among the clearance joints
     law: FrictionLaw
     functions: LawWithSettings
     sliding: str = ""

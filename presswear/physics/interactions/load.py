@@ -28,7 +28,7 @@ class LoadWithLaw:
         """Return all loads with a law of a linkage."""
         if packed.loads is None:
             return []
-        pairs = zip(linkage.live_loads, packed.loads.records, strict=True)
+        pairs = zip(linkage.loads_with_law, packed.loads.records, strict=True)
         return [cls(load, record, k) for k, (load, record) in enumerate(pairs)]
 
     @property

@@ -1,7 +1,8 @@
 """LuGre's friction law: bristles with a deflection that is a state of the contact.
 
-Stiffness and damping are per unit of normal force (Canudas de Wit, Olsson, Astrom and
-Lischinsky, 1995).
+Canudas de Wit, Olsson, Astrom and Lischinsky (1995). Stiffness sigma_0, 1/m, and damping
+sigma_1, s/m, are per unit of normal force. c_f is the kinetic and c_s the static
+coefficient of friction, v_s the Stribeck speed.
 """
 
 import math
@@ -19,16 +20,16 @@ from presswear.tools.compile import Records, compiled, inlined
 class Bristles(NamedTuple):
     """Parameters of LuGre's law in kernels."""
 
-    coefficient: float
-    static: float
-    stribeck: float
-    bristle_stiffness: float
-    bristle_damping: float
+    coefficient: float  # c_f
+    static: float  # c_s
+    stribeck: float  # v_s, m/s
+    bristle_stiffness: float  # sigma_0, 1/m
+    bristle_damping: float  # sigma_1, s/m
 
 
 @inlined
 def stribeck_coefficient(sliding: float, law: Records) -> float:
-    """Return the friction coefficient g of LuGre's law in steady sliding at a speed, m/s."""
+    """Return the coefficient of steady sliding, g = c_f + (c_s - c_f) exp(-(v / v_s)^2)."""
     ratio = sliding / law.stribeck
     return law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
 
@@ -39,14 +40,13 @@ def bristle_rate(
 ) -> float:
     """Return the rate of the mean deflection z, m, of the bristles of LuGre's law, m/s.
 
-    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit,
-    Olsson, Astrom and Lischinsky, 1995), all per unit of normal force. Bristles that
-    touch nothing bear no force: sigma_0 z + sigma_1 z' = 0.
+    z' = v - sigma_0 |v| z / g in a closed contact. Bristles that touch nothing bear no
+    force: sigma_0 z + sigma_1 z' = 0.
     """
-    free = -law.bristle_stiffness / law.bristle_damping * bristle
+    if not is_closed:
+        return -law.bristle_stiffness / law.bristle_damping * bristle
     slip_coefficient = stribeck_coefficient(sliding, law)
-    closed = sliding - law.bristle_stiffness * abs(sliding) * bristle / slip_coefficient
-    return closed if is_closed else free
+    return sliding - law.bristle_stiffness * abs(sliding) * bristle / slip_coefficient
 
 
 @compiled
@@ -55,8 +55,9 @@ def bristle_force(
 ) -> float:
     """Return the friction of bristles, N: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
 
-    Damping that did not fade would make energy in steady sliding (Olsson 1996). Where z
-    changes, ``greatest_bristle_damping`` keeps the force from driving the sliding.
+    A damping that does not decrease with the speed would create energy in sliding (Olsson
+    1996). ``greatest_bristle_damping`` limits sigma_1, so that the force never drives
+    the sliding.
     """
     ratio = sliding / law.stribeck
     damping = law.bristle_damping * math.exp(-ratio * ratio)
@@ -76,7 +77,7 @@ def bristles_of(law: FrictionLaw) -> Bristles:
 
 
 def steady_bristles(law: FrictionLaw, sliding: Array, normal: Array) -> Array:
-    """Return the friction of steady sliding, N, shape (n,): that of z' = 0."""
+    """Return the friction of steady sliding (z' = 0), N, shape (n,)."""
     bristles = bristles_of(law)
     ratio = sliding / bristles.stribeck
     rise = (bristles.static - bristles.coefficient) * np.exp(-ratio * ratio)

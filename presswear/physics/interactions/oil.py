@@ -18,8 +18,9 @@ from functools import partial
 from typing import ClassVar, NamedTuple, Self
 
 from presswear.linkage.clearance_joint import ClearanceJoint
-from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.oil import Oil
+from presswear.linkage.point_position import point_position
 from presswear.physics.equations.layout import State
 from presswear.physics.equations.text import (
     ONE,
@@ -152,8 +153,8 @@ def start_on_film(
     linkage: Linkage, joint: ClearanceJoint, axis: int, position: Array
 ) -> float:
     """Return a coordinate of the place on the film, m, where the elastic contact starts free."""
-    pin = place_of(linkage, joint.pin, position.tolist())
-    bearing = place_of(linkage, joint.bearing, position.tolist())
+    pin = point_position(linkage, joint.pin, position.tolist())
+    bearing = point_position(linkage, joint.bearing, position.tolist())
     largest = (1.0 - THINNEST_AT_START) * joint.clearance
     fraction = largest / max(math.dist(pin, bearing), largest)
     return fraction * (pin[axis] - bearing[axis])
@@ -280,9 +281,10 @@ class _OilText(JointText):
         energy = self.name("energy")
         law = f"elastic_of(data.joints[{self.number}].normal, {size})"
         text.write(f"{elastic}, {energy} = {law}")
-        reduced = float(self.record["effective_mass"])
-        # Between two prescribed bodies nothing oscillates.
-        mass = self.parameter("mass", reduced if math.isfinite(reduced) else 0.0)
+        effective_mass = float(self.record["effective_mass"])
+        if not math.isfinite(effective_mass):
+            effective_mass = 0.0  # Between two prescribed bodies nothing oscillates.
+        mass = self.parameter("mass", effective_mass)
         ratio = self.parameter("damping_ratio", self._oil.damping_ratio)
         call = f"contact_damping({elastic}, {energy}, {mass}, {ratio})"
         text.write(f"{self.name('damping')}, {self.name('relaxation')} = {call}")

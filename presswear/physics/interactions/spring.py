@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from presswear.linkage.joints import ends_of
-from presswear.linkage.linkage import Linkage, place_of
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.point_position import point_position
 from presswear.linkage.spring import Spring
 from presswear.physics.equations.text import ONE, Vector
 from presswear.physics.interactions.page import Kernels, Page
@@ -112,7 +113,9 @@ def _springs_along(linkage: Linkage) -> list[Spring]:
 
 def _distance(linkage: Linkage, spring: Spring, position: Array) -> float:
     """Return the distance of the ends of a spring, m."""
-    first, second = (place_of(linkage, end, position.tolist()) for end in spring.ends)
+    first, second = (
+        point_position(linkage, end, position.tolist()) for end in spring.ends
+    )
     return math.dist(first, second)
 
 

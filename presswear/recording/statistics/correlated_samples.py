@@ -102,15 +102,14 @@ def _autocovariance(deviations: Sequence[Array], lag: int, noise: float) -> floa
 def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate, bool]:
     """Return the mean over the cycles of several runs, and whether the runs differ.
 
-    Runs whose means differ by more than their cycles explain (one-way analysis of
-    variance, 1 %) are single samples themselves: the interval is that of the runs.
+    If the means of the runs differ significantly (one-way analysis of variance, 1 %),
+    each run is a single sample, and the interval is that of the means of the runs.
 
     Parameters
     ----------
     alone : sequence of ndarray
-        Runs that are single samples, such as those on surfaces of their own: their
-        scatter, and the distance of their mean from that of the runs, give the
-        interval.
+        Runs that are single samples, because each has other surfaces: their scatter, and
+        the distance of their mean from that of the runs, give the interval.
     """
     samples = [after_startup(rows) for rows in runs]
     everything = np.concatenate(samples)

@@ -86,7 +86,7 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
 
     sheet, circle = pin_panels(result, shown, draw)
     shown = first_and_last(shown)
-    periods = [f"{one.pen.label}: {period_of(scene, one.data)}" for one in shown]
+    periods = [f"{stage.pen.label}: {period_of(scene, stage.data)}" for stage in shown]
     return style.finished(
         "poincare",
         sheet,

@@ -72,7 +72,11 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
     for guide in result.scene.loose_guides:
         clearance = result.scene.bearing(guide.name).clearance
         paths = [corner_paths(stage.data, guide) for stage in shown]
-        widest = max(float(abs(path).max()) for one in paths for path in one.values())
+        widest = max(
+            float(abs(path).max())
+            for paths_of_stage in paths
+            for path in paths_of_stage.values()
+        )
         factor, unit = unit_scale("m", clearance)
         edge = factor * max(_EDGE * clearance, 1.06 * widest)
         sheet, (row,) = style.panels(1, 2, 3.6, sharex=True, sharey=True)
@@ -108,7 +112,9 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
 def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
     """Draw wear rate and depth of both walls of each guide along its length."""
     stages = [stage for stage in shown if stage.data.statistics.walls]
-    names = list(dict.fromkeys(chain(*(one.data.statistics.walls for one in stages))))
+    names = list(
+        dict.fromkeys(chain(*(stage.data.statistics.walls for stage in stages)))
+    )
     if not names:
         return []
     is_worn = any(

@@ -41,16 +41,16 @@ LineStyle = str | tuple[float, tuple[float, ...]]
 WIDTH = 7.0  # inches, the text width of an A4 page, so that 8 pt print as 8 pt
 TALLEST = 9.6  # inches, the greatest height that fits an A4 page with its caption
 DOTS_PER_INCH = 200
-SHOWN_STAGES = 5  # stages in a figure; of more, evenly spaced ones are shown
+SHOWN_STAGES = 5  # largest number of stages in a figure
 SHOWN_CYCLES = 2  # cycles whose motion is shown
 
 _TEMPLATES = files("presswear.show") / "templates"
 with as_file(_TEMPLATES / "figures.mplstyle") as file:
     SETTINGS = matplotlib.rc_params_from_file(file, use_default_template=False)
-# multiples of a power of ten that are marked on a logarithmic axis
+# Multiples of a power of ten that have labels on a logarithmic axis
 SUBTICKS = (2.0, 5.0)
-_ROW = 112  # letters in the width of a figure
-_HANDLE = 8  # letters in the handle of a legend
+_ROW = 112  # characters in the width of a figure
+_HANDLE = 8  # width of a line in a legend, characters
 # The palette of Okabe and Ito is distinct with every common colour blindness.
 LINES: tuple[tuple[str, LineStyle], ...] = (
     ("#0072B2", "solid"),
@@ -96,19 +96,18 @@ class Drawing:
     sheet: Sheet
 
     def __post_init__(self) -> None:
-        for axis in (
-            axis for axes in self.sheet.axes for axis in (axes.xaxis, axes.yaxis)
-        ):
-            major = axis.get_major_formatter()
-            minor = axis.get_minor_formatter()
-            if isinstance(major, LogFormatterSciNotation):
-                axis.set_major_formatter(
-                    _PlainPowers(labelOnlyBase=major.labelOnlyBase)
-                )
-            if isinstance(minor, LogFormatterSciNotation):
-                axis.set_minor_formatter(
-                    _PlainPowers(labelOnlyBase=minor.labelOnlyBase)
-                )
+        for axes in self.sheet.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                major = axis.get_major_formatter()
+                minor = axis.get_minor_formatter()
+                if isinstance(major, LogFormatterSciNotation):
+                    axis.set_major_formatter(
+                        _PlainPowers(labelOnlyBase=major.labelOnlyBase)
+                    )
+                if isinstance(minor, LogFormatterSciNotation):
+                    axis.set_minor_formatter(
+                        _PlainPowers(labelOnlyBase=minor.labelOnlyBase)
+                    )
 
 
 @dataclass(frozen=True)
@@ -178,7 +177,8 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
         f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS
     ]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
-    arrays: Any = copy(stage.arrays)  # which names its file where an array is missing
+    # A copy, because the class of the arrays names its file if an array is missing
+    arrays: Any = copy(stage.arrays)
     arrays.update(cut)
     return replace(stage, arrays=arrays)
 
@@ -228,21 +228,27 @@ def joint_panels(
 ) -> tuple[Sheet, list[tuple[Axes, str, ShownStage]], list[Axes]]:
     """Return a sheet with a panel for each joint in the first and in the last stage.
 
-    ``height`` is that of a row, inches, and the label is that of the vertical axes at
-    the left. The panels come with their joint and stage, and the lowest ones of both
-    columns once more.
+    ``height`` is that of a row, inches, and ``label`` is that of the vertical axes at the
+    left.
+
+    Returns
+    -------
+    sheet : Sheet
+    panels : list of tuple
+        Axes, joint and stage of each panel.
+    lowest : list of Axes
+        Lowest panel of each column.
     """
-    places = list(product(joints, [*stages[:1], *stages[1:][-1:]]))
-    sheet, shown, lowest = panel_list(len(places), height, **sharing)
-    for axes, (joint, stage) in zip(shown, places, strict=True):
+    first_and_last = stages if len(stages) < 2 else [stages[0], stages[-1]]
+    contents = list(product(joints, first_and_last))
+    sheet, shown, lowest = panel_list(len(contents), height, **sharing)
+    panels = []
+    for axes, (joint, stage) in zip(shown, contents, strict=True):
         axes.set_title(f"joint {joint}, {stage.pen.label}")
+        panels.append((axes, joint, stage))
     for axes in shown[:: len(lowest)]:
         axes.set_ylabel(label, parse_math=True)
-    return (
-        sheet,
-        [(axes, *place) for axes, place in zip(shown, places, strict=True)],
-        lowest,
-    )
+    return sheet, panels, lowest
 
 
 def finished(
@@ -258,9 +264,9 @@ def finished(
     """
     handles = [pen.handle() for pen in pens]
     if handles:
-        letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
-        # one row if they fit
-        columns = math.ceil(len(handles) / math.ceil(letters / _ROW))
+        width = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
+        rows = math.ceil(width / _ROW)
+        columns = math.ceil(len(handles) / rows)
         sheet.legend(handles=handles, loc=place, ncols=columns)
     texts = (
         TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values()
@@ -294,11 +300,9 @@ def label_values(
 def round_down(value: float) -> float:
     """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
-    # A value such as 0.5 may come as 4.9999999 powers of ten.
-    return (
-        max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))
-        * power
-    )
+    # Round-off may make 0.5 smaller than 5 times 0.1.
+    limit = value * (1.0 + 1e-9)
+    return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= limit)
 
 
 def note(axes: Axes, text: str) -> None:

@@ -74,8 +74,8 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
 
 def _wears(joint: str, shown: Shown) -> bool:
     """Return True if a joint wears in some stage; a failed one has no statistics."""
-    joints = [one.data.statistics.joints.get(joint) for one in shown]
-    return not all(one is not None and one.is_unworn for one in joints)
+    joints = [stage.data.statistics.joints.get(joint) for stage in shown]
+    return not all(result is not None and result.is_unworn for result in joints)
 
 
 def _depth_curves(

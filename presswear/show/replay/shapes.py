@@ -91,7 +91,7 @@ def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
 
 def loose_pins(linkage: Linkage) -> list[ClearanceJoint]:
     """Return the pin joints with clearance, which come before the corners of slides."""
-    return [one for one in linkage.clearances if not isinstance(one, GuideCorner)]
+    return [joint for joint in linkage.clearances if not isinstance(joint, GuideCorner)]
 
 
 def guides_of(linkage: Linkage) -> tuple[Guide, ...]:
@@ -374,8 +374,8 @@ def worn_walls(linkage: Linkage, factor: float, body: str = GROUND) -> list[Shap
     a trench may be narrower than it.
     """
     drawn: list[Shape] = []
-    corners = [one for one in linkage.corners if one.guide.on == body]
-    walls = {(one.guide.name, one.side): one for one in corners}
+    corners = [corner for corner in linkage.corners if corner.guide.on == body]
+    walls = {(corner.guide.name, corner.side): corner for corner in corners}
     for corner in walls.values():
         surface, wall, guide = corner.bearing_surface, corner.wall, corner.guide
         if wall is None or guide.width is None or not surface.is_worn:
