@@ -122,7 +122,7 @@ BOUNDS = [
 
 
 # Equal steps with contacts take long: the trapezoidal rule has the other motions below.
-def _is_long(name, engine):
+def _is_long(name: str, engine: str) -> bool:
     return engine == "exudyn-joints" and name in ("four-bar", "slider-crank")
 
 
