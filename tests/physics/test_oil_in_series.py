@@ -84,7 +84,8 @@ def test_gap_of_a_long_dwell_falls_and_stays_open():
 @given(
     st.floats(0.01, 0.99),
     st.floats(-math.pi, math.pi),
-    st.floats(0.0, 1e5),
+    # N; the products of forces near 1e-308 N round off by more than 1e-12
+    st.just(0.0) | st.floats(1e-9, 1e5),
 )
 def test_velocity_inverts_the_force_of_the_film(eccentricity, angle, size):
     place = CLEARANCE * eccentricity
