@@ -72,7 +72,7 @@ def _stage_record(scene: Scene, stage: StageResult) -> Record:
     angles = {}
     for joint, statistics in stage.statistics.joints.items():
         peaks = statistics.wear_peaks.items()
-        angles[joint] = {side: _direction(peak.angle) for side, peak in peaks}
+        angles[joint] = {side: direction_text(peak.angle) for side, peak in peaks}
     return {
         "stage": stage,
         "angles": angles,
@@ -172,10 +172,11 @@ def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | N
     return deepest
 
 
-def _direction(angle: Estimate) -> str:
+def direction_text(angle: Estimate) -> str:
     """Return an angle in degrees from 0 to 360, with its interval, as a text.
 
-    The half width of the interval has two digits.
+    The half width of the interval has two digits. An interval of half a turn or more
+    belongs to a surface that wears most at different places from cycle to cycle.
     """
     mean = math.degrees(angle.mean)
     if angle.low is None or angle.high is None:
@@ -187,8 +188,9 @@ def _direction(angle: Estimate) -> str:
     def text(degrees: float) -> str:
         return f"{round(degrees, digits) % 360.0:.{digits}f}"
 
-    interval = f"{text(low)} to {text(high)}" if high - low < 360.0 else "any"
-    return f"{text(mean)} ({interval})"
+    if high - low >= 180.0:
+        return f"{text(mean)} (no single place)"
+    return f"{text(mean)} ({text(low)} to {text(high)})"
 
 
 def drive_table(result: Result) -> Table | None:
