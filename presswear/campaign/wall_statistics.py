@@ -22,19 +22,21 @@ def wall_statistics(
     linkage: Linkage, recorders: Sequence[Recorder]
 ) -> dict[str, dict[str, WallStatistics]]:
     """Return the wear rates of the walls of each guide by side."""
-    runs = [run.maps for run in recorders]
+    runs = [recorder.maps for recorder in recorders]
     means = walls_of(linkage, mean_map(runs))
-    # Independent runs are samples; the batches of a single run may be correlated.
-    batches = [run.batches for run in runs]
     if len(runs) > 1:
-        batches = [run.sampled[np.newaxis] / run.samples for run in runs]
-    samples = [walls_of(linkage, each) for each in batches]
+        # The mean map of each independent run is a sample.
+        maps = [run.sampled[np.newaxis] / run.samples for run in runs]
+    else:
+        # The samples of a single run are its batches, which may be correlated.
+        maps = [run.batches for run in runs]
+    samples = [walls_of(linkage, depth) for depth in maps]
     statistics: dict[str, dict[str, WallStatistics]] = {}
     for name, corner in _corners(linkage).items():
         statistics[name] = {}
         for row, side in enumerate(WALLS):
-            of_side = [each[name][:, row] for each in samples]
-            statistics[name][side] = _of_wall(corner, means[name][row], of_side)
+            depths = [walls[name][:, row] for walls in samples]
+            statistics[name][side] = _wall(corner, means[name][row], depths)
     return statistics
 
 
@@ -67,15 +69,18 @@ def _map_of(corner: GuideCorner) -> WallMap:
     return corner.wall
 
 
-def _of_wall(
-    corner: GuideCorner, mean: Array, samples: Sequence[Array]
-) -> WallStatistics:
-    """Return the wear rate of a wall from its mean map and from samples by run, (n, bins)."""
+def _wall(corner: GuideCorner, mean: Array, samples: Sequence[Array]) -> WallStatistics:
+    """Return the wear rate of a wall.
+
+    ``mean`` is its mean depth per cycle, (bins,), and ``samples`` has those of each run,
+    (samples, bins), m.
+    """
     deepest = int(mean.argmax())
     area = corner.width * _map_of(corner).bin_length
 
     def estimate(value: float, by_run: list[Array]) -> Estimate:
         values = np.concatenate(by_run)
+        # The interval of a single run includes the correlation of its batches.
         half = half_width(values) if len(by_run) > 1 else half_width_of_runs(by_run)
         return Estimate.symmetric(value, half, values.size).positive
 

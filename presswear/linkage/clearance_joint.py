@@ -17,9 +17,10 @@ from presswear.tools.serialize import Checked
 MapFrame = Literal["fixed", "body"]
 SurfaceContact = Literal["radial", "foundation"]
 
-# Greatest depth of a worn surface on a foundation, in clearances, and part of the radius
-# of the bearing up to which the geometry of nearly equal circles holds
-DEEPEST_CLEARANCES, DEEPEST_PART = 10.0, 0.1
+# Greatest depth of a worn surface on a foundation. Pin and bearing are nearly equal
+# circles up to this depth.
+DEEPEST_CLEARANCES = 10.0  # greatest depth over the clearance
+DEEPEST_PART = 0.1  # greatest depth over the radius of the bearing
 DEEPEST_WORDS = (
     f"with wear of {DEEPEST_CLEARANCES:g} clearances or {DEEPEST_PART:g} bearing radii"
 )
@@ -34,8 +35,8 @@ def deepest_wear(
     """
     if contact == "radial":
         return clearance
-    most = min(DEEPEST_CLEARANCES * clearance, DEEPEST_PART * bearing_radius)
-    return max(clearance, most)
+    deepest = min(DEEPEST_CLEARANCES * clearance, DEEPEST_PART * bearing_radius)
+    return max(clearance, deepest)
 
 
 @dataclass(frozen=True)
@@ -45,10 +46,12 @@ class ClearanceJoint(Checked):
     Attributes
     ----------
     map_frame : {"fixed", "body"}
-        Wear maps stay fixed in direction, or turn with their bodies.
+        "fixed": the bins of the wear maps keep their directions in space. "body": they
+        turn with their bodies.
     contact : {"radial", "foundation"}
-        Surfaces meet at the pin's nearest point along e by the elasticity of the normal
-        law, or over the arc through an elastic foundation, whatever that elasticity is.
+        "radial": the surfaces meet in one point, in the direction of the eccentricity, by
+        the elasticity of the normal law. "foundation": they meet over an arc through an
+        elastic foundation, and the elasticity of the normal law is not used.
     """
 
     name: str
@@ -87,16 +90,19 @@ class ClearanceJoint(Checked):
 
     @property
     def map_area(self) -> float:
-        """Area of the surface of which the wear maps are, m^2."""
+        """Area of the bearing surface, which is covered by the bins of a wear map, m^2."""
         return self.width * self.bearing_radius * 2.0 * math.pi
 
     @property
     def bins(self) -> int:
-        """Angular bins of the wear maps; without an account those of the surfaces, or one."""
+        """Number of angular bins of the wear maps.
+
+        Without a wear law it is that of the surfaces, 1 if they are round.
+        """
         if self.wear is not None:
             return self.wear.angles
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
 
 
 Bushing = ClearanceJoint | Revolute
-"""Pin joint whose pin may rub in its bearing."""
+"""Pin joint whose pin may rub in its bearing: with clearance, or rigid with friction."""

@@ -19,9 +19,9 @@ from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
 Extreme = Literal["lowest", "highest"]
-MAX_FORCE = 1e9  # of a process, N: that of the strongest press
-MAX_DEPTH = 10.0  # of a height or depth, m: the longest link of a machine
-MIN_DEPTH = 1e-6  # m
+MAX_FORCE = 1e9  # N; no press is stronger
+MAX_DEPTH = 10.0  # largest height or depth, m; no link of a machine is longer
+MIN_DEPTH = 1e-6  # smallest height or depth, m
 _CURVE_PIECES = 4  # straight pieces of half a cosine
 Curve = tuple[tuple[float, float], ...]
 
@@ -49,15 +49,18 @@ _OFFSET = (
 
 
 class _Work(Checked):
-    """Curve of a process and what follows from it; a cushion gives back what it takes.
+    """Force of the work over the depth, and the energy of a stroke.
 
-    It is elastic-plastic: where the motion turns back, the force falls as steeply as
-    the curve rises at most; see ``laws_of``.
+    The work is elastic-plastic: where the motion turns back, the force falls with the
+    steepest slope of the curve; see ``laws_of``. A cushion is elastic.
     """
 
     @property
     def curve(self) -> Curve:
-        """Depth, m, and force on the way in, N, linear between; without the cushion."""
+        """Points of increasing depth, m, and force, N, without that of the cushion.
+
+        The force is linear between the points.
+        """
         return ((0.0, 0.0),)
 
     @property
@@ -67,7 +70,7 @@ class _Work(Checked):
 
     @property
     def work(self) -> float:
-        """Work of a stroke, J."""
+        """Energy that a stroke takes, J: the area below the curve."""
         return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(self.curve))
 
 
@@ -162,7 +165,8 @@ class Drawing(_Work):
             for fraction in fractions
         ]
         depths = (*rising, *falling)
-        return tuple(zip(depths, (*sizes, *sizes[-2::-1]), strict=True))
+        forces = (*sizes, *reversed(sizes[:-1]))
+        return tuple(zip(depths, forces, strict=True))
 
 
 @dataclass(frozen=True)
@@ -197,20 +201,28 @@ def check_reach(process: Process, stroke: float, body: str) -> None:
 
 
 def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
-    """Return the laws of a process and its cushion, of forces away from the work, by name.
+    """Return the load laws of a process and of its cushion by name.
 
-    Work that breaks or flows is loaded along its curve, and unloaded and loaded again
-    along a straight line as steep as the steepest rise of the curve, up to the greatest
-    depth of the stroke. Once it is worked through nothing acts until the stroke is
-    over.
+    The forces are positive away from the work. Work that breaks or flows is loaded along
+    its curve. It is unloaded, and loaded again up to the greatest depth of the stroke,
+    along a straight line with the steepest slope of the curve. At the end of the curve
+    the force vanishes until the stroke is over.
 
-    The work is touched at the position ``contact``, along the direction away from it,
-    m. A new blank lies there after a stroke, which is over at the height ``lift``
-    above, m.
+    Parameters
+    ----------
+    process : Process
+        Process of a press.
+    contact : float
+        Position of the output point at which the work is touched, positive away from the
+        work, m.
+    lift : float
+        Height above ``contact`` at which the stroke is over and a new blank lies in
+        place, m.
     """
 
     def table(curve: Curve) -> list[tuple[float, float]]:
-        return sorted((0.0 - depth, force) for depth, force in curve)
+        """Return points of the curve by height above the contact, which is minus the depth."""
+        return sorted((0.0 - depth, force) for depth, force in curve)  # no -0.0
 
     if isinstance(process, Coining):
         stop = ((0.0, 0.0), (MAX_DEPTH, process.stiffness * MAX_DEPTH))

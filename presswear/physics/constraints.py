@@ -19,19 +19,20 @@ from presswear.physics.drive_motion import drive_motion, motions_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to, floats, inlined
 
-# A row as the kernels see it: the distance of two points along a direction, or an angle
+# Constraint row for the kernels: the distance of two points along a direction, or the
+# angle of a body relative to another body, minus the prescribed value
 CONSTRAINT = np.dtype(
     [
         ("first", np.int64),  # index of the body's x in q, -1 for the frame
         ("second", np.int64),
         *floats("x1", "y1", "x2", "y2"),  # points in their bodies' frames, m
-        *floats("normal_x", "normal_y"),  # the direction; 0 for an angle
+        *floats("normal_x", "normal_y"),  # unit vector of the direction; 0 for an angle
         ("rotates", np.bool_),  # the direction turns with the second body
-        ("turns", np.bool_),  # the angle of the first body less that of the second
-        ("ratio", np.float64),  # times which the angle of the second body is subtracted
+        ("is_angle", np.bool_),  # the row is angle of first - ratio * angle of second
+        ("ratio", np.float64),  # factor of the angle of the second body
         ("geared", np.bool_),  # the drive has no motion of its own
         ("target", np.float64),  # value of the row, m or rad, before that of a drive
-        ("drive", np.int64),  # its place among the motions; -1 for none
+        ("drive", np.int64),  # index of its motion in ``motions``; -1 for none
     ]
 )
 
@@ -42,11 +43,11 @@ class ConstraintSystem(NamedTuple):
     records: Records
     motions: Records
     inverse_mass: Array  # (3 bodies,)
-    phi: Array  # (rows,), as its derivative and gamma of equation 16
-    phi_t: Array
-    gamma: Array
-    right: Array  # right-hand side, which the solution overwrites
-    multipliers: Array
+    phi: Array  # Phi, (rows,)
+    phi_t: Array  # dPhi/dt, (rows,)
+    gamma: Array  # right-hand side of Phi_q a = gamma, equation 16, (rows,)
+    right: Array  # right-hand side for the multipliers, overwritten by the solution, (rows,)
+    multipliers: Array  # (rows,)
     jacobian: Array  # (rows, 3 bodies)
     matrix: Array  # S, then its factors, (rows, rows)
 
@@ -100,8 +101,9 @@ def evaluate_constraints(
             tangential_gap = gap_y * nx - gap_x * ny
             phi_t[row] += spin * tangential_gap
             jacobian[row, c.second + 2] += tangential_gap
+            # Turning of the direction: centripetal and Coriolis terms
             gamma[row] += spin * (spin * phi[row] - 2.0 * (rate_y * nx - rate_x * ny))
-        if c.turns:
+        if c.is_angle:
             evaluate_angle(constraints, row, q, v)
         if c.drive >= 0 and not c.geared:
             motion = constraints.motions[c.drive]
@@ -114,7 +116,7 @@ def evaluate_constraints(
 
 @inlined
 def evaluate_angle(constraints: ConstraintSystem, row: int, q: Array, v: Array) -> None:
-    """Evaluate the row of an angle, without the motion of a drive."""
+    """Evaluate a row with ``is_angle``, without the motion of a drive."""
     phi = constraints.phi
     phi_t = constraints.phi_t
     jacobian = constraints.jacobian
@@ -130,7 +132,7 @@ def evaluate_angle(constraints: ConstraintSystem, row: int, q: Array, v: Array) 
 
 @compiled
 def factor(constraints: ConstraintSystem) -> None:
-    """Factor S = L D L^T."""
+    """Factor S = L D L^T in place: L below the diagonal of ``matrix``, D on it."""
     matrix = constraints.matrix
     jacobian = constraints.jacobian
     for i in range(matrix.shape[0]):
@@ -170,7 +172,10 @@ def solve(constraints: ConstraintSystem) -> None:
 def multipliers_of(
     constraints: ConstraintSystem, alpha: float, beta: float, force: Array
 ) -> None:
-    """Fill the multipliers under generalized forces, from the factors of their matrix."""
+    """Solve equation 18 for the multipliers under generalized forces, after ``factor``.
+
+    ``alpha`` and ``beta`` are the parameters of Baumgarte's stabilization, 1/s.
+    """
     damping = 2.0 * alpha
     stiffness = beta * beta
     for row in range(constraints.phi.shape[0]):
@@ -189,7 +194,7 @@ def multipliers_of(
 
 @compiled
 def move(constraints: ConstraintSystem, level: Array) -> None:
-    """Correct positions, velocities or accelerations by the error in ``right``."""
+    """Correct positions, velocities or accelerations, ``level``, by the error in ``right``."""
     solve(constraints)
     for row in range(constraints.phi.shape[0]):
         for c in range(level.shape[0]):
@@ -202,7 +207,7 @@ def move(constraints: ConstraintSystem, level: Array) -> None:
 
 @compiled
 def project(constraints: ConstraintSystem, t: float, q: Array, v: Array) -> None:
-    """Move a state onto the constraints: one Newton step for q, an exact one for v.
+    """Move a state onto the constraints: q by one Newton step, v exactly.
 
     Both use the metric of the mass matrix, so that the change of kinetic energy is of
     second order in the violation.
@@ -219,7 +224,10 @@ def project(constraints: ConstraintSystem, t: float, q: Array, v: Array) -> None
 def project_acceleration(
     constraints: ConstraintSystem, t: float, q: Array, v: Array, a: Array
 ) -> None:
-    """Move accelerations onto the constraints; leaves the change of the multipliers."""
+    """Move accelerations onto the constraints, which changes ``multipliers``.
+
+    The multipliers are then those of the correction.
+    """
     evaluate_constraints(constraints, t, q, v)
     for row in range(constraints.phi.shape[0]):
         constraints.right[row] = -constraints.gamma[row]
@@ -283,7 +291,7 @@ def constraints_of(linkage: Linkage) -> Constraints:
     records["normal_x"] = rows.normal[:, 0]
     records["normal_y"] = rows.normal[:, 1]
     records["rotates"][rows.turning] = True
-    records["turns"] = rows.turn
+    records["is_angle"] = rows.turn
     records["target"] = rows.target
     records["ratio"] = rows.ratio
     records["drive"] = -1

@@ -21,19 +21,21 @@ from presswear.results.strokes import SampledStroke, mean_of_strokes, working_st
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-ALLOWED_DROP = 0.2  # of the speed by the work, that press makers allow
-RECOVERED = 0.99  # part of the speed before the work from which it counts as back
+ALLOWED_DROP = 0.2  # drop by the work that press makers allow, part of the speed
+# Speed at which a motor has recovered from the work, part of the speed at the touch
+RECOVERED = 0.99
 
 
 @dataclass(frozen=True)
 class MotorLoad:
     """Load of a motor with a rated torque, means over the sampled cycles and strokes.
 
-    The slip loss is the integral of (T / i) (W_0 - i omega), which heats the rotor.
+    The slip loss is the integral of T (omega_0 - omega), which heats the rotor. T is the
+    torque on the driven body, omega its speed and omega_0 its speed without load.
     """
 
-    work: Estimate  # on its body in a cycle, J
-    slip_loss: Estimate  # in a cycle, J
+    work: Estimate  # net work on the driven body in a cycle, J
+    slip_loss: Estimate  # loss in a cycle, J
     rms_fraction: Estimate  # rms torque over the rated torque
     # peak over breakdown torque; None: no breakdown torque
     peak_fraction: Estimate | None
@@ -49,12 +51,13 @@ class LeaderSpeed:
     """Speed of the first motor, means over the sampled cycles and strokes."""
 
     stroke_rate: Estimate  # cycles in a second, 1/s
-    touch: Estimate | None  # at the touch of the work, part of the nominal speed
+    # speed at the touch of the work, part of the nominal speed; None: no work
+    touch: Estimate | None
     # greatest drop from the touch until the force of the work has vanished, part of the
     # speed at the touch; None: no work
     drop: Estimate | None
-    # angle of the leader from the touch until RECOVERED of the speed is back, rad; None:
-    # it does not fall below, or is not back in the recorded strokes
+    # angle of the leader from the touch until the speed is RECOVERED again, rad; None: it
+    # does not fall below, or does not recover in the recorded strokes
     recovery: Estimate | None
 
     @property
@@ -78,22 +81,24 @@ def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
 
 
 def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float, float]:
-    """Return the speed at the touch, its drop, and the nominal time until it is back, s.
+    """Return the speed at the touch, its drop, and the nominal time until it recovers, s.
 
-    The speed is over the nominal one. The drop by the work is a part of the speed at
-    the touch, and from the least speed in a row of the series. Rows lie where the force
-    of the work begins, breaks and vanishes.
+    The speed is a part of the nominal speed. The drop is a part of the speed at the
+    touch. It is that to the smallest speed in the rows of the series, which include the
+    instants at which the force of the work begins, breaks and vanishes. The time is NaN
+    if the speed stays above RECOVERED, or does not recover.
     """
-    clock, speed = stage.clock, stage.nominal_rate
+    clock = stage.clock
+    speed = stage.nominal_rate
     before = float(np.interp(stroke.contact, clock, speed))
     first, last = np.searchsorted(clock, [stroke.contact, stroke.done])
-    during = speed[first : last + 2]  # up to the row behind the last force
+    during = speed[first : last + 2]  # includes the first row after the force vanished
     drop = max(1.0 - float(during.min(initial=before)) / before, 0.0)
-    is_back = (clock >= stroke.done) & (speed >= RECOVERED * before)
-    if drop <= 1.0 - RECOVERED or not is_back.any():
+    has_recovered = (clock >= stroke.done) & (speed >= RECOVERED * before)
+    if drop <= 1.0 - RECOVERED or not has_recovered.any():
         return before, drop, math.nan
     touch = float(stage.nominal_of(np.array(stroke.contact)))
-    return before, drop, float(stage.time[is_back][0]) - touch
+    return before, drop, float(stage.time[has_recovered][0]) - touch
 
 
 def period_in(scene: Scene, stage: StageResult) -> float:
@@ -102,9 +107,9 @@ def period_in(scene: Scene, stage: StageResult) -> float:
     Without a motor, or without a complete cycle, it is the nominal one.
     """
     speed = leader_speed(scene, stage)
-    return (
-        float(scene.mechanism.period) if speed is None else 1.0 / speed.stroke_rate.mean
-    )
+    if speed is None:
+        return float(scene.mechanism.period)
+    return 1.0 / speed.stroke_rate.mean
 
 
 def mean_period(result: Result) -> float:
@@ -145,7 +150,7 @@ def saturated_servos(scene: Scene, stage: StageResult) -> dict[str, float]:
 
 
 def _load_of(drive: Drive, numbers: Array, duration: Array) -> MotorLoad:
-    """Return the load of a motor from its numbers of each cycle."""
+    """Return the load of a motor from its numbers, (cycles, columns), and durations, s."""
     motor = drive.motor
     assert motor is not None
     assert motor.torque is not None

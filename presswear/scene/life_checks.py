@@ -8,7 +8,7 @@ from presswear.linkage.oil import OILED_WEAR
 from presswear.linkage.wear_law import ARCHARD
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import Conventions
-from presswear.scene.options import NEW_OVER_CLEARANCE, Life, Limit
+from presswear.scene.options import NEW_OVER_CLEARANCE, Life, Limit, Service
 from presswear.scene.pin_joints import deepest_joint_wear
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import written
@@ -18,17 +18,17 @@ def check_life(
     life: Life,
     limits: Sequence[Limit],
     pins: Mapping[str, Bearing],
-    walls: Mapping[str, float],
+    deepest_walls: Mapping[str, float],
     conventions: Conventions,
     wear_updates: int,
     replicates: int | None,
 ) -> None:
     """Raise InputError if a life cannot be computed for the joints that wear.
 
-    ``pins`` are the bearings of these pin joints, and ``walls`` the greatest wear depth,
-    m, for which the model of a guide is valid.
+    ``pins`` has the bearings of the pin joints that wear. ``deepest_walls`` has the
+    greatest wear depth for which the model holds, m, by guide that wears.
     """
-    if not (pins or walls):
+    if not (pins or deepest_walls):
         raise InputError("life: no joint that wears has clearance")
     if wear_updates < 1:
         raise InputError(
@@ -41,15 +41,16 @@ def check_life(
         raise InputError(
             f"wear_distribution = 'bin' does not fit [life]: use 'arc', because {reason}"
         )
-    services = [service.words for service in life.services(tuple(pins), tuple(walls))]
+    services = life.services(tuple(pins), tuple(deepest_walls))
     if life.quick == "on":
         _check_quick_life(limits, services, pins, wear_updates)
-    _check_reach(limits, pins, walls, conventions.contact)
+    if limits:
+        _check_reach(limits, pins, deepest_walls, conventions.contact)
 
 
 def _check_quick_life(
     limits: Sequence[Limit],
-    services: Sequence[str],
+    services: Sequence[Service],
     pins: Mapping[str, Bearing],
     wear_updates: int,
 ) -> None:
@@ -59,12 +60,13 @@ def _check_quick_life(
         for limit in limits
         if limit.name not in ("depth", "wear_volume", "tilt")
     ]
-    faults += [f"{words}: allowed is no maintenance" for words in services]
+    faults += [f"{service.words}: allowed is no maintenance" for service in services]
     if wear_updates > 1:
         faults.append(f"wear_updates = {wear_updates}: allowed is 1")
-    ratios = [bearing.materials.running_in for bearing in pins.values()]
     faults += [
-        f"running_in = {ratio:g}: allowed is 1" for ratio in ratios if ratio != 1.0
+        f"running_in = {bearing.materials.running_in:g}: allowed is 1"
+        for bearing in pins.values()
+        if bearing.materials.running_in != 1.0
     ]
     faults += [
         f"wear_law = {bearing.wear_law}: allowed is {ARCHARD}"
@@ -78,37 +80,36 @@ def _check_quick_life(
 def _check_reach(
     limits: Sequence[Limit],
     pins: Mapping[str, Bearing],
-    walls: Mapping[str, float],
+    deepest_walls: Mapping[str, float],
     contact: SurfaceContact,
 ) -> None:
     """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
-    greatest = [_greatest_value(limit, pins, walls, contact) for limit in limits]
-    if not limits:
-        return
-    for limit, value in zip(limits, greatest, strict=True):
-        if limit.value < value:
+    for limit in limits:
+        if limit.value < _greatest_value(limit, pins, deepest_walls, contact):
             return
     first = limits[0]
-    words = DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
+    greatest = _greatest_value(first, pins, deepest_walls, contact)
     if first.joint in pins:
         words = _deepest_words(pins[first.joint], contact)
+    else:
+        words = DEEPEST_WORDS.replace("bearing radii", "half widths of the slide")
     raise InputError(
         f"until = '{first.key} > {written(first.value, 'm')}': allowed is below "
-        f"{written(greatest[0], 'm')}, {words}"
+        f"{written(greatest, 'm')}, {words}"
     )
 
 
 def _greatest_value(
     limit: Limit,
     pins: Mapping[str, Bearing],
-    walls: Mapping[str, float],
+    deepest_walls: Mapping[str, float],
     contact: SurfaceContact,
 ) -> float:
     """Return the value of a limited quantity with the deepest wear allowed; inf if unknown."""
     if limit.name not in ("depth", *NEW_OVER_CLEARANCE):
         return math.inf
-    if limit.joint in walls:
-        return walls[limit.joint]
+    if limit.joint in deepest_walls:
+        return deepest_walls[limit.joint]
     bearing = pins[limit.joint]
     deepest = deepest_joint_wear(bearing, contact)
     if limit.name == "depth":

@@ -14,7 +14,7 @@ from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import Bearing
 from presswear.tools.arrays import Array
 
-# Additional length of a map at each end, over the range of the slide
+# Additional length of a map at each end, part of the length over which the slide rubs
 _MARGIN = 0.01
 
 
@@ -55,12 +55,12 @@ def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
     along = cosine * (x - guide.x) + sine * (y - guide.y)
     length = float(np.ptp(along)) + guide.length
     margin = _MARGIN * length
-    start = float(along.min()) - 0.5 * guide.length
-    return WallMap(coefficient, start - margin, (1.0 + 2.0 * _MARGIN) * length)
+    start = float(along.min()) - 0.5 * guide.length - margin
+    return WallMap(coefficient, start, (1.0 + 2.0 * _MARGIN) * length)
 
 
 def _slide_in_frame(guide: Guide, ideal: IdealMotion) -> tuple[Array, Array]:
-    """Return the coordinates of a slide in the frame of the body with its walls, m, (n,) each."""
+    """Return x and y of a slide, m, shape (n,) each, in the axes of the body with the walls."""
     linkage = ideal.rows.linkage
     x, y, _ = ideal.position[:, linkage.index(guide.body)].T
     if not guide.is_moving:

@@ -1,7 +1,7 @@
 """Choice of Exudyn's compiled module: by default without range checks, with vector instructions.
 
-A step of the open tree spends seven eighths of its time in the module. The program
-checks the input of the module before. The environment variable EXUDYN_MODULE=safe
+The engine ``exudyn-tree`` spends seven eighths of the time of a step in the module. The
+program checks the input of the module beforehand. The environment variable EXUDYN_MODULE=safe
 selects the module with range checks, whose numbers differ in their last digits.
 """
 

@@ -8,7 +8,7 @@ from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown
 from presswear.show.figures.window import draw_with_moments, sampled
 
-_RPM = 30.0 / math.pi  # of a speed of 1 rad/s
+_RPM = 30.0 / math.pi  # 1 rad/s in 1/min
 _NOMINAL = Pen("nominal speed", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
 _RATED = Pen("rated torque", style.MUTED, "dotted", 1.2)
 
@@ -23,7 +23,9 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     if leader is None:
         return []
     has_torque = all("drive_torque" in stage.data.arrays for stage in moving)
-    driven = [drive for drive in linkage.drives if drive.motor and has_torque]
+    driven = []
+    if has_torque:
+        driven = [drive for drive in linkage.drives if drive.motor]
     shown, window = sampled(result, moving)
     count = 1 + len(driven)
     sheet, panels, zones = window.rows(count, 0.6 + 1.9 * count)
@@ -36,7 +38,7 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
     for axes, drive in zip(panels[1:], driven, strict=True):
         column = linkage.drives.index(drive)
-        sense = math.copysign(1.0, drive.mean_speed)
+        sense = math.copysign(1.0, drive.mean_speed)  # positive torques drive
         for stage in shown:
             driving_torque = sense * stage.data.arrays["drive_torque"][:, column]
             stage.pen.draw(axes, stage.data.time, driving_torque)
@@ -47,7 +49,7 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     pens = [*(stage.pen for stage in shown), _NOMINAL]
     if has_rated:
         pens.append(_RATED)
-    slowest = float((100.0 * shown[-1].data.nominal_rate).min())
+    slowest = 100.0 * float(shown[-1].data.nominal_rate.min())  # %
     return style.finished(
         "motor",
         sheet,
