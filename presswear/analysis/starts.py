@@ -11,7 +11,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-INSTANTS = 720  # of a cycle, among which the largest acceleration is searched for
+INSTANTS = 720  # instants of a cycle at which accelerations are compared
 
 
 @dataclass(frozen=True)

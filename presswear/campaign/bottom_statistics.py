@@ -19,7 +19,8 @@ from presswear.tools.arrays import Array
 
 # The ideal motion dwells while it stays within this part of the scatter of its bottom
 DWELL_SHARE = 0.01
-ROUND_OFF = 1e-9  # of the place of an ideal slider at rest, part of the stroke
+# Round-off of the place of an ideal slider at rest, part of the stroke
+ROUND_OFF = 1e-9
 
 
 def bottom_statistics(

@@ -26,27 +26,26 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     for k, joint in enumerate(linkage.clearances):
         if isinstance(joint, GuideCorner):
             continue
-        item = depth[:, k, :, : joint.bins]
-        levels[f"{joint.name}.depth"] = item.max(axis=(1, 2))
-        levels[f"{joint.name}.wear_volume"] = np.array(
-            [worn_volume(joint, wear) for wear in item]
-        )
+        surfaces = depth[:, k, :, : joint.bins]  # one for each history
+        levels[f"{joint.name}.depth"] = surfaces.max(axis=(1, 2))
+        volumes = [worn_volume(joint, worn) for worn in surfaces]
+        levels[f"{joint.name}.wear_volume"] = np.array(volumes)
         if not NEW_OVER_CLEARANCE.keys().isdisjoint(limited):
-            play = np.array([largest_play(joint, wear) for wear in item])
+            play = np.array([largest_play(joint, worn) for worn in surfaces])
             levels[f"{joint.name}.radial_clearance"] = 0.5 * play
             levels[f"{joint.name}.diametral_clearance"] = play
+    # All corners of a guide have the same walls.
+    corners = {corner.guide.name: corner for corner in linkage.corners}
     for guide, walls in walls_of(linkage, depth).items():
-        corner = next(
-            corner for corner in linkage.corners if corner.guide.name == guide
-        )
+        corner = corners[guide]
         levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
         volumes = [wall_volume(corner, wall) for wall in walls]
         levels[f"{guide}.wear_volume"] = np.array(volumes)
         tilts = [tilt_between(corner, wall) for wall in walls]
         levels[f"{guide}.tilt"] = np.array(tilts)
     if "total_clearance" in limited:
-        values = [total_clearance(linkage_on(scene, surfaces)) for surfaces in depth]
-        levels["total_clearance"] = np.array(values)
+        travels = [total_clearance(linkage_on(scene, joints)) for joints in depth]
+        levels["total_clearance"] = np.array(travels)
     return levels
 
 
@@ -59,12 +58,13 @@ def pseudo_levels_of(
     jackknife has no error of first order in 1 / histories; that of the mean surfaces has.
     """
     count = len(depth)
-    others = (depth.sum(axis=0) - depth) / (count - 1)
-    of_others = levels_of(scene, others, limited)
-    of_all = levels_of(scene, depth.mean(axis=0, keepdims=True), limited)
+    mean_of_all = depth.mean(axis=0, keepdims=True)
+    means_of_others = (depth.sum(axis=0) - depth) / (count - 1)
+    levels = levels_of(scene, mean_of_all, limited)
+    levels_without = levels_of(scene, means_of_others, limited)  # without each history
     return {
-        key: count * of_all[key] - (count - 1) * values
-        for key, values in of_others.items()
+        key: count * levels[key] - (count - 1) * values
+        for key, values in levels_without.items()
     }
 
 
@@ -89,5 +89,9 @@ def samples_of(scene: Scene, rows: Array) -> dict[str, Array]:
             variance = np.full(len(error), error.var(ddof=1))
         else:
             variance = error.var(axis=1, ddof=1)
-        samples |= {"bdc_error": mean, "bdc_drift": mean, "repeatability": variance}
+        # ``refinement`` computes the drift as the change of the mean error, and the
+        # repeatability as the square root of the mean variance.
+        samples["bdc_error"] = mean
+        samples["bdc_drift"] = mean
+        samples["repeatability"] = variance
     return samples

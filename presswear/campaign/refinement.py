@@ -33,7 +33,7 @@ FIRST_CHANGE = 5e-3
 MIN_BLOCK = 2  # cycles in the shortest load block
 # Blocks after which a life ends at 0 strokes, because new surfaces exceed a limit
 MIN_BLOCKS_FOR_REFUSAL = 16
-MAX_ORDER = 3  # of a polynomial through samples
+MAX_ORDER = 3  # largest order of a polynomial through samples
 # Samples must reach beyond a crossing by this part of the cycles up to the crossing
 MARGIN = 0.1
 MIN_BLOCKS = 4  # blocks before samples can have exceeded a limit

@@ -34,9 +34,9 @@ from presswear.tools.compile import on_compiling
 from presswear.tools.numbers import quantity_text
 from presswear.tools.processes import Report, Stopped, is_stopped
 
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-# Largest displacement of the start of a replicate over the smallest clearance. With 1e-9 m,
-# replicates share their first two cycles.
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # inverse golden ratio
+# Largest displacement of the start of a replicate over the smallest clearance. After a
+# displacement of 1e-9 m two replicates would have equal first cycles.
 SPREAD = 0.02
 SPREAD_CLOSED = 1e-9  # largest displacement without clearance, m
 # Newton steps that close the joints. The first one leaves an error of second order.
@@ -104,11 +104,14 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     ``distance`` is the largest change of a coordinate, m or rad. None if the linkage has
     no degree of freedom.
     """
-    jacobian = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)[3]
-    # As scipy.linalg.null_space, whose import takes 0.2 s in each process
-    _, sizes, rows = np.linalg.svd(jacobian)
-    least = sizes.max(initial=0.0) * max(jacobian.shape) * np.finfo(float).eps
-    free = rows[int((sizes > least).sum()) :].T
+    constraints = constraints_of(linkage)
+    *_, jacobian = constraints.evaluate(0.0, start.position, start.velocity)
+    # Null space as in scipy.linalg.null_space, whose import takes 0.2 s in each process
+    _, singular_values, rows = np.linalg.svd(jacobian)
+    largest = singular_values.max(initial=0.0)
+    least = largest * max(jacobian.shape) * np.finfo(float).eps
+    rank = int((singular_values > least).sum())
+    free = rows[rank:].T
     if free.shape[1] == 0:
         return None
     output = 3 * linkage.index(linkage.output.body)
@@ -153,7 +156,7 @@ def worn_out(
     time: float = 0.0,
     strokes: float = 0.0,
 ) -> Finding | None:
-    """Return a finding on the first surface that is too deep for the model, or None.
+    """Return a finding on the first surface that is worn too deep for the model, or None.
 
     See ``linkage.clearance_joint.deepest_wear``. ``depth`` has the shape
     (..., joints, 2, bins), m, after ``strokes`` strokes.
@@ -166,14 +169,15 @@ def worn_out(
     first = tuple(too_deep[0])
     joint = joints[first[-2]]
     worn = float(deepest[first])
-    part = "wall" if isinstance(joint, GuideCorner) else SIDES[first[-1]]
+    surface = "wall" if isinstance(joint, GuideCorner) else SIDES[first[-1]]
     loss = quantity_text(worn, "m")
     limit = quantity_text(joint.deepest_wear, "m")
     clearance = quantity_text(joint.clearance, "m")
+    # Strokes that wear the surface by a tenth of the clearance
     tenth = 0.1 * strokes * joint.clearance / worn
     return Finding(
         "wear",
-        f"{where}the {part} would lose {loss}, more than {limit}, "
+        f"{where}the {surface} would lose {loss}, more than {limit}, "
         f"with a clearance of {clearance}",
         time,
         joint.name,
@@ -186,12 +190,13 @@ def worn_out(
 class RunSpec:
     """Run specification shared by the replicates of an ensemble."""
 
-    cycles: int  # of each replicate, at most
-    # relative error of all wear maps at which the runs end early
+    cycles: int  # largest number of cycles of each replicate
+    # relative error of the wear maps below which the runs end early
     tolerance: float | None = None
     # wear after each cycle, see ``Plan.wear``
     wear: Callable[[int, Array, Array], Array] | None = None
-    number: int = 0  # of the ensemble within its stage; each has other starts
+    # number of the ensemble within its stage: each ensemble has other starts
+    number: int = 0
     label: str = ""  # short description for progress
 
     def plan(self, scene: Scene) -> Plan:
@@ -226,7 +231,8 @@ class RunSpec:
 class RunState:
     """State of a run between two cycles."""
 
-    arrays: State  # of its recorder and, if the run can be resumed, of its engine
+    # arrays of its recorder and, if the run can be resumed, of its engine
+    arrays: State
     status: Status | None = None  # as ``Run.status``; None: the run is not finished
     finding: Finding | None = None
     end: Start | None = None
@@ -258,9 +264,10 @@ class RunState:
 
 @dataclass(frozen=True)
 class Part:
-    """Part of one run in a unit of work."""
+    """Part of one run, from the cycle at which it starts or resumes to another cycle."""
 
-    depth: Array  # of the surfaces at the start of the run, (joints, 2, bins), m
+    # wear depth of the surfaces at the start of the run, (joints, 2, bins), m
+    depth: Array
     replicate: int  # number of the replicate, see ``start_of``
     until: int  # cycle of the run after which the part ends
     arrays: State | None  # state to resume from; None: the run starts
@@ -278,17 +285,20 @@ class WorkUnit:
     observers: tuple[Observer, ...] = ()  # notified by the engine, in this process
 
     def __call__(self, report: Report) -> RunState:
-        """Run it; an interrupt raises ``Stopped`` with the state of the last finished cycle."""
+        """Compute the part; return the state that is reached.
+
+        An interrupt raises ``Stopped`` with the state after the last finished cycle.
+        """
         running = _RunningPart(self)
 
-        def advanced(part: float, recorder: Recorder) -> None:
+        def report_progress(fraction: float, recorder: Recorder) -> None:
             rows = recorder.last_frames(self.frames) if self.frames else None
-            report(part * self.spec.cycles, "", rows)
+            report(fraction * self.spec.cycles, "", rows)
 
         plan = replace(
             self.spec.plan(self.scene),
             observers=(running, *self.observers),
-            report=advanced,
+            report=report_progress,
             resume=running.arrays,
         )
         start = start_of(self.scene, self.part.replicate)
@@ -381,7 +391,7 @@ class StepCheck:
     """
 
     scene: Scene
-    depth: Array  # of the surfaces, (joints, 2, bins), m
+    depth: Array  # wear depth of the surfaces, (joints, 2, bins), m
     replicate: int = -1  # replicates of stages have other numbers, from 0
 
     def __call__(self, report: Report) -> dict[str, float]:
@@ -402,7 +412,7 @@ class StepCheck:
         first = PIECES * SETTLING
         last = PIECES * (SETTLING + 1)
         plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
-        plan = replace(plan, report=lambda part, recorder: report(part))
+        plan = replace(plan, report=lambda fraction, recorder: report(fraction))
         fine: dict[int, Array] = {}
 
         def refine(piece: int, state: Callable[[], State]) -> None:

@@ -41,10 +41,12 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.numbers import large, quantity_text
 
-_MAX_CYCLES = 1_000_000  # of a history in one service interval: none comes so far
-# of the first refinement: in the second, kernels are compiled and joints worn
+# Largest number of cycles of a history in a service interval, never reached
+_MAX_CYCLES = 1_000_000
+# Blocks of the first refinement after which the remaining time is estimated: in the
+# second, kernels are compiled and joints worn
 MEASURED_BLOCKS = 2
-# of each history, in whose time a stage runs until its wear maps are known
+# Cycles of each history that take as long as a stage until its wear maps are known
 STAGE_CYCLES = 8
 # service intervals of a refinement, so that no two of them start alike
 _MAX_INTERVALS = 64

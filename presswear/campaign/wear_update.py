@@ -48,7 +48,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.stage_names import stage_name
 from presswear.tools.arrays import Array
 
-QUICK_CYCLES = 8  # of each replicate in a stage of a quick life
+QUICK_CYCLES = 8  # cycles of each replicate in a stage of a quick life
 # cycles of each replicate in the first refinement of a wear update
 FIRST_REFINEMENT = 8
 # Factor on the error of the steps, because it follows from a few chaotic runs

@@ -9,7 +9,7 @@ from presswear.cli import terminal
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
-CYCLES = 100  # at each value of a bifurcation diagram, unless requested
+CYCLES = 100  # default number of cycles at each value of a bifurcation diagram
 
 
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from presswear.results.result import Result
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
-LIVE_SIZE = (960, 640)  # of the window, pixels
+LIVE_SIZE = (960, 640)  # width and height of the window, pixels
 
 
 def has_no_options(arguments: argparse.Namespace) -> bool:
@@ -215,12 +215,12 @@ def _stored_scene(arguments: argparse.Namespace) -> tuple[Scene, list[str]]:
     with suppress(InputError):  # the file may be gone
         changes = changes_from(scene, terminal.load_scene(arguments.scene))
         # An option of the command that started the run is no change of the file.
-        one = next(
-            (each for each in changes if scene.origins.get(each.key) != SET), None
-        )
-        if one is not None:
-            unit = f" {one.unit}".rstrip()
-            text = f"{arguments.scene} has changed: {one.key} = {one.value}{unit}, stored is "
-            text += f"{one.was}{unit}. The stored scene is run. For a new run omit --resume and "
-            return scene, [f"{text}--out"]
+        edited = [change for change in changes if scene.origins.get(change.key) != SET]
+        if edited:
+            first = edited[0]
+            unit = f" {first.unit}".rstrip()
+            text = f"{arguments.scene} has changed: {first.key} = {first.value}{unit}, "
+            text += f"stored is {first.was}{unit}. The stored scene is run. "
+            text += "For a new run omit --resume and --out"
+            return scene, [text]
     return scene, []

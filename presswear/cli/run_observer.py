@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from presswear.results.stage import StageResult
 
 LOGGER = logging.getLogger(__name__)
-LINE_INTERVAL = 60.0  # between lines with the progress where there is no terminal, s
+LINE_INTERVAL = 60.0  # time between lines of progress where there is no terminal, s
 LONG_LIFE = 600.0  # s, from which a user is asked before a service life goes on
-BAR_DELAY = 3.0  # of the bar of a run in Python, s
-SHOWN_JOINTS = 3  # in the lines of a stage
+BAR_DELAY = 3.0  # time after which a run in Python shows its bar, s
+SHOWN_JOINTS = 3  # joints in the lines of a stage
 LIFE = "life,"  # start of the description of a step that follows a service life
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 SHOWN_ROWS = 12
 COLUMN_GAP = 3  # characters between two columns
-MAX_TIME = 3600.0  # of a sweep without --yes, s
+MAX_TIME = 3600.0  # largest expected time of a sweep without --yes, s
 # Completed rows after which the time is estimated; the first one may compile.
 MEASURED_ROWS = 2
 SETTINGS = ("engine", "cycles", "wear_updates")  # settings that have an option

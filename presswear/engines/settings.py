@@ -36,7 +36,7 @@ Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
 
 # relative error of the wear maps for which the tolerances below are chosen
 WEAR_ERROR = 0.1
-LEAST_STEPS = 500  # of an error-controlled engine in a cycle without contact
+LEAST_STEPS = 500  # steps of an error-controlled engine in a cycle without contact
 # Fewest steps of an error-controlled engine in a free impact: 15 show its peak to 1e-5
 IMPACT_STEPS: dict[Purpose, int] = {"trajectory": 15, "forces": 15, "wear": 8}
 FINEST = 1e-13  # smallest tolerance of exudyn-tree

@@ -10,7 +10,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked, converted
 
-MIN_INERTIA = 1e-18  # of a body that can turn, kg m^2
+MIN_INERTIA = 1e-18  # smallest moment of inertia of a body that can turn, kg m^2
 
 MASS = Quantity("kg", 1e-9, 1e9, "", "mass")
 INERTIA = Quantity(

@@ -12,9 +12,10 @@ from presswear.tools.quantities import Quantity, written
 # second of the motion, so that a longer cycle takes too long to compute.
 MIN_CYCLE = 1e-5
 MAX_CYCLE = 1e3
-MAX_TURNS = 1000  # of a drive in a cycle
-MAX_COMMON_TURNS = 64  # of a drive in the longest cycle that is found
-RATIO_TOL = 1e-9  # of two speeds to the nearest ratio of whole numbers
+MAX_TURNS = 1000  # largest number of turns of a drive in a cycle
+# Largest number of turns of a drive in a cycle that is searched for
+MAX_COMMON_TURNS = 64
+RATIO_TOL = 1e-9  # tolerance of a speed ratio to the nearest ratio of whole numbers
 
 
 def check_cycle(period: float, drives: Sequence[Drive], name: str) -> None:

@@ -36,9 +36,9 @@ from presswear.tools.fields import quantity
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
-MAX_SPEED = 1e5  # of a drive, rad/s; the fastest spindles have 2e4
+MAX_SPEED = 1e5  # largest speed of a drive, rad/s; the fastest spindles have 2e4
 MAX_HARMONICS = 16
-MAX_RATIO = 1e3  # of gears
+MAX_RATIO = 1e3  # largest ratio of gears
 _RATIO = Quantity(
     "",
     -MAX_RATIO,

@@ -20,7 +20,7 @@ RATE_PARAMETERS = ("sliding", *FRICTION_PARAMETERS[2:], "state", "closed")
 # Sliding speeds, m/s, and normal force, N, at which user laws are checked
 CHECKED_SPEEDS = 0.01, 0.1, 0.4, 1.0, 4.0
 CHECKED_FORCE = 100.0
-BISECTIONS = 80  # of the state of steady sliding, which is located to its round-off
+BISECTIONS = 80  # bisections for the state of steady sliding, to round-off
 STATE_SCALE = 1e-6  # m, of the state of a law without the number ``scale``
 
 

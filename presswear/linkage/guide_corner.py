@@ -8,9 +8,9 @@ from presswear.linkage.clearance_joint import ClearanceJoint, deepest_wear
 from presswear.linkage.joints import Guide
 from presswear.linkage.points import Attachment
 
-# of the map of a wall along its length; those of a press are half a millimetre long
+# Bins of a wall along its length; those of a press are half a millimetre long
 WALL_BINS = 1000
-WALLS = ("left", "right")  # of a guide, seen along its direction
+WALLS = ("left", "right")  # walls of a guide, seen along its direction
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,13 @@ from presswear.tools.errors import InputError
 from presswear.tools.fields import quantity
 from presswear.tools.serialize import Checked
 
-MIN_STIFFNESS, MAX_STIFFNESS = 1e3, 1e12  # of an elastic joint, N/m
-MIN_SLIDE, MAX_SLIDE = 1e-3, 10.0  # length and width of a slide, m
-# Of an elastic joint, part of the critical damping; assumed
-ELASTIC_JOINT_DAMPING = 0.02
+# Stiffness of an elastic joint, N/m
+MIN_STIFFNESS = 1e3
+MAX_STIFFNESS = 1e12
+# Length and width of a slide, m
+MIN_SLIDE = 1e-3
+MAX_SLIDE = 10.0
+ELASTIC_JOINT_DAMPING = 0.02  # damping ratio of an elastic joint; assumed
 
 
 def slide_size(text: str) -> Any:

@@ -20,7 +20,7 @@ from presswear.tools.user_function import UserFunction
 
 Sense = Literal["both", "along", "against"]
 Outside = Literal["zero", "hold"]
-# of an elastic line, N/m or N m/rad: the greatest process force over MIN_DEPTH
+# Largest slope of an elastic line, N/m or N m/rad: MAX_FORCE / MIN_DEPTH of a process
 MAX_SLOPE = 1e16
 MAX_FREQUENCY = 1e6  # rad/s
 # between two nodes of a table, part of its length: closer ones are a jump

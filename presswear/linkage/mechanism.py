@@ -23,11 +23,15 @@ from presswear.tools.fields import optional, quantity
 from presswear.tools.quantities import written
 from presswear.tools.serialize import Checked
 
-MIN_LINK, MAX_LINK = 1e-3, 10.0  # length of a link, m
+# Length of a link, m
+MIN_LINK = 1e-3
+MAX_LINK = 10.0
 # speed of a crank, rad/s: 0.1 rpm; heavy presses run at 6 to 8 rpm
 MIN_SPEED = 0.1 * math.pi / 30.0
 LITERATURE = "literature, from memory"
-RIGHT, LEFT = -1.0, 1.0  # side of a directed line
+# Side of a directed line
+RIGHT = -1.0
+LEFT = 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
 _OF_BAR = "length", "mass", "inertia"
 DEFAULT_OF_ROD = "; default: that of a thin rod"

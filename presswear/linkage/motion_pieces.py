@@ -19,10 +19,10 @@ from presswear.tools.fields import choice
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
-MAX_PIECES = 512  # of a motion
-MIN_ROWS = 3  # of a table
+MAX_PIECES = 512  # largest number of pieces of a motion
+MIN_ROWS = 3  # smallest number of rows of a table
 MIN_PIECE = 1e-6  # length of a piece, rad of phase
-DEGREE = 5  # of the polynomial of a piece
+DEGREE = 5  # degree of the polynomial of a piece
 TURN = 2.0 * math.pi
 PHASE_TOL = 1e-9  # rad; round-off of phases that a user gave in degrees
 Piece = tuple[float, Sequence[float], tuple[float, float, float]]

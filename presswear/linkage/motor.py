@@ -12,7 +12,7 @@ from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
 MIN_TORQUE = 1e-3  # rated torque of a motor, N m
-MAX_STIFFNESS = 1e12  # of a servo, N m/rad
+MAX_STIFFNESS = 1e12  # largest stiffness of a servo, N m/rad
 MAX_MOTOR_SPEED = 1e6  # rad/s
 
 

@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 # Width of a bearing over its diameter for which the formulas of the oil film hold
-MIN_FILM_WIDTH, MAX_FILM_WIDTH = 0.125, 1.0
+MIN_FILM_WIDTH = 0.125
+MAX_FILM_WIDTH = 1.0
 OILED_CLEARANCE = 5e-3  # greatest clearance over radius of an oiled joint
 # Wear over the clearance up to which the film has the shape of new surfaces
 OILED_WEAR = 0.2
-OILED_DAMPING = "Antypov and Elliott (2011)"  # of the contact under a film; its source
+# Source of the damping of contact under a film
+OILED_DAMPING = "Antypov and Elliott (2011)"
 
 
 @dataclass(frozen=True)

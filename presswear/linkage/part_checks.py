@@ -13,7 +13,7 @@ from presswear.tools.quantities import written
 
 # distance of the points of a joint in the drawing, relative to its size
 DRAWING_TOL = 1e-6
-_SIGNS = set(".,:;=/\\'\"")  # by which points, lists and files are separated
+_SIGNS = set(".,:;=/\\'\"")  # signs that separate points, lists and files
 _FORMULA = tuple("+-@＋－＠＝")  # first characters of formulas in a spreadsheet
 
 
@@ -119,7 +119,7 @@ def _check_guides(guides: Sequence[Guide]) -> None:
         angle = closing.get(guide.name, guide.angle)
         if abs(math.remainder(guide.angle - angle, 2.0 * math.pi)) > DRAWING_TOL:
             text, allowed = (
-                f"{math.degrees(one):.6g} deg" for one in (guide.angle, angle)
+                f"{math.degrees(value):.6g} deg" for value in (guide.angle, angle)
             )
             raise InputError(
                 f"guide {guide.name}: angle = {text}: other guides hold {guide.body} at {allowed} "

@@ -71,8 +71,8 @@ def drawings(evidence: Evidence) -> Iterator[Drawing]:
         with matplotlib.rc_context(STYLE):
             every = [depths(evidence, number, lines)]
             every += [
-                surfaces(evidence, number + k, lines, one)
-                for k, one in enumerate(JOINTS, 1)
+                surfaces(evidence, number + k, lines, joint)
+                for k, joint in enumerate(JOINTS, 1)
             ]
         yield from filter(None, every)
     for _, number, lines in GROUPS:
@@ -232,16 +232,24 @@ def peaks(
         row = QUANTITIES[quantity]
         for height, line, measured in _measured(evidence, lines, quantity, joint):
             colour = line.pen.colour
-            one = measured.estimate
+            estimate = measured.estimate
             if measured.single_cycles is not None:
                 low, high = measured.single_cycles
                 axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
-            if one.low is not None:
+            if estimate.low is not None:
                 axes.plot(
-                    (one.low, one.high), (height, height), color=colour, linewidth=1.8
+                    (estimate.low, estimate.high),
+                    (height, height),
+                    color=colour,
+                    linewidth=1.8,
                 )
             axes.plot(
-                one.mean, height, color=colour, marker="o", markersize=4.5, gid="mean"
+                estimate.mean,
+                height,
+                color=colour,
+                marker="o",
+                markersize=4.5,
+                gid="mean",
             )
             printed = printed_at(line.at(joint), quantity)
             if printed is not None:

@@ -20,7 +20,7 @@ _COMMON: dict[str, Any] = {
     "purpose": "wear",
     "conventions": "paper",
 }
-QUICK_CYCLES = 4  # of each stage and replicate in a quick run
+QUICK_CYCLES = 4  # cycles of each stage and replicate in a quick run
 TABLES: dict[str, Any] = tomllib.loads(
     files("presswear.paper").joinpath("settings.toml").read_text("utf-8")
 )

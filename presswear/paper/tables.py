@@ -123,7 +123,10 @@ def number_table(evidence: Evidence) -> Table:
         "printed number is",
     )
     return Table(
-        head, tuple((name, tuple(one)) for name, one in groups.items()), False, meanings
+        head,
+        tuple((name, tuple(cells)) for name, cells in groups.items()),
+        False,
+        meanings,
     )
 
 
@@ -263,7 +266,8 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
         failure = f": {failures[name]}" if name in failures else ""
         lines.append((f"{case.label}{failure}", *cells))
     heads = (
-        f"{quantity} {one.joint} {stage_text(one, quantity)}" for quantity, one in shown
+        f"{quantity} {place.joint} {stage_text(place, quantity)}"
+        for quantity, place in shown
     )
     return plain_table(("changed alone", *heads), lines)
 

@@ -53,11 +53,17 @@ def ratio(
     intervals.
     """
 
-    def log_widths(one: pw.statistics.Estimate, factor: float) -> tuple[float, float]:
-        if one.low is None or one.high is None:
+    def log_widths(
+        estimate: pw.statistics.Estimate, factor: float
+    ) -> tuple[float, float]:
+        if estimate.low is None or estimate.high is None:
             return math.nan, math.nan
-        below = math.log(one.mean / one.low) if one.low > 0.0 else math.inf
-        return factor * below, factor * math.log(max(one.high / one.mean, 1.0))
+        below = (
+            math.log(estimate.mean / estimate.low) if estimate.low > 0.0 else math.inf
+        )
+        return factor * below, factor * math.log(
+            max(estimate.high / estimate.mean, 1.0)
+        )
 
     numerator = math.prod(estimate.mean for estimate in over)
     denominator = math.prod(estimate.mean for estimate in under)
@@ -65,8 +71,8 @@ def ratio(
     every = [*over, *under]
     below = []  # widths of the logarithms below and above the ratio
     above = []
-    for k, one in enumerate(every):
-        low, high = log_widths(one, factors[k] if factors else 1.0)
+    for k, estimate in enumerate(every):
+        low, high = log_widths(estimate, factors[k] if factors else 1.0)
         # A larger denominator makes the ratio smaller.
         is_denominator = k >= len(over)
         below.append(high if is_denominator else low)
@@ -104,9 +110,9 @@ def widening(freedom: float, count: int) -> float:
     Each has an error probability of 5 % over the number of intervals (Bonferroni);
     ``freedom`` are the degrees of freedom of Student's interval.
     """
-    one = stdtrit(freedom, 0.975)
+    single = stdtrit(freedom, 0.975)
     many = stdtrit(freedom, 1.0 - 0.025 / count)
-    return float(many / one)
+    return float(many / single)
 
 
 def compared(

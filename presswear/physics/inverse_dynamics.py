@@ -25,7 +25,7 @@ from presswear.tools.quantities import written
 _INSTANTS = 8 * 720
 # Largest change of friction moments in the last iteration, over the largest moment
 FRICTION_TOL = 1e-12
-MAX_ITERATIONS = 50  # of Newton's method for friction moments
+MAX_ITERATIONS = 50  # iterations of Newton's method for friction moments
 
 
 def needed_torques(

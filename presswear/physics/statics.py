@@ -31,7 +31,8 @@ CARRYING = 0.1
 _FORCE = Quantity("N", -1e9, 1e9, "", "on the output point along its direction")
 _SIZE = Quantity("N", 0.0, 1e9, "", "on the output point, either way", open_low=True)
 MAX_UNBALANCED = 1e-8  # largest unbalanced force of a solution, over the joint force
-DIFFERENCE = 1e-5  # of an offset, over the deepest penetration, for a finite difference
+# Finite-difference step of an offset, part of the deepest penetration
+DIFFERENCE = 1e-5
 
 
 class Equilibrium(NamedTuple):

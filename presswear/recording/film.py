@@ -13,7 +13,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, copy_to
 
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
-FILM_CYCLES = 20  # that are kept
+FILM_CYCLES = 20  # number of cycles that are kept
 # Columns of a frame for each joint: its forces, N, the direction in which the pin
 # presses, penetration, m, and greatest normal force since the frame before, N
 FILM_JOINT = (

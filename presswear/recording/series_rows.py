@@ -32,7 +32,7 @@ ROWS_IN_ALL = 4_000_000  # room for series rows, of all recorded cycles
 CONTACTS_AT_MOST = 5000  # room for single contacts, per joint and recorded cycle
 # Change of a force after which a row is written, as a fraction of its peak so far
 FORCE_STEP = 0.02
-FRAME_ROWS = 40  # of a series, at least, in a period of an elastic frame
+FRAME_ROWS = 40  # smallest number of rows in a period of an elastic frame
 
 
 @inlined

@@ -75,7 +75,7 @@ UNITS = {
 _MOMENTS = [
     f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")
 ]
-_ENDINGS = ".csv", ".npz"  # of tables that are read
+_ENDINGS = ".csv", ".npz"  # endings of tables that can be read
 _WRITTEN = *_ENDINGS, ".mat"
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
 

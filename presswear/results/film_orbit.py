@@ -16,8 +16,8 @@ from presswear.tools.arrays import Array
 _MAX_CYCLES = 60  # a dwell without rotation never closes: its film falls as 1 / time^2
 _CLOSED = 1e-3  # largest relative change of the gap in a cycle of a closed orbit
 _MAX_EVALUATIONS = 100_000  # a second; an orbit has about 500 to 3000 in a cycle
-_TOLERANCE = 1e-5  # of the integrator, for -ln(g)
-_LEAST_STEPS = 100  # of a cycle: a longer step may jump over short work
+_TOLERANCE = 1e-5  # tolerance of the integrator for -ln(g)
+_LEAST_STEPS = 100  # steps of a cycle, at least: a longer step may jump over short work
 # Least gap, far below any roughness: at a smaller one, thin oil that opens again would
 # move the pin within a time that is round-off of the time in the cycle.
 _THINNEST = 1e-5

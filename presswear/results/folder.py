@@ -31,7 +31,7 @@ from presswear.tools.serialize import plain, read_json, typed, write_json
 
 FILE = "result.json"
 SCHEMA = 11
-# of result.json: eight joints with surfaces of 100,000 bins have 43 MB, others 0.5 MB
+# Largest result.json: eight joints with surfaces of 100,000 bins have 43 MB, others 0.5 MB
 _MOST_BYTES = 2**26
 FINISHED = ("completed", "unconverged", "failed")  # statuses of a run that has ended
 INTERVAL = 60.0  # s between two checkpoints within a stage

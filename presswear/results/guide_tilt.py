@@ -25,12 +25,14 @@ from presswear.results.strokes import (
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-# Tilt under load that press makers ask for, rad
-LEAST_ALLOWED_TILT, ALLOWED_TILT = 20e-6, 50e-6
+# Press makers ask for a tilt under load of at most 20 to 50 um/m.
+LEAST_ALLOWED_TILT = 20e-6  # rad
+ALLOWED_TILT = 50e-6  # rad
 STATES = ("free", "one corner", "one face", "two opposite corners", "other")
 _FREE, _CORNER, _FACE, _OPPOSITE, _OTHER = range(len(STATES))
-_MIN_ROWS = 8  # of the series in a contact whose force they show
-_PARTS = np.linspace(0.0, 1.0, 17)[1:-1]  # of the duration of a contact with fewer rows
+_MIN_ROWS = 8  # rows of a contact from which the series shows its force
+# Instants in a contact with fewer rows, part of its duration
+_PARTS = np.linspace(0.0, 1.0, 17)[1:-1]
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import large, quantity_text, readable
 from presswear.tools.serialize import NOT_STORED
 
-FILE = "life.npz"  # of the curves
+FILE = "life.npz"  # file of the curves
 _FINE = 0.05  # half width of a logarithm below which a life has three digits
 PRELIMINARY: Final = "preliminary"
 QUICK: Final = "quick"

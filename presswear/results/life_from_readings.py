@@ -49,7 +49,7 @@ from presswear.tools.numbers import (
 
 _LEVELS = np.array([0.025, 0.5, 0.975])
 _STROKES = 401  # even nodes of the distribution of the life
-_LEAST_ERROR = 1e-4  # of ln(strokes), below which an error is not resolved
+_LEAST_ERROR = 1e-4  # smallest error of ln(strokes) that is resolved
 _SMALLEST = 1e-300  # strokes, against division by zero
 # Greatest part of the strokes ahead in those so far, by which the scatter may grow
 _MOST_AHEAD = 100.0
@@ -386,7 +386,7 @@ def _remaining(
 ) -> RemainingLife:
     """Return the strokes until the first limit of several independent joints."""
     grid = _grid_of(list(lives.values()))
-    survivals = {name: one.survival(grid) for name, one in lives.items()}
+    survivals = {name: life.survival(grid) for name, life in lives.items()}
     together = np.prod(list(survivals.values()), axis=0)
     each = {name: _estimate(grid, survival) for name, survival in survivals.items()}
     first = firsts[min(each, key=lambda name: each[name].mean)]

@@ -30,7 +30,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import percent, quantity_text, readable
 
-OIL_CLEARANCES = 1.5, 2.5  # per mille of the bore, by bearing makers, with oil
+# Clearances that bearing makers recommend with oil, per mille of the bore
+OIL_CLEARANCES = 1.5, 2.5
 # Per mille of the bore, with grease. In a wider bearing no film carries.
 WIDEST_CLEARANCE = 2.0 * OIL_CLEARANCES[1]
 FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
@@ -104,11 +105,11 @@ def oil_films(scene: Scene) -> dict[str, JointFilm]:
 def _films(scene: Scene) -> dict[str, JointFilm]:
     bearings = {name: scene.bearing(name) for name in scene.loose_pins}
     oiled = {
-        name: one
-        for name, one in bearings.items()
-        if one.viscosity is not None
-        and not one.has_film
-        and _relative(one) <= WIDEST_CLEARANCE
+        name: bearing
+        for name, bearing in bearings.items()
+        if bearing.viscosity is not None
+        and not bearing.has_film
+        and _relative(bearing) <= WIDEST_CLEARANCE
     }
     films = {}
     for pin in scene.loaded.revolutes:
@@ -159,8 +160,8 @@ def shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
     """Return the power that shears the oil of one rod, W, at spins of the pin in its bearing."""
     sizes = bearing.width, bearing.bearing_radius, bearing.clearance
     moments = [
-        shear_moment(float(gap), float(one), bearing.viscosity or 0.0, sizes)
-        for gap, one in zip(orbit.gap, spin, strict=True)
+        shear_moment(float(gap), float(omega), bearing.viscosity or 0.0, sizes)
+        for gap, omega in zip(orbit.gap, spin, strict=True)
     ]
     return np.array(moments) * spin
 

@@ -12,7 +12,7 @@ from presswear.tools.files import read_checked, write_bytes
 from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.type_check import check_type
 
-FILE = "readings.csv"  # in the folder of a result
+FILE = "readings.csv"  # file in the folder of a result
 HEADER = "joint,strokes,diametral_clearance (mm),error (mm)"
 # quantities of a joint that are read, by the name of the column
 QUANTITIES = {

@@ -18,7 +18,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import NotStored
 from presswear.tools.numbers import percent
 
-_ROUND_OFF = 1e-9  # of a cycle, by which the series ends earlier than the cycle
+_ROUND_OFF = 1e-9  # part of a cycle by which the series may end before the cycle
 
 
 def run_films(scene: Scene, stage: StageResult) -> dict[str, JointFilm]:

@@ -19,9 +19,9 @@ def high_bumps(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     sentences = []
     for stage in stages:
         rough = [
-            f"{name} ({readable(1e6 * one.height, 2)} µm, penetration "
-            f"{readable(1e6 * one.penetration, 2)} µm)"
-            for name, one in stage.statistics.high_bumps.items()
+            f"{name} ({readable(1e6 * bumps.height, 2)} µm, penetration "
+            f"{readable(1e6 * bumps.penetration, 2)} µm)"
+            for name, bumps in stage.statistics.high_bumps.items()
         ]
         if rough:
             sentences.append(

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-# of the length of a series: an instant may lie so far behind its last row by round-off
+# Part of the length of a series by which round-off may move an instant behind its last row
 _ROW_ROUNDING = 1e-9
 
 
@@ -157,9 +157,9 @@ class StageResult:
         columns = {column.table_name: getattr(self, column.name) for column in SERIES}
         units = {column.table_name: column.unit for column in SERIES}
         for name, joint in self.joints.items() if self.has_joint_series else ():
-            for one in JOINT_SERIES:
-                columns[f"{name}_{one.table_name}"] = joint.series(one.name)
-                units[f"{name}_{one.table_name}"] = one.unit
+            for column in JOINT_SERIES:
+                columns[f"{name}_{column.table_name}"] = joint.series(column.name)
+                units[f"{name}_{column.table_name}"] = column.unit
         return columns, units
 
     @property
@@ -296,7 +296,9 @@ class StageResult:
         """Joints with clearance by name."""
         joints = Joints[JointResult]()
         cycles = self.arrays["cycles"]
-        oiled = [name for name, one in self.statistics.joints.items() if one.has_film]
+        oiled = [
+            name for name, joint in self.statistics.joints.items() if joint.has_film
+        ]
         first_film = first_film_column(len(self.joint_names), self.has_clock)
         for k, name in enumerate(self.joint_names):
             prefix = f"{name}_"

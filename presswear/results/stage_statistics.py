@@ -164,7 +164,9 @@ class StageStatistics:
         """Joints whose bumps are higher than the penetration; with one, peaks have no interval."""
         bumps = {name: joint.bumps for name, joint in self.joints.items()}
         return {
-            name: one for name, one in bumps.items() if one is not None and one.are_high
+            name: item
+            for name, item in bumps.items()
+            if item is not None and item.are_high
         }
 
     @property

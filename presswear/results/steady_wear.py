@@ -14,7 +14,8 @@ from presswear.recording.statistics import Estimate, quantile
 from presswear.results.wear_posterior import Observed, Shape
 from presswear.tools.arrays import Array
 
-LEAST_READINGS = 3  # after some strokes, from which a line or an exponent has an error
+# Readings after some strokes from which a line or an exponent has an error
+LEAST_READINGS = 3
 _DOUBT = 0.01  # probability below which readings and shape disagree
 
 

@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from presswear.engines.base import Plan
-from presswear.linkage.guide_corner import WALL_BINS, GuideCorner
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.linkage.guide_corner import WALL_BINS, WALLS, GuideCorner
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS
@@ -29,8 +30,8 @@ from presswear.tools.arrays import Arrays
 from presswear.tools.errors import InputError
 
 CURVE_BYTES = 2**26  # room for the curves of a service life
-_HEADS = 2**20  # bytes for the headers of arrays
-_BYTES = 8  # of a number
+_HEADER_BYTES = 2**20  # room for the headers of all arrays
+_BYTES = 8  # bytes of a number
 # Room for other numbers of a cycle: its replicate, deviations and weights
 _OTHER_COLUMNS = 8
 _MAPS_OF_JOINT = 8  # room for depths, wear and angles of both sides
@@ -38,47 +39,71 @@ _WALL_ARRAYS = 5  # rows of bins of a guide: places, depths and wear of both wal
 
 
 def most_film_bytes(linkage: Linkage) -> int:
-    """Return the most bytes of a film."""
+    """Return the largest size of a film, bytes."""
     columns = 1 + 3 * len(linkage.bodies) + FILM_JOINT_COUNT * len(linkage.clearances)
-    return _HEADS + _BYTES * (FILM_CYCLES * FRAMES_PER_CYCLE + 1) * columns
+    frames = FILM_CYCLES * FRAMES_PER_CYCLE + 1
+    return _HEADER_BYTES + _BYTES * frames * columns
 
 
 def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
-    """Return the most bytes of the arrays of a stage."""
+    """Return the largest size of the arrays of a stage, bytes."""
     joints = len(linkage.clearances)
     drives = len(linkage.drives)
-    recorded = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
-    recorded = scene.recording.recorded_cycles or recorded
-    rows = recorded + math.ceil(scene.run_up / scene.mechanism.period)
-    rows = min(rows * ROWS_AT_MOST, ROWS_IN_ALL)
+    unspecified = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
+    recorded = scene.recording.recorded_cycles or unspecified
+    run_up_cycles = math.ceil(scene.run_up / scene.mechanism.period)
+    rows = min((recorded + run_up_cycles) * ROWS_AT_MOST, ROWS_IN_ALL)
     contacts = joints * recorded * CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
     # Two sets of replicates, the second with surfaces of their own
     cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
     bins = max((joint.bins for joint in linkage.clearances), default=0)
     sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
-    has_leader, films = linkage.leader is not None, len(linkage.oiled_joints)
+    has_leader = linkage.leader is not None
+    films = len(linkage.oiled_joints)
     width = cycle_columns(joints, drives, has_leader, films) + sections
-    width += _OTHER_COLUMNS + joints * (1 + len(SIDES) * bins)  # a wear map, at most
+    # Each cycle may have a wear map.
+    width += _OTHER_COLUMNS + joints * (1 + len(SIDES) * bins)
     walls = _WALL_ARRAYS * WALL_BINS * len(linkage.worn_guides)
     series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
     series += LEADER_SERIES_COUNT
     series += len(linkage.elastic_joints) + 2 * drives
     maps = _MAPS_OF_JOINT * joints * bins + walls
     numbers = rows * series + contacts + cycles * width + maps
-    return _HEADS + _BYTES * numbers
+    return _HEADER_BYTES + _BYTES * numbers
+
+
+# Shape of an array. Lengths with the same name are equal.
+Shape = tuple[str | int, ...]
 
 
 def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     """Raise InputError for an array of a stage that is missing or has another shape."""
-    joints = linkage.clearances
-    drives = len(linkage.drives)
-    section = 2 + len(SECTION_JOINT_NAMES) * len(joints)
-    has_leader = linkage.leader is not None
-    films = len(linkage.oiled_joints)
-    columns = cycle_columns(len(joints), drives, has_leader, films)
-    if has_leader:
+    if linkage.leader is not None:
         _require(arrays, "clock", "nominal_rate")
-    shapes: dict[str, tuple[str | int, ...]] = {
+    shapes = _shapes_of_stage(scene, linkage)
+    for joint in linkage.clearances:
+        shapes |= _shapes_of_joint(joint)
+        if not isinstance(joint, GuideCorner):
+            for side in SIDES:
+                _require(
+                    arrays, f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}"
+                )
+    for guide in linkage.worn_guides:
+        shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
+        for name in ("depth", "wear"):
+            shapes[f"{guide.name}_wall_{name}"] = (len(WALLS), WALL_BINS)
+            _require(arrays, f"{guide.name}_wall_{name}")
+    check_shapes(arrays, shapes)
+
+
+def _shapes_of_stage(scene: Scene, linkage: Linkage) -> dict[str, Shape]:
+    """Return the shapes of the arrays of a stage that are not of one joint, by name."""
+    joints = len(linkage.clearances)
+    drives = len(linkage.drives)
+    section = 2 + len(SECTION_JOINT_NAMES) * joints
+    has_leader = linkage.leader is not None
+    columns = cycle_columns(joints, drives, has_leader, len(linkage.oiled_joints))
+    return {
         "time": ("time",),
         "clock": ("time",),
         "nominal_rate": ("time",),
@@ -95,32 +120,27 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
         "deviation_start": ("deviation",),
         "wear_batch_cycles": ("wear_batch_cycles",),
     }
-    for joint in joints:
-        series: dict[str, tuple[str | int, ...]] = {
-            name: ("time", len(names)) if len(names) > 1 else ("time",)
-            for name, names in JOINT_ARRAYS.items()
-        }
-        series |= {
-            "contacts": (f"contacts of {joint.name}", len(CONTACT_COLUMNS)),
-            "flight": ("deviation",),
-            "wear_batches": ("wear_batch_cycles", 2, joint.bins),
-        }
-        for side in () if isinstance(joint, GuideCorner) else SIDES:
-            series |= {f"depth_{side}": (joint.bins,), f"wear_{side}": (joint.bins,)}
-            _require(arrays, f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}")
-        shapes |= {f"{joint.name}_{name}": shape for name, shape in series.items()}
-    for guide in linkage.worn_guides:
-        shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
-        for name in ("depth", "wear"):
-            shapes[f"{guide.name}_wall_{name}"] = (2, WALL_BINS)
-            _require(arrays, f"{guide.name}_wall_{name}")
-    check_shapes(arrays, shapes)
+
+
+def _shapes_of_joint(joint: ClearanceJoint) -> dict[str, Shape]:
+    """Return the shapes of the arrays of a joint with clearance, by their stored names."""
+    shapes: dict[str, Shape] = {}
+    for name, columns in JOINT_ARRAYS.items():
+        shapes[name] = ("time", len(columns)) if len(columns) > 1 else ("time",)
+    shapes["contacts"] = (f"contacts of {joint.name}", len(CONTACT_COLUMNS))
+    shapes["flight"] = ("deviation",)
+    shapes["wear_batches"] = ("wear_batch_cycles", len(SIDES), joint.bins)
+    if not isinstance(joint, GuideCorner):
+        for side in SIDES:
+            shapes[f"depth_{side}"] = (joint.bins,)
+            shapes[f"wear_{side}"] = (joint.bins,)
+    return {f"{joint.name}_{name}": shape for name, shape in shapes.items()}
 
 
 def _require(arrays: Arrays, *names: str) -> None:
-    """Raise the error of a missing array if one of some arrays is not stored."""
+    """Raise InputError if an array is not stored."""
     for name in names:
-        _ = arrays[name]
+        _ = arrays[name]  # raises the error
 
 
 def check_numbers(arrays: Arrays, scene: Scene, stage: StageResult) -> None:
@@ -142,8 +162,8 @@ def check_numbers(arrays: Arrays, scene: Scene, stage: StageResult) -> None:
             )
 
 
-def check_shapes(arrays: Arrays, shapes: dict[str, tuple[str | int, ...]]) -> None:
-    """Raise InputError for an array of another shape; lengths of one name are equal."""
+def check_shapes(arrays: Arrays, shapes: dict[str, Shape]) -> None:
+    """Raise InputError for an array of another shape; lengths with the same name are equal."""
     lengths: dict[str | int, int] = {}
     for name, shape in shapes.items():
         if name not in arrays:

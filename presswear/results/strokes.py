@@ -22,7 +22,8 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-PHASES = ("approach", "work", "snap-through", "return")  # of a stroke on the work
+# Phases of a stroke on the work
+PHASES = ("approach", "work", "snap-through", "return")
 APPROACH, WORK, SNAP_THROUGH, RETURN = PHASES
 # s after a fracture, in which press builders look for reversed loads
 SNAP_THROUGH_S = 20e-3

@@ -20,9 +20,9 @@ _DENSITY = 1e-10  # relative density below which f is left out
 # standard deviations; 99 % of readings agree with the prior within them
 CONFLICT = 2.58
 MISFIT = 0.05  # probability of residuals below which errors are widened
-LEAST_SCATTER = 0.01  # of the prior, for a scene without a scatter
+LEAST_SCATTER = 0.01  # scatter of the prior for a scene without a scatter
 _TAIL = 3  # part of the shape, from its end, that gives the slope beyond it: a third
-_ROUND_OFF = 1e-9  # of the largest growth, smallest error of readings
+_ROUND_OFF = 1e-9  # smallest error of readings, part of the largest growth
 
 
 @dataclass(frozen=True)

@@ -266,8 +266,8 @@ class Bearing(FrictionSettings, DryContact):
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
             low, high, ramp = (
-                written(one, "m/s")
-                for one in (self.lower_speed, self.upper_speed, LEAST_RAMP)
+                written(speed, "m/s")
+                for speed in (self.lower_speed, self.upper_speed, LEAST_RAMP)
             )
             allowed = f"0 to {ramp} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")

@@ -100,4 +100,6 @@ class BearingJoints:
         bearings = {"": self.bearings, **self.joint_bearings}
         if guides and guides | self.joint_bearings.keys() >= set(self.bearing_joints):
             del bearings[""]
-        return {name: one for name, one in bearings.items() if name not in guides}
+        return {
+            name: bearing for name, bearing in bearings.items() if name not in guides
+        }

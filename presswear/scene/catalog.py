@@ -306,9 +306,9 @@ def _with_changes(first: str, scene: Scene) -> str:
     if named_scene(scene) is None:
         unchanged = IN_FILE, DEFAULT  # a fit in the file has its limits behind it
         changes = tuple(
-            one
-            for one in changes
-            if not scene.origins.get(one.key, DEFAULT).startswith(unchanged)
+            change
+            for change in changes
+            if not scene.origins.get(change.key, DEFAULT).startswith(unchanged)
         )
     if not changes:
         return first

@@ -38,13 +38,16 @@ _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 POINTS = "points"
 PRESSES = ("eccentric-press", "knuckle-press", "link-drive")
 """Examples of heavy presses, with bearings, a process and limits of their own."""
-EXAMPLES = tuple(dict.fromkeys((*MECHANISMS, *PRESSES, POINTS)))  # of files
+# Names of the example files
+EXAMPLES = tuple(dict.fromkeys((*MECHANISMS, *PRESSES, POINTS)))
 _COMMENT = 34  # width of an example file before its comments
 _OPEN = re.compile(r"^(\w+) =$", re.MULTILINE)  # a line that gets the default value
 # the # of a value or a table that is commented out
 _OFF = re.compile(r"^#(?=\w+ = |\[)", re.MULTILINE)
-_HEADING = re.compile(r"^#?\[+(\w+)", re.MULTILINE)  # of a table, also one switched off
-_KIND = re.compile(r'^kind = "(.+?)"', re.MULTILINE)  # of a mechanism, the first kind
+# Heading of a table, also of a table that is switched off
+_HEADING = re.compile(r"^#?\[+(\w+)", re.MULTILINE)
+# Kind of a mechanism: the first kind in the file
+_KIND = re.compile(r'^kind = "(.+?)"', re.MULTILINE)
 
 
 def example_file(kind: str) -> str:
@@ -210,10 +213,10 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
     """
     if isinstance(value, Mapping):
         return {
-            key: _texts(one, f"{place}.{key}", folder) for key, one in value.items()
+            key: _texts(item, f"{place}.{key}", folder) for key, item in value.items()
         }
     if isinstance(value, list):
-        return [_texts(one, place, folder) for one in value]
+        return [_texts(item, place, folder) for item in value]
     if isinstance(value, str) and ".py:" in value:
         return f"{folder / value}"
     if isinstance(value, int | float) and not isinstance(value, bool):

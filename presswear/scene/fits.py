@@ -18,7 +18,8 @@ _TABLES = tomllib.loads(
 _SIZES = _TABLES["sizes"]  # upper ends of the ranges of nominal sizes, mm
 # by grade, um for each range
 _TOLERANCES = {int(grade): row for grade, row in _TABLES["tolerances"].items()}
-_DEVIATIONS = _TABLES["deviations"]  # by the letter of a shaft, um for each range
+# Deviations by the letter of a shaft, um for each range
+_DEVIATIONS = _TABLES["deviations"]
 _FIT = re.compile(
     r"\s*(?:[Øø⌀]?\s*(\d+(?:\.\d+)?)(?:\s*mm)?\s*)?([A-Z]{1,2})(\d{1,2})\s*/\s*([a-z]{1,2})(\d{1,2})\s*"
 )

@@ -139,7 +139,11 @@ def _unused_limit(scene: Scene) -> list[str]:
 
 def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
     """Return sentences on numbers of oiled joints for which no formula of a film holds."""
-    oiled = {name: one for name, one in bearings.items() if one.viscosity is not None}
+    oiled = {
+        name: bearing
+        for name, bearing in bearings.items()
+        if bearing.viscosity is not None
+    }
     numbers: tuple[tuple[str, Callable[[Bearing], float], str], ...] = (
         (
             "viscosity",

@@ -45,7 +45,7 @@ ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 PURPOSES = ("auto", *get_args(Purpose))
 # conventions: steps for wear over an arc
 EXTRAPOLATIONS = ("conventions", "single", "steps")
-REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
+REPLICATES = 4  # replicates of a scene that wears: the fewest with a usable interval
 LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
 
 

@@ -13,10 +13,11 @@ from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.not_modelled import not_modelled
 from presswear.tools.symbols import SYMBOLS
 
-TABLES = "mechanism", "bearings", "limits", "settings"  # of a file
-# of a file, too: the settings of a drive, which a file may have without a kind
-MOTOR, SERVO = "motor", "servo"
-LAWS = "normal_law", "friction_law", "wear_law"  # which may be user laws
+TABLES = "mechanism", "bearings", "limits", "settings"  # tables of a file
+# Tables with the settings of a drive, which a file may have without a kind
+MOTOR = "motor"
+SERVO = "servo"
+LAWS = "normal_law", "friction_law", "wear_law"  # settings that may be user laws
 _DOUBLED = re.compile(rf"(?:^|(?<=\.))({'|'.join(DOUBLED)})$")
 
 

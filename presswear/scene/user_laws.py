@@ -35,8 +35,8 @@ class LinkageWithUserLaws(LoadedLinkage):
             for key in ("normal_law", "friction_law", "wear_law")
         }
         laws |= {
-            f"{one}.friction_law": self.bearing(one).friction_law
-            for one in self.rigid_bearings
+            f"{joint}.friction_law": self.bearing(joint).friction_law
+            for joint in self.rigid_bearings
         }
         applied = enumerate(self.mechanism.linkage().loads)
         laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}

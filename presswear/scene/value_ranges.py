@@ -13,7 +13,7 @@ from presswear.tools.quantities import (
 
 # A list that begins like a number with a decimal comma, such as 0,1mm
 _COMMA = re.compile(r"(?:^|,)(0,\d+)(\s*[^\d\s.,])", re.ASCII)
-_MAX_VALUES = 1_000_000  # of a range
+_MAX_VALUES = 1_000_000  # largest number of values of a range
 # Significant digits of the values of a range. Equal values of a coarse and of a fine
 # range are then equal to the last bit.
 _DIGITS = 12

@@ -27,7 +27,8 @@ from presswear.show.wear_number import wear_per_million_strokes
 from presswear.show.words import number_in_words_of
 from presswear.tools import numbers
 
-_CLOSE = 0.9  # of the greatest wear or force, from which another joint is named as well
+# Part of the greatest wear or force from which another joint is named as well
+_CLOSE = 0.9
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
@@ -98,7 +99,7 @@ def _improvement(
         joint = life.first.key.partition(".")[0]
         reason = "It ends the service life."
     else:
-        volumes = {name: one.wear_volume for name, one in joints.items()}
+        volumes = {name: numbers.wear_volume for name, numbers in joints.items()}
         total = sum(volume.mean for volume in volumes.values())
         if total > 0.0:
             first = _rivals(volumes)
@@ -110,7 +111,9 @@ def _improvement(
             if oil_films(scene):
                 reason += " This is for dry contact; see the oil films."
         else:
-            forces = {name: one.peak_force_per_cycle for name, one in joints.items()}
+            forces = {
+                name: numbers.peak_force_per_cycle for name, numbers in joints.items()
+            }
             joint = " or ".join(_rivals(forces))
             reason = "The largest force is there."
         reason += " presswear improve compares changes of each joint."
@@ -122,5 +125,7 @@ def _rivals(values: Mapping[str, Estimate]) -> list[str]:
     greatest = values[key_of_greatest(values)]
     lowest = min(greatest.low or math.inf, _CLOSE * greatest.mean)
     return [
-        name for name, one in values.items() if max(one.mean, one.high or 0.0) >= lowest
+        name
+        for name, value in values.items()
+        if max(value.mean, value.high or 0.0) >= lowest
     ]

@@ -12,7 +12,7 @@ from presswear.show.page import LimitLine, Verdict
 from presswear.show.words import number_in_words_of
 from presswear.tools import numbers
 
-_NEAR = 0.9  # of a limit, above which a number is near it
+_NEAR = 0.9  # part of a limit above which a number is near it
 
 
 WITHIN = Verdict("within the limit", "●", "good")
@@ -96,8 +96,8 @@ def _largest_tilt(guide: str, tilt: GuideTilt) -> list[tuple[Estimate, str]]:
         f"In {guide}, largest at {at}; makers of presses ask for the limit under load."
     )
     rest = [
-        f"at {words} {microns_per_metre(one)}"
-        for words, one in tilt.at_work.items()
+        f"at {words} {microns_per_metre(value)}"
+        for words, value in tilt.at_work.items()
         if words != at
     ]
     if tilt.greatest is not None:

@@ -23,7 +23,8 @@ from presswear.show.tables import HARMONICS, Record, result_table
 from presswear.tools import numbers
 
 _COMBINED_MODES = 8  # number of combined modes of all joints that are listed
-# Least spectral lines per order. With fewer lines even noise has most power at whole orders.
+# Least number of spectral lines in an order of the crank. With fewer lines even noise has
+# most of its power at whole orders.
 _MIN_LINES = 8
 
 
@@ -41,10 +42,13 @@ def motion_table(result: Result) -> Table | None:
     for record in records:
         shares.update(record["shares"])
     series = list(records[0]["harmonics"])
-    combined = []
+    frequent_modes = []
     if len(result.scene.dry_pins) > 1:
-        combined = [mode for mode, _ in shares.most_common(_COMBINED_MODES)]
-    return result_table("motion", result, records, together=combined, series=series)
+        common = shares.most_common(_COMBINED_MODES)
+        frequent_modes = [mode for mode, _ in common]
+    return result_table(
+        "motion", result, records, together=frequent_modes, series=series
+    )
 
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
@@ -60,10 +64,14 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     spectra = {label: spectra_by_name[name] for name, label in labels.items()}
     return {
         "cycles": round(cycles) if abs(cycles - round(cycles)) < 1e-6 else cycles,
-        "modes": {joint: _visits(line, cycles) for joint, line in timelines.items()},
+        "modes": {
+            joint: _visits(timeline, cycles) for joint, timeline in timelines.items()
+        },
         "together": _visits(combined, cycles) if combined else {},
         "shares": combined.shares if combined else {},
-        "changes": {joint: _changes(line, cycles) for joint, line in timelines.items()},
+        "changes": {
+            joint: _changes(timeline, cycles) for joint, timeline in timelines.items()
+        },
         "period": str(period_of(scene, stage)),
         "harmonics": {
             name: _amplitudes(spectrum) for name, spectrum in spectra.items()
@@ -80,10 +88,11 @@ def _visits(timeline: Timeline, cycles: float) -> dict[str, str]:
     texts = {}
     for mode, share in timeline.shares.items():
         texts[mode] = f"{100.0 * share:.2f} %"
-        times = timeline.visits(mode)
-        if times.size:
-            length = 1e3 * float(times.mean())
-            texts[mode] += f", {times.size / cycles:.3g} of {length:.3g} ms"
+        durations = timeline.visits(mode)  # s
+        if durations.size:
+            milliseconds = 1e3 * float(durations.mean())
+            visits_per_cycle = durations.size / cycles
+            texts[mode] += f", {visits_per_cycle:.3g} of {milliseconds:.3g} ms"
     return texts
 
 

@@ -28,7 +28,7 @@ from presswear.tools.numbers import quantity_text
 FRAMES = 120  # pictures of a stroke
 MOST_JOINTS = 4  # enlarged, those with the largest force of a stroke
 _WIDTH = 420.0  # greatest width of the mechanism, in units of the picture
-_HEIGHT = 340.0  # of the picture
+_HEIGHT = 340.0  # height of the picture
 _CIRCLE = 0.4  # radius of an enlarged clearance, of the height for each joint
 _PIN = 0.55  # radius of an enlarged pin, of that of the circle
 _ARROW = 0.9  # length of the arrow of the largest force, of the same radius

@@ -38,7 +38,8 @@ HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
 def filled_tables(result: Result, **names: Any) -> Record:
     """Return ``tables.toml`` filled with the names of a result, and with ``names``."""
     scene = result.scene
-    linkage = scene.mechanism.linkage()
+    mechanism = scene.mechanism.linkage()  # with ideal joints
+    linkage = scene.linkage()  # with the bearings of the scene
     # Maps that are fixed in space have one angle for both surfaces.
     sides = (
         {side: side for side in SIDES}
@@ -47,32 +48,32 @@ def filled_tables(result: Result, **names: Any) -> Record:
     )
     content = {
         "scene": scene,
-        "linkage": linkage,
+        "linkage": mechanism,
         "joints": scene.loose_pins,
         "dry_joints": scene.dry_pins,
-        "drives": [drive.body for drive in linkage.drives],
-        "linear": linear_bodies(linkage.drives),
-        "frames": [guide.name for guide in scene.linkage().elastic_guides],
-        "elastic_pins": [pin.name for pin in scene.linkage().elastic_pins],
+        "drives": [drive.body for drive in mechanism.drives],
+        "linear": linear_bodies(mechanism.drives),
+        "frames": [guide.name for guide in linkage.elastic_guides],
+        "elastic_pins": [pin.name for pin in linkage.elastic_pins],
         "guides": [guide.name for guide in scene.loose_guides],
         "states": STATES,
         "walls": WALLS,
         "wall_bins": {
             corner.guide.name: corner.wall.bin_length
-            for corner in scene.linkage().corners
+            for corner in linkage.corners
             if corner.wall is not None
         },
         "allowed_tilt": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
         "allowed_reverse": ALLOWED_REVERSE,
-        "leader": scene.linkage().leader,
+        "leader": linkage.leader,
         "motors": [
             drive.body
-            for drive in linkage.drives
+            for drive in mechanism.drives
             if drive.motor is not None and drive.motor.has_slip
         ],
         "allowed_drop": ALLOWED_DROP,
         "recovered": RECOVERED,
-        "pull": statics.pull_of(scene.linkage()),
+        "pull": statics.pull_of(linkage),
         "statics": statics,
         "phases": PHASES,
         "snap_through_s": SNAP_THROUGH_S,
@@ -124,4 +125,5 @@ def line_table(
     """Return a table of ``tables.toml`` with a line per record."""
     columns = [Row(*row) for row in filled_tables(result, **names)["columns"][name]]
     lines = (tuple(column.text(record) for column in columns) for record in records)
-    return page.plain_table((column.head for column in columns), lines, numeric)
+    heads = (column.head for column in columns)
+    return page.plain_table(heads, lines, numeric)

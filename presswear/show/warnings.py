@@ -16,7 +16,8 @@ from presswear.tools import numbers
 from presswear.tools.quantities import written
 from presswear.tools.user_function import UserFunction
 
-MAX_CREATED_ENERGY = 0.02  # by contacts, relative to the energy that they dissipate
+# Energy created by contacts over the energy that they dissipate
+MAX_CREATED_ENERGY = 0.02
 FOUNDATION_ADVICE = (
     ' Use --set contact=foundation, or contact = "foundation" in [settings].'
 )

@@ -155,10 +155,10 @@ def heat_map(
     norm = Normalize(float(np.nanmin(means)), float(np.nanmax(means)))
     if surrogate is not None:
         x, y = (
-            (np.geomspace if is_logarithmic(one) else np.linspace)(
-                one.min(), one.max(), CELLS
+            (np.geomspace if is_logarithmic(values) else np.linspace)(
+                values.min(), values.max(), CELLS
             )
-            for one in (across, up)
+            for values in (across, up)
         )
         grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
         for k, values in zip(pair, np.meshgrid(x, y), strict=True):

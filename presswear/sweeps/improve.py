@@ -43,7 +43,8 @@ SHOWN = 10  # largest number of changes in a panel of the figure
 # Least range of the axis on both sides of 1, so that a per cent is not a long bar
 LEAST_RANGE = 0.1
 BAR = 0.28  # height of a bar with its gap, inches
-CERTAIN_COLOUR = style.LINES[2][0]  # of a change that certainly improves a quantity
+# Colour of a change that certainly improves a quantity
+CERTAIN_COLOUR = style.LINES[2][0]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from presswear.tools.quantities import Quantity, parse_quantity, plain_number
 
 TOGETHER = "&"
 MAX_CUT = 0.05  # probability that may lie outside the allowed range of a setting
-# distance of a probability from 0 and 1: a quantile there may be infinite
+# Smallest distance of a probability from 0 and 1, where a quantile may be infinite
 TAIL = 2.0**-40
 MORRIS_LEVELS = 4  # values that a parameter takes in a Morris design
 MORRIS_JUMP = 0.5  # change of a parameter in a Morris design, in probability
@@ -38,7 +38,7 @@ class Column:
     unit: str  # SI; empty for a pure number
     text: str
     choices: tuple[str, ...] = ()  # words of a parameter; the table holds their indices
-    whole: bool = False  # whether the values are whole numbers
+    whole: bool = False  # True: the values are whole numbers
 
     def setting(self, value: float) -> Value:
         """Return a value of the table as the value of a setting."""
@@ -48,7 +48,10 @@ class Column:
 
 
 class Display:
-    """Column in the display unit in which its values read well, and the factor to this unit."""
+    """Column with its display unit, in which the largest value has few digits.
+
+    ``factor`` times a value in SI units is the value in the display unit.
+    """
 
     def __init__(self, column: Column, values: Array) -> None:
         self.column = column
@@ -203,25 +206,11 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
             )
         least, largest = clearances_of(fit, fit.diameter)
         text = f"{least!r} m:{largest!r} m"
-    kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
-    if not bracket and ":" in text:
-        kind = "uniform"
-        bracket = "("
-        rest = f"{text.strip().replace(':', ',')})"
-    if kind not in ARGUMENTS and bracket:
-        raise unknown(f"distribution of {key}", kind, ARGUMENTS)
-    if not bracket or not rest.endswith(")"):
-        kinds = ", ".join(
-            f"{name}({arguments})" for name, arguments in ARGUMENTS.items()
-        )
-        raise InputError(
-            f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}"
-        )
+    kind, words = _kind_and_arguments(text, key)
     if meaning.whole and kind != "table":
         raise InputError(
             f"{key} = {text!r}: a whole number can only have table(FILE.csv)"
         )
-    words = [word.strip() for word in rest[:-1].split(",")]
     if len(words) != len(ARGUMENTS[kind].split(",")):
         raise InputError(f"{key} = {text!r}: expected {kind}({ARGUMENTS[kind]})")
     if kind == "table":
@@ -237,10 +226,33 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     return Distribution(text.strip(), frozen, low, high)
 
 
+def _kind_and_arguments(text: str, key: str) -> tuple[str, list[str]]:
+    """Return the kind and the arguments of a text such as ``normal(1 mm, 10 um)``.
+
+    A range such as ``1:2`` is uniform.
+    """
+    kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
+    if not bracket and ":" in text:
+        kind = "uniform"
+        bracket = "("
+        rest = f"{text.strip().replace(':', ',')})"
+    if kind not in ARGUMENTS and bracket:
+        raise unknown(f"distribution of {key}", kind, ARGUMENTS)
+    if not bracket or not rest.endswith(")"):
+        kinds = ", ".join(
+            f"{name}({arguments})" for name, arguments in ARGUMENTS.items()
+        )
+        raise InputError(
+            f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}"
+        )
+    return kind, [word.strip() for word in rest[:-1].split(",")]
+
+
 def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> Any:
+    """Return a frozen distribution of scipy.stats from its two arguments."""
     from scipy import stats  # slow to import
 
-    def above(low: float, name: str, text: str, unit: str = "") -> float:
+    def number_above(low: float, name: str, text: str, unit: str = "") -> float:
         return parse_quantity(name, text, Quantity(unit, low, math.inf, open_low=True))
 
     first = float(parse_quantity(key, text, meaning))
@@ -252,20 +264,20 @@ def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> A
             )
         return stats.uniform(first, last - first)
     if kind == "normal":
-        return stats.norm(
-            first, above(0.0, f"standard deviation of {key}", spread, meaning.unit)
-        )
+        name = f"standard deviation of {key}"
+        return stats.norm(first, number_above(0.0, name, spread, meaning.unit))
     if first <= 0.0:
         raise InputError(f"{key} = {text}: the median must be positive")
     if spread.endswith("%"):
-        part = above(0.0, f"coefficient of variation of {key}, %,", spread[:-1]) / 100.0
-        # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter
-        # 14.
-        return stats.lognorm(math.sqrt(math.log1p(part**2)), scale=first)
+        name = f"coefficient of variation of {key}, %,"
+        variation = number_above(0.0, name, spread[:-1]) / 100.0
+        # Standard deviation of the logarithm: Johnson, Kotz and Balakrishnan, Continuous
+        # Univariate Distributions 1, chapter 14
+        deviation = math.sqrt(math.log1p(variation**2))
+        return stats.lognorm(deviation, scale=first)
     if spread.startswith("x"):
-        return stats.lognorm(
-            math.log(above(1.0, f"factor of {key}", spread[1:])), scale=first
-        )
+        factor = number_above(1.0, f"factor of {key}", spread[1:])
+        return stats.lognorm(math.log(factor), scale=first)
     allowed = "a factor such as x1.6 or a coefficient of variation such as 50%"
     raise InputError(f"spread of {key} = {spread!r}: expected {allowed}")
 
@@ -363,7 +375,10 @@ def _one_at_a_time(size: int, dimension: int) -> Array:
 
 
 def _saltelli(first: Array, second: Array) -> Array:
-    """Return each point of A, the point with each coordinate from B in turn, and that of B."""
+    """Return A, A with one column of B each, and B, with the rows of each point together.
+
+    ``first`` is A and ``second`` B, both of shape (size, dimension).
+    """
     size, dimension = first.shape
     blocks = np.repeat(first[:, np.newaxis], dimension + 2, axis=1)
     for k in range(dimension):

@@ -181,7 +181,8 @@ def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
         lines = []
         for place, mean, half, count in rows:
             texts = (
-                one.number(value, 4) for one, value in zip(columns, place, strict=True)
+                column.number(value, 4)
+                for column, value in zip(columns, place, strict=True)
             )
             lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
         head = (*(column.label for column in columns), shown.label, "runs")

@@ -9,7 +9,7 @@ from presswear.sweeps.plan import Table
 from presswear.sweeps.response_limits import ResponseLimit
 from presswear.tools.arrays import Array
 
-PROBABILITIES = np.arange(1, 100) / 100.0  # of the quantiles
+PROBABILITIES = np.arange(1, 100) / 100.0  # probabilities of the quantiles
 # Probabilities at the ends of an interval
 ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 

@@ -20,10 +20,12 @@ from presswear.tools.errors import not_installed
 
 # Saltelli blocks or Morris trajectories below which nothing is estimated
 MIN_BLOCKS = 8
-MIN_SHARE = 0.1  # of the parameters in the variance; indices of less are errors alone
+# Smallest share of all parameters in the variance; smaller indices are errors
+MIN_SHARE = 0.1
 MIN_POINTS = 64  # points of a sample below which first-order indices are not estimated
 RESAMPLES = 200  # bootstrap resamples of SALib
-RBD_HARMONICS = 6  # of RBD-FAST; more resolve faster variations, with more noise
+# Harmonics of RBD-FAST; more resolve faster variations, with more noise
+RBD_HARMONICS = 6
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ MIN_EXPLAINED = 0.5
 MIN_EXPLAINED_TOTAL = 0.1  # share of the total variance: less may be chance
 MIN_POINTS_EACH = 5  # points for each parameter
 MAX_POINTS = 1000  # the time to fit grows with the third power
-FOLDS = 10  # of the cross-validation
+FOLDS = 10  # folds of the cross-validation
 SPREAD_POINTS = 512  # points of the distributions at which the surrogate is evaluated
 # Draws of the process; an end of an interval scatters by 10 % of its width
 SPREAD_DRAWS = 300

@@ -14,8 +14,9 @@ from presswear.tools.errors import InputError, NotStored, shown
 from presswear.tools.files import digest, read_checked, write_bytes
 
 Array = NDArray[np.float64]
-_MOST_BYTES = 2**26  # of compressed arrays whose size is not known better
-_MOST_RATIO = 100  # of the sizes of more bytes, unpacked over packed; zeros have 1000
+_MOST_BYTES = 2**26  # largest size of compressed arrays, unless their size is specified
+# Largest ratio of unpacked to packed size of larger arrays; zeros have 1000
+_MOST_RATIO = 100
 
 # Arrays of numbers or of records by name, from which a computation resumes. They may be
 # views, so that they cost little: copy or write them before their owner changes.
@@ -47,7 +48,9 @@ def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
     """Return the part of a larger state that ``named`` put there; empty where there is none."""
     start = f"{prefix}/"
     return {
-        name[len(start) :]: one for name, one in state.items() if name.startswith(start)
+        name[len(start) :]: array
+        for name, array in state.items()
+        if name.startswith(start)
     }
 
 

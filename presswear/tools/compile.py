@@ -163,7 +163,7 @@ vectorised = _decorator(
 )
 
 
-_FAILED = 2**64 - 1  # in place of the address of a kernel that cannot be compiled
+_FAILED = 2**64 - 1  # replaces the address of a kernel that cannot be compiled
 
 
 class _LazyKernel(Kernel):

@@ -43,7 +43,7 @@ class KernelError(RunFailed):
     """Mistake in a kernel, in lines: file with line and function, statement, reason."""
 
 
-# in errors of a library that cannot be loaded and of a thread that cannot be started
+# In errors for a library that cannot be loaded or a thread that cannot be started
 _MEMORY_WORDS = "failed to map segment", "cannot allocate memory", "start new thread"
 
 

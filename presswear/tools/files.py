@@ -23,7 +23,7 @@ from presswear.tools.errors import InputError, nearest
 
 PART = ".part"  # ending of a file that is being written
 LOCK = "lock"  # name of the file that is locked
-# of a file that is read into memory, unless its size is known better
+# Largest size of a file that is read into memory, unless its size is specified
 MOST_BYTES = 2**28
 MAX_NAME = 255  # bytes of a name in common file systems
 # files that a run leaves that is killed at its start

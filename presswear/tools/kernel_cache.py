@@ -29,8 +29,8 @@ from presswear.tools.processes import signals_held
 
 # Time for which a process that compiles may stand still, s; a function takes up to 15 s
 PATIENCE = 20.0
-_PAUSE = 0.05  # between two attempts to lock, s
-_MAX_FILES = 400  # in the cache, about 200 MB; a run stores 4 to 12 files
+_PAUSE = 0.05  # pause between two attempts to lock, s
+_MAX_FILES = 400  # files in the cache, about 200 MB; a run stores 4 to 12 files
 _PACKAGE = Path(__file__).parents[1]
 # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
 _WHEEL_PROCESSOR = ("x86-64-v3", "")

@@ -106,8 +106,8 @@ class KernelCompiler(Compiler):
     def define_pipelines(self) -> Any:
         """Return the passes; numba calls this before the first one."""
         manager = PassManager("kernel")
-        for one in _PASSES:
-            manager.add_pass(one, one.__name__)
+        for compiler_pass in _PASSES:
+            manager.add_pass(compiler_pass, compiler_pass.__name__)
         manager.finalize()
         return [manager]
 

@@ -7,7 +7,8 @@ from presswear.tools.errors import NARROW
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Factor from m^3 in a cycle to mm^3 in a million cycles
 MM3_PER_MILLION = 1e15
-_MAX_DECIMALS = 6  # beyond them a mean is not written to the digits of its interval
+# A mean with more decimals is not written to the digits of its interval
+_MAX_DECIMALS = 6
 _NO_SCATTER = 1e-6  # half width relative to the mean, up to which samples are equal
 # below it the powers of ten that a number is divided by have no digits left
 _MIN_VALUE = 1e-300

@@ -35,7 +35,9 @@ MAX_JOBS = 10_000  # worker processes at a time: no machine has as many cores
 GRACE = 3.0
 LOST = "a worker process was ended from outside, for example because memory ran out"
 _STOPS = math.inf  # progress of a job that stops; what it stores may take long
-_IDLE, _DROPPED = "idle", "dropped"  # in place of the key of a job
+# Values in place of the key of a job
+_IDLE = "idle"
+_DROPPED = "dropped"
 
 # Called by a job with its progress (nan while it gets ready) and optionally a word,
 # which stays in this process, and rows; KeyboardInterrupt stops the job.
@@ -143,8 +145,8 @@ class Workers:
             for worker in self._running:
                 worker.send(None)
             while any(
-                one.progress == _STOPS or time.monotonic() < due
-                for one in self._running
+                worker.progress == _STOPS or time.monotonic() < due
+                for worker in self._running
             ):
                 for key, result in self._results():
                     if (is_interrupt or is_stopped()) and not isinstance(

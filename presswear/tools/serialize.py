@@ -38,7 +38,7 @@ from presswear.tools.type_check import is_list, refusal
 
 T = TypeVar("T")
 
-LARGEST = 1e15  # of any number, SI: that of the stiffest contact
+LARGEST = 1e15  # largest magnitude of any number, SI: that of the stiffest contact
 _MOST_PARTS = 4_000_000  # lists of a document; a sweep has one for each of its rows
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
 _NAMES = ("name", "body")  # first fields by which messages tell the owner

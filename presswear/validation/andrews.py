@@ -28,7 +28,7 @@ _ANDREWS = tomllib.loads(_FILE.read_text("utf-8"))["andrews"]
 ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
 ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
-# of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
+# Tolerance of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
 NEWTON = 1e-12
 # Angles of the seven bodies from the seven angles of the reference.
 _TURNS: Array = np.eye(7)

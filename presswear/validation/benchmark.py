@@ -272,7 +272,7 @@ def _draw_errors(
 
 # --- Cost of features ---------------------------------------------------------------
 
-WARM_UP = 0.05  # of a run's time, run before to compile and load
+WARM_UP = 0.05  # part of a run's time that is run before, to compile and load
 FEATURES: dict[str, dict[str, dict[str, Any]]] = problems.DATA["features"]
 ENGINES = {  # features that are timed in each engine
     "exudyn": ["clearance"],
@@ -334,7 +334,9 @@ def feature_costs(
             cycles = extent.joints_cycles
             repeats = max(2, (extent.repeats + 1) // 2)
         runs = {}  # by their settings: states of several features are the same run
-        for settings in (one for name in features for one in FEATURES[name].values()):
+        for settings in (
+            state for name in features for state in FEATURES[name].values()
+        ):
             values = {key: value for key, value in settings.items() if key != "worn"}
             variant = changed(replace(scene, engine=engine), values)
             depth = worn if "worn" in settings else None
@@ -345,7 +347,8 @@ def feature_costs(
         timings = time_runs(runs, repeats, part)
         for feature in features:
             states = {
-                key: timings[_name(one)] for key, one in FEATURES[feature].items()
+                key: timings[_name(settings)]
+                for key, settings in FEATURES[feature].items()
             }
             off, *_ = states.values()
             for state, timing in states.items():

@@ -47,7 +47,7 @@ TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
 PAPER = InHouse("rk4-paper").resolved()
 SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
 SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
-# of the ideal mechanism; over whole cycles errors of periodic motion cancel
+# Cycles of the ideal mechanism; over whole cycles errors of periodic motion cancel
 CYCLES = 1.25
 GAP = 1e-5  # m, free flight before the impact
 PARTS = 10  # parts of a run with clearance; its recorded series is so much finer
@@ -136,7 +136,7 @@ def dae_methods(
     engines = [
         engine for engine in engines if not math.isclose(engine.step, PAPER.step)
     ]
-    for engine in sorted([*engines, PAPER], key=lambda one: -one.step):
+    for engine in sorted([*engines, PAPER], key=lambda settings: -settings.step):
         is_default = (
             default.integrator == engine.integrator and engine.step == default.step
         )

@@ -29,15 +29,16 @@ from presswear.validation.mean_check import mean_check
 
 # Largest change of a coordinate of the disturbed initial state, m or rad
 DISTURBANCE = 1e-9
-GROWTH = 1000.0  # of the disturbance at the horizon
-REFERENCE_TOLERANCE = 1e-13  # of the in-house solver while trajectories are compared
+GROWTH = 1000.0  # growth of the disturbance up to the horizon
+# Tolerance of the in-house solver while trajectories are compared
+REFERENCE_TOLERANCE = 1e-13
 # Divisors of the steps of exudyn-joints; bounds apply to the last
 FINENESS = (1, 2, 4, 8, 16)
 # Divisors of the tolerance of the tree; bounds apply to the last
 TOLERANCE_PARTS = (1, 10, 100, 1000)
 FIRST_TOUCHDOWNS = 10  # number of touchdowns with bounds
 CYCLES = 50  # number of cycles in the compared means, unless the scene has a number
-PARTS = 40  # of a run; more make the recorded series and the longest steps finer
+PARTS = 40  # parts of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
 SLIDER_BOUND = 1e-6  # m, up to the horizon
 # Relative to the largest speed, up to the last of the first touchdowns. Later a bound
@@ -46,7 +47,7 @@ VELOCITY_BOUND = 1e-3
 TIME_BOUND = 1e-6  # s, of the first touchdowns
 CLOSING_BOUND = 1e-4  # relative, of their closing speeds
 FORCE_BOUND = 1e-3  # relative, of their peak forces
-ORDER = 2.0  # of Exudyn's trapezoidal rule
+ORDER = 2.0  # order of Exudyn's trapezoidal rule
 ORDER_BOUND = 0.3
 # Bounds of the tree up to the last of the first touchdowns
 TREE_TIME_BOUND = 1e-8  # s

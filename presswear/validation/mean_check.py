@@ -7,7 +7,7 @@ from presswear.recording.statistics import Estimate
 from presswear.tools.numbers import readable
 from presswear.validation.cases import Check
 
-MEAN_BOUND = 0.1  # of the relative difference of two means
+MEAN_BOUND = 0.1  # largest relative difference of two means
 
 
 def mean_check(

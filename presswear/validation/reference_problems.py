@@ -196,7 +196,8 @@ SDND100_GRAVITY = 10.0
 SDND100_FRICTION = 0.1
 SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
-FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)  # of the block on incline and flat
+# Friction of the block on an incline and on a flat
+FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
 GRAVITY = 9.81  # m/s^2
 SLOPE = 0.05
 _FLOOR_CLEARANCE = 1e4  # m: the slope of the floor changes by 1e-4 in a metre

@@ -12,8 +12,8 @@ from presswear.tools.packing import PackedArguments, unpack
 MAX_NEWTON_STEPS = 60
 MIN_MOVE = 1e-15  # change of a step, s, below which Newton's method ends
 EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
-# Penetration of the corner of a slide at which its event is located, over the resolution
-# of the coordinates. Below their round-off Newton's method meets nothing but noise.
+# Ratio of the penetration at which the touchdown of a corner of a slide is located to the
+# resolution of the coordinates. A smaller penetration is round-off.
 CORNER_EVENT = 0.125
 # Penetration up to which an event counts as located if round-off prevents a smaller one, m
 DEPTH_TOL = 1e-12

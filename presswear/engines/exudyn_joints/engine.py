@@ -67,8 +67,9 @@ exu = exudyn_module()
 # advice that makes a run finer
 REMEDY = "more steps_per_contact, or engine = dae, may help"
 
-# Where rigid joints have friction: most iterations of a step, smallest tolerance
-NEWTON_STEPS, LEAST_NEWTON = 50, 1e-10
+# With friction in rigid joints
+NEWTON_STEPS = 50  # largest number of iterations of a step
+LEAST_NEWTON = 1e-10  # smallest tolerance of the iterations
 SPRING_STEPS = 100  # fewest steps in the period of a body on its spring
 
 # Names that Exudyn gives to coordinates, rates, accelerations and multipliers

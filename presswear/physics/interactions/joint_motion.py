@@ -11,7 +11,12 @@ FIELDS = {name: i for i, name in enumerate(CONTACT.names or ())}
 
 
 class JointText:
-    """Writer of the equations of a clearance joint, whose variables begin with its name."""
+    """Writer of the equations of a clearance joint, whose variables begin with its name.
+
+    ``record`` has the numbers of the joint, and ``number`` is its index among the
+    clearance joints. The arms are vectors from the mass centres of the bodies to the
+    centres of bearing and pin.
+    """
 
     def __init__(
         self, page: Page, joint: ClearanceJoint, record: Records, number: int
@@ -73,19 +78,19 @@ class MotionText(JointText):
         return self.fields.get(word, ZERO)
 
     def vector(self, word: str) -> Vector:
-        """Return the expressions of two fields of CONTACT, x and y."""
+        """Return the expressions of the x and y fields of a vector in CONTACT."""
         return Vector(self.value(f"{word}_x"), self.value(f"{word}_y"))
 
     def write_motion(self) -> None:
         """Write position and velocity of the pin relative to the bearing."""
         pin = self.pin
         bearing = self.bearing
-        centre = bearing.position.plus(self.bearing_arm)
-        eccentricity = pin.position.plus(self.pin_arm).minus(centre)
-        eccentricity = self.let_vector("eccentricity", eccentricity)
+        bearing_centre = bearing.position.plus(self.bearing_arm)
+        distance = pin.position.plus(self.pin_arm).minus(bearing_centre)
+        eccentricity = self.let_vector("eccentricity", distance)
         bearing_velocity = bearing.velocity_at(self.bearing_arm)
-        velocity = pin.velocity_at(self.pin_arm).minus(bearing_velocity)
-        velocity = self.let_vector("velocity", velocity)
+        relative_velocity = pin.velocity_at(self.pin_arm).minus(bearing_velocity)
+        velocity = self.let_vector("velocity", relative_velocity)
         length = f"math.sqrt({eccentricity.dot(eccentricity)})"
         self.fields["eccentricity"] = self.let("eccentricity", length)
         self.set_fields("eccentricity", eccentricity)

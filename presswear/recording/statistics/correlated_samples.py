@@ -18,7 +18,7 @@ from presswear.tools.arrays import Array
 # Cycles that are no samples. If no more cycles ran, the last of them is the only sample
 STARTUP_CYCLES = 2
 RANGE_STROKES = 10  # successive strokes of which the range is computed
-LEVEL = 0.01  # of significance, at which the means of runs differ
+LEVEL = 0.01  # level of significance at which the means of runs differ
 
 
 def after_startup(rows: Array) -> Array:

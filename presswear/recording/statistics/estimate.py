@@ -10,8 +10,9 @@ from presswear.tools.type_check import check_type
 
 K = TypeVar("K")
 LEVEL = 0.95
-MIN_SAMPLES = 3  # for a bootstrap or an analysis of variance
-MAX_FACTOR = 10.0  # from the mean of a positive quantity to an end of its interval
+MIN_SAMPLES = 3  # samples needed for a bootstrap or an analysis of variance
+# Largest ratio of the mean of a positive quantity and an end of its interval
+MAX_FACTOR = 10.0
 
 
 @final

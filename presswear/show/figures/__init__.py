@@ -96,7 +96,7 @@ FIRST = (
 FIRST_COUNT = 3
 # keeps figures until they are closed, so it gets only shown ones
 _PYPLOT = "matplotlib.pyplot"
-_PROGRAM = "presswear"  # that a figure names in its file
+_PROGRAM = "presswear"  # name of the program in the file of a figure
 
 
 def drawings(

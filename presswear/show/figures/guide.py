@@ -24,8 +24,8 @@ _WALL_QUANTITIES = (
     (StageResult.wall_wear, 1e12, "depth per million\nstrokes (µm)"),
     (StageResult.wall_depth, 1e6, "depth of the wall\nin the stage (µm)"),
 )
-_ENDS = ("front", "back")  # of a slide along its guide
-_PATH_WIDTH = 0.5  # of the line of a path, points
+_ENDS = ("front", "back")  # ends of a slide along its guide
+_PATH_WIDTH = 0.5  # width of the line of a path, points
 # Half of the width of a panel of paths, in clearances, if no path is wider
 _EDGE = 1.35
 

@@ -7,10 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.layout_engine import LayoutEngine
 
-_EDGE = 0.05  # of a sheet, inches
+_EDGE = 0.05  # margin at the edge of a sheet, inches
 _LINE = 0.15  # height of a line of text, inches
 _LETTER = 0.07  # width of a digit, inches
-_TICK = 0.09  # from a panel to the numbers of an axis, and around a label, inches
+# Gap between a panel and the numbers of its axis, and around a label, inches
+_TICK = 0.09
 
 # Space left of, right of, above and below a panel, inches
 Room = tuple[float, float, float, float]

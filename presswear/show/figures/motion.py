@@ -33,7 +33,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
-_BEYOND = 0.02  # of a cycle, by which it may reach beyond the times that are shown
+_BEYOND = 0.02  # part of a cycle that may lie beyond the times that are shown
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
 IDEAL = Pen("ideal", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)

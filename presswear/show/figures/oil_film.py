@@ -14,7 +14,7 @@ from presswear.show.figures.style import Axes, Drawing, Pen, ShownStage, Stages
 from presswear.show.figures.window import sampled
 from presswear.tools.numbers import readable
 
-# of panels of the film over the cycle and in the working zone, and of the orbit
+# Widths of the panels: film over the cycle, film in the working zone, orbit
 _FILM_WIDTHS = (3.0, 2.0, 2.0)
 _FILM = Pen("oil film", style.LINES[0][0])
 _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))

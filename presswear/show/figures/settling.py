@@ -12,7 +12,7 @@ from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen
 from presswear.tools.numbers import readable, unit_scale
 
-_MARKERS = "osD^v<>p"  # of final motions, the one of most starts first
+_MARKERS = "osD^v<>p"  # markers of final motions; the first is that of most starts
 _BAND = 0.2  # opacity of an interval
 CURVE = Pen("starts", style.LINES[0][0])
 FIT = Pen("exponential law", *style.LINES[1])

@@ -231,7 +231,9 @@ def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     for joint in (name for name in joints if name in deepest):
         maps = [(stage, stage.data.joints[joint]) for stage in shown]
         worn = [
-            s for s, one in maps if any(np.any(one.depth(side) > 0.0) for side in SIDES)
+            s
+            for s, joint in maps
+            if any(np.any(joint.depth(side) > 0.0) for side in SIDES)
         ]
         if worn:
             drawings.append(worn_surface(result, joint, worn))

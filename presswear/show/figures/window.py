@@ -23,7 +23,7 @@ MOMENTS = {
     "separation": ("^", "triangle up: leaves the work"),
 }
 _ROOM = 0.15  # before and after the working zone, of its length
-_WIDTHS = (3.0, 2.0)  # of a panel of the full turn and of the working zone
+_WIDTHS = (3.0, 2.0)  # widths of the panels of the full turn and of the working zone
 
 
 class Span(NamedTuple):
@@ -132,7 +132,7 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     first = max(min(STARTUP_CYCLES, fewest - 1), 0)
     start = scene.run_up + first * period
     zone = None
-    if spans := [one for stage in stages if (one := _stroke_of(result, stage))]:
+    if spans := [stroke for stage in stages if (stroke := _stroke_of(result, stage))]:
         start = max(stroke.start for stroke, _ in spans)
         zone = Span(min(z.start for _, z in spans), max(z.end for _, z in spans))
     shown_cycles = 1 if zone else style.SHOWN_CYCLES

@@ -15,7 +15,8 @@ from presswear.tools.errors import InputError
 
 PATH_FRAMES = 60  # frames in the path of a pin centre
 CYCLE_SECONDS = 10.0  # default duration of a cycle on the screen, s
-MAX_PICTURES = 20_000  # in a film: a quarter of an hour at 25 per second
+# Largest number of pictures in a film: a quarter of an hour at 25 per second
+MAX_PICTURES = 20_000
 NORMAL, TANGENTIAL, X, Y, PEAK = (
     FILM_JOINT.index(name)
     for name in ("normal", "tangential", "direction_x", "direction_y", "peak")

@@ -39,8 +39,8 @@ LOST_PICTURE = (
 )
 GIF_COLOURS = 64  # flat colours need few
 NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
-MAX_START = 30.0  # for a window to open, s
-IDLE_TIME = 0.02  # of the window between two pictures, s
+MAX_START = 30.0  # longest time for a window to open, s
+IDLE_TIME = 0.02  # idle time of the window between two pictures, s
 BAR_REACH = 0.03  # distance of a click from the time bar over the height of the picture
 # key codes of GLFW
 SPACE = 32
@@ -51,8 +51,8 @@ UP = 265
 HOME = 268
 END = 269
 SPEED_STEP = 1.5
-LIVE_INTERVAL = 0.04  # between two pictures of a running simulation, s
-# of the longest arrow, N, because the largest force is not yet available
+LIVE_INTERVAL = 0.04  # time between two pictures of a running simulation, s
+# Force of the longest arrow, N: the largest force is not yet available
 LIVE_FORCE = 500.0
 LIVE_PEAK_FRAMES = 10
 

@@ -26,7 +26,7 @@ HEAD = 0.11  # title
 FOOT = 0.09  # time bar
 MARGIN = 0.02
 FONT = 13.0  # letters in a picture of 640 pixels height, pixels
-LETTER_WIDTH = 0.74  # of the height of a letter
+LETTER_WIDTH = 0.74  # width of a letter over its height
 
 
 DrawnJoint = tuple[EnlargedJoint, list[list[Shape]]]

@@ -24,7 +24,7 @@ from presswear.tools.arrays import Array
 Point = Sequence[float] | Array
 Colour = tuple[float, ...]  # red, green, blue, alpha, 0 to 1
 
-SEGMENTS = 48  # of a full circle
+SEGMENTS = 48  # straight segments of a full circle
 # Palette of Okabe and Ito, distinguishable with every common colour blindness.
 BODY_COLOURS = ("#D55E00", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 JOINT_COLOURS = tuple(map(to_rgba, ("#0072B2", "#D55E00", "#009E73", "#CC79A7")))
@@ -42,8 +42,8 @@ PIN_SHARE = 0.34
 PLAY_SHARE = 0.36
 BAND_SHARE = 0.13
 ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
-DRAWN_BINS = 180  # of a wear map
-_WALL_BARS = 125  # that show the wear of a wall; a divisor of its bins
+DRAWN_BINS = 180  # bins of a wear map that are drawn
+_WALL_BARS = 125  # bars that show the wear of a wall; a divisor of its bins
 # Length of the deepest one, in half widths of a bar of the mechanism
 _DEEPEST_BARS = 4.0
 _EDGE = 0.22  # width of the line of a wall or a foot, in half widths of a bar
