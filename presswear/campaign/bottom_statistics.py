@@ -17,7 +17,7 @@ from presswear.results.stage_statistics import BottomStatistics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-# The ideal motion dwells while it stays within this part of the scatter of its bottom
+# Tolerance of the dwell of the ideal motion at bottom dead centre, part of the scatter
 DWELL_SHARE = 0.01
 # Round-off of the place of an ideal slider at rest, part of the stroke
 ROUND_OFF = 1e-9
@@ -28,7 +28,8 @@ def bottom_statistics(
 ) -> BottomStatistics | None:
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
-    None if there is no sampled stroke. The delay is None if the ideal motion, such as
+    ``recorders`` and ``alone`` are as in ``mean_over_cycles``. None if there is no sampled
+    stroke. The delay is None if the ideal motion, such as
     that of a servo, stays within ``DWELL_SHARE`` of the scatter for longer than ``DWELL``,
     because it then has no instant of bottom dead centre. It is also None if the ideal
     stroke has several equal bottoms.
@@ -48,19 +49,21 @@ def bottom_statistics(
     scatter_size = 0.0 if scatter is None else scatter.mean
     round_off = ROUND_OFF * ideal.stroke
     dwell = dwell_of(scene.ideal, max(DWELL_SHARE * scatter_size, round_off))
-    delay = angle = delay_scatter = None
     delays = [ideal.delay(run.each_cycle("bottom_time")) for run in finished]
     alone_delays = [ideal.delay(run.each_cycle("bottom_time")) for run in alone]
     every_delay = np.concatenate(
         [after_startup(rows) for rows in (*delays, *alone_delays)]
     )
     equal = equal_bottoms(ideal, every_delay, max(scatter_size, round_off))
+    delay = None
+    angle = None
+    delay_scatter = None
     if dwell < DWELL * ideal.period and not equal:
         delay = pooled(delays, alone_delays)[0]
         delay_scatter = spread(delays)
         angle = delay.scaled(2.0 * math.pi / ideal.period)
     return BottomStatistics(
-        strokes=sum(run.size for run in samples),
+        strokes=sum(rows.size for rows in samples),
         ideal_height=ideal.height,
         ideal_time=ideal.time,
         ideal_dwell=dwell,

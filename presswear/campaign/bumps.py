@@ -1,9 +1,9 @@
-"""Bumps on surfaces after a wear update in one jump, and the penetration beside them.
+"""Bumps on surfaces after a wear update in one jump, compared with the penetration.
 
-A jump multiplies the noise of a wear map by millions of cycles.  A bump that is higher
-than the penetration breaks the contact: contacts, peak forces and accelerations are
-then those of the bumps of this map, and not those of a worn surface.  The load distance
-is hardly affected.
+A jump multiplies the noise of a wear map by millions of cycles. A bump that is higher than
+the penetration interrupts the contact: contacts, peak forces and accelerations are then
+those of the bumps of this map, and not those of a worn surface. The load distance is hardly
+affected.
 """
 
 from collections.abc import Sequence
@@ -41,8 +41,9 @@ def bumps_of(ensemble: Ensemble, recorders: Sequence[Recorder]) -> list[Bumps | 
 def noise_of(depth: Array) -> float:
     """Return the rms noise of the mean of the surfaces of all replicates, m.
 
-    It is the standard deviation between the surfaces at each angle, over the root of
-    their number. Bearing and pin are added, because both together make the gap.
+    It is the standard deviation between the surfaces at each angle, divided by the square
+    root of their number. The variances of bearing and pin are added, because the gap is
+    the sum of both depths.
 
     Parameters
     ----------

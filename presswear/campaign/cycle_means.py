@@ -1,7 +1,7 @@
 """Means over the cycles of a stage, from the recorders of its replicates.
 
-``recorders`` are those of runs whose cycles are samples, ``alone`` those of runs that are
-single samples; see ``pooled``.
+``recorders`` are those of runs whose cycles are samples. ``alone`` are those of runs that
+are single samples, because each has different surfaces; see ``pooled``.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,8 +25,10 @@ def mean_over_cycles(
 def _pooled_mean(
     recorders: Recorders, alone: Recorders, values: Callable[[Recorder], Array]
 ) -> Estimate:
-    first = [values(run) for run in recorders]
-    return pooled(first, [values(run) for run in alone])[0]
+    series = [values(run) for run in recorders]
+    single_samples = [values(run) for run in alone]
+    mean, _ = pooled(series, single_samples)
+    return mean
 
 
 def mean_without_interval(

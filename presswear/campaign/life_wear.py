@@ -26,10 +26,13 @@ def wear_between(
     last = refinements[-1]
     coarser = None
     wear_at = _interpolated(last, initial)
-    added_depth = wear_at(until)[1] - wear_at(since)[1]
+    final_depth, final_loss = wear_at(until)
+    _, first_loss = wear_at(since)
     if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
         coarser_at = _interpolated(refinements[-2], initial)
-        coarser = coarser_at(until)[1] - coarser_at(since)[1]
+        _, coarser_final_loss = coarser_at(until)
+        _, coarser_first_loss = coarser_at(since)
+        coarser = coarser_final_loss - coarser_first_loss
     steps = []
     begin = since
     for block in last.blocks:
@@ -37,7 +40,8 @@ def wear_between(
         if end <= begin:
             continue
         depth, material_loss = wear_at(end)
-        change = (material_loss - wear_at(begin)[1]).mean(axis=0) / block.cycles
+        _, loss_before = wear_at(begin)
+        change = (material_loss - loss_before).mean(axis=0) / block.cycles
         forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
         steps.append(
             WearStep(
@@ -51,8 +55,8 @@ def wear_between(
             )
         )
         begin = end
-    depth = wear_at(until)[0]
-    return wear_update.WearUpdate(depth, added_depth, tuple(steps), coarser)
+    added_depth = final_loss - first_loss
+    return wear_update.WearUpdate(final_depth, added_depth, tuple(steps), coarser)
 
 
 def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:

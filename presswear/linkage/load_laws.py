@@ -1,14 +1,15 @@
 """Laws of loads: harmonics, tables over time and over position, user functions.
 
-A law is continuous in position and speed, or in position and the greatest depth so far,
-so that no load can switch on and off without end. A release is a jump, which only the
-whole way back undoes. Every engine locates the corners and jumps of a law, and no step
-crosses them. The corners of a user function are unknown to it.
+A law is continuous in position and speed, or in position and the greatest depth so far.
+Otherwise a load could switch on and off endlessly. A release is a jump to zero, after
+which the load acts again only when the motion is back at the start of the table. Every
+engine locates the corners and jumps of a law, and no step crosses them. The engines do not
+know the corners of a user function.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Annotated, Any, ClassVar, Literal
 
 from presswear.linkage.points import MAX_ANGLE
@@ -23,9 +24,9 @@ Outside = Literal["zero", "hold"]
 # Largest slope of an elastic line, N/m or N m/rad: MAX_FORCE / MIN_DEPTH of a process
 MAX_SLOPE = 1e16
 MAX_FREQUENCY = 1e6  # rad/s
-# between two nodes of a table, part of its length: closer ones are a jump
+# Smallest distance of two nodes of a table, part of its length: closer nodes are a jump
 MIN_GAP = 1e-6
-SLOPE_TOL = 1e-6  # relative, of a slope that is computed from the nodes of a table
+SLOPE_TOL = 1e-6  # relative error of a slope that is computed from the nodes of a table
 _TIME = Annotated[float, Quantity("s", -1e15, 1e15)]
 _POSITION = Annotated[float, Quantity("m or rad", -1e15, 1e15)]
 _LOAD = Annotated[float, Quantity("N or N m", -1e15, 1e15)]
@@ -76,7 +77,8 @@ class OverTime(Checked):
 
     def check_period(self, name: str, period: float) -> None:
         """Raise InputError unless the table fits into a period, s."""
-        first, last = self.table[0][0], self.table[-1][0]
+        first = self.table[0][0]
+        last = self.table[-1][0]
         if period > 0.0 and not (first >= 0.0 and last <= period):
             allowed = f"with a {name} of {period:g} s allowed is 0 to {period:g} s"
             raise InputError(f"table: from {first:g} to {last:g} s; {allowed}")
@@ -127,7 +129,7 @@ class OverPosition(Checked):
     )
 
     def __post_init__(self) -> None:
-        """Raise InputError where the law would jump or drive the motion, or give back more."""
+        """Raise InputError where the law would jump, drive the motion or create energy."""
         super().__post_init__()
         _check_rising(self.table)
         self._check_jumps()
@@ -142,8 +144,13 @@ class OverPosition(Checked):
     @property
     def _first_nodes(self) -> Table:
         """Nodes at which the load begins, one for each sense in which it acts."""
-        first = {"along": self.table[:1], "against": self.table[-1:]}
-        return first.get(self.sense, (self.table[0], self.table[-1]))
+        lowest = self.table[0]
+        highest = self.table[-1]
+        if self.sense == "along":
+            return (lowest,)
+        if self.sense == "against":
+            return (highest,)
+        return lowest, highest
 
     def _check_jumps(self) -> None:
         """Raise InputError where a load that is zero outside its table would jump."""
@@ -167,14 +174,15 @@ class OverPosition(Checked):
                 )
 
     def _check_unloading(self) -> None:
-        """Raise InputError for a line back that would give back more energy than was taken."""
+        """Raise InputError if unloading would return more energy than loading has taken."""
         if self.sense == "both":
             raise InputError("unloading: it needs a table that acts in one sense")
         place, size = self._first_nodes[0]
         if size != 0.0:
             fault = f"{size:g} N or N m at {place:g} m or rad, where it begins"
             raise InputError(f"table: {fault}; with unloading allowed is 0")
-        # Resistance against the way, whose signs cancel in either sense.
+        # Rises of the resistance with the depth. With sense = along the force is negative;
+        # with sense = against the depth grows against the position.
         slopes = [(a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(self.table)]
         steepest = max(slopes, default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
@@ -205,18 +213,17 @@ LOAD_PARAMETERS = ("time", "position", "speed")
 def check_load(key: str, law: UserFunction) -> None:
     """Raise InputError where a user law of a load jumps with the speed.
 
-    Two forces that push towards a speed from both sides hold it by endless switching.
+    At a jump that reverses the motion the load would switch endlessly.
     """
-    for time in (0.0, 0.1, 1.0):
-        for size in (0.0, 1e-3, 0.01, 0.1, 1.0):
-            for position in (size, -size):
-                if jump := law.jump("speed", {"time": time, "position": position}):
-                    place, below, above = jump
-                    raise InputError(
-                        f"{key}: {law.name} jumps from {below:g} to {above:g} N or N m at a speed "
-                        f"of {place:g} m/s or rad/s: it must be continuous, as with tanh(speed / "
-                        "0.001), which changes over 1 mm/s or 1 mrad/s"
-                    )
+    sizes = (0.0, 1e-3, 0.01, 0.1, 1.0)
+    for time, size, sign in product((0.0, 0.1, 1.0), sizes, (1.0, -1.0)):
+        if jump := law.jump("speed", {"time": time, "position": sign * size}):
+            speed, below, above = jump
+            raise InputError(
+                f"{key}: {law.name} jumps from {below:g} to {above:g} N or N m at a speed "
+                f"of {speed:g} m/s or rad/s: it must be continuous, as with tanh(speed / "
+                "0.001), which changes over 1 mm/s or 1 mrad/s"
+            )
 
 
 Law = (

@@ -8,7 +8,8 @@ from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import Checked
 
 GROUND = "frame"
-MAX_LENGTH = 1e5  # m: no machine is larger, and a floor is a part of a circle so large
+# Largest length, m. No machine is larger, and a circle of this radius stands for a floor.
+MAX_LENGTH = 1e5
 MAX_ANGLE = 1e4  # rad: beyond it a sine has lost four digits
 
 LENGTH = Quantity("m", -MAX_LENGTH, MAX_LENGTH)
@@ -53,5 +54,5 @@ class OutputPoint(Checked):
 
 
 End = Attachment | str | Place
-"""Point: as it is, as ``body.point``, as ``body`` for its mass centre, or as coordinates on the
+"""Point: an attachment, ``body.point``, ``body`` for its mass centre, or coordinates on the
 frame, m."""

@@ -58,12 +58,11 @@ def ratio(
     ) -> tuple[float, float]:
         if estimate.low is None or estimate.high is None:
             return math.nan, math.nan
-        below = (
-            math.log(estimate.mean / estimate.low) if estimate.low > 0.0 else math.inf
-        )
-        return factor * below, factor * math.log(
-            max(estimate.high / estimate.mean, 1.0)
-        )
+        below = math.inf
+        if estimate.low > 0.0:
+            below = math.log(estimate.mean / estimate.low)
+        above = math.log(max(estimate.high / estimate.mean, 1.0))
+        return factor * below, factor * above
 
     numerator = math.prod(estimate.mean for estimate in over)
     denominator = math.prod(estimate.mean for estimate in under)
@@ -105,10 +104,11 @@ def difference(
 
 
 def widening(freedom: float, count: int) -> float:
-    """Return the factor from a 95 % interval to one of many that hold together with 95 %.
+    """Return the factor by which ``count`` intervals widen to hold together with 95 %.
 
-    Each has an error probability of 5 % over the number of intervals (Bonferroni);
-    ``freedom`` are the degrees of freedom of Student's interval.
+    Without it each of them holds with 95 %. Each of the wider intervals has an error
+    probability of 5 % / ``count`` (Bonferroni). ``freedom`` is the number of degrees of
+    freedom of Student's interval.
     """
     single = stdtrit(freedom, 0.975)
     many = stdtrit(freedom, 1.0 - 0.025 / count)
@@ -120,7 +120,7 @@ def compared(
 ) -> pw.statistics.Estimate | None:
     """Return our ratio or difference; None if one of its quantities was not computed.
 
-    Its interval is one of ``count`` that hold together with 95 %.
+    Its interval is wide enough for ``count`` intervals to hold together with 95 %.
     """
     places = (*comparison.over, *comparison.under)
     every = [evidence.measured(case, place, comparison.quantity) for place in places]
@@ -138,7 +138,7 @@ def compared(
 
 
 def factors_of(measured: Sequence[Measured], count: int) -> list[float]:
-    """Return the factors that widen the intervals of quantities to ``count`` that hold together."""
+    """Return the factors by which the intervals of quantities widen; see ``widening``."""
     return [widening(value.freedom, count) for value in measured]
 
 
@@ -157,9 +157,10 @@ def verdict(ours: pw.statistics.Estimate | None, comparison: Comparison) -> Verd
     elif margin and neutral - margin <= ours.low and ours.high <= neutral + margin:
         side = "same"
     else:
-        # A lag has no scale on which a change is small.
-        least = 0.0 if margin or comparison.quantity == "lag" else NO_EFFECT
-        is_small = neutral - least <= ours.low and ours.high <= neutral + least
+        small = NO_EFFECT
+        if comparison.expected == "same" or comparison.quantity == "lag":
+            small = 0.0  # a lag has no scale on which a change is small
+        is_small = neutral - small <= ours.low and ours.high <= neutral + small
         return "no effect" if is_small else "undecided"
     return "holds" if side == comparison.expected else "does not hold"
 

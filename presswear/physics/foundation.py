@@ -1,9 +1,11 @@
 """Elastic foundation between a round pin and its worn bearing.
 
-The overlap at an angle theta is p = e . n(theta) - c - h_i - h_j, and the pressure is
-k_w p where p > 0. The elastic energy is the integral of k_w b R p^2 / 2 over the angle;
-force and couples are its gradient. A pin cannot enter a groove narrower than itself:
-grooves are bridged.
+The overlap at an angle theta is p = e . n(theta) - c - h_i - h_j, with the eccentricity e,
+the unit vector n(theta), the clearance c and the wear depths h_i of the bearing and h_j of
+the pin. The pressure is k_w p where p > 0, with the stiffness k_w of the foundation. The
+elastic energy is the integral of k_w b R p^2 / 2 over the angle, with the width b and the
+radius R of the bearing. Force and couples are its gradient. A pin cannot enter a groove
+narrower than itself: grooves are bridged.
 
 Force, couples and energy are sums of closed formulas over the cells between the nodes
 of the bearing's map (``overlap``).
@@ -48,15 +50,20 @@ from presswear.physics.worn_map import (
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, vectorised
 
-LANES = 4  # cells that are summed together; a rest would be summed one by one
-LEAST_CELLS = 8  # on each side of the last place that are searched for an overlap
+# The number of summed cells is a multiple of LANES, because vector instructions sum so many
+# at once.
+LANES = 4
+# Smallest number of cells on each side of the previous place of the greatest overlap that
+# are searched for an overlap
+LEAST_CELLS = 8
 
 
 def foundation_stiffness(stiffness: float, clearance: float) -> float:
-    """Return k_w b R, N/m^2 per rad, with which a round joint gives K delta^1.5.
+    """Return k_w b R, N/m^2 per rad, with which a round joint gives the force K delta^1.5.
 
-    The overlap of a round joint is delta - c s^2 / 2. Its integral over the arc is
-    (4/3) sqrt(2 / c) delta^1.5; the curvature of the arc adds parts of delta / c.
+    ``stiffness`` is K, N/m^1.5, and ``clearance`` c, m. At an angle s from the line of
+    centres the overlap of a round joint is delta - c s^2 / 2. Its integral over the arc
+    is (4/3) sqrt(2 / c) delta^1.5, with a relative error of the order of delta / c.
     """
     return 0.75 * stiffness * math.sqrt(0.5 * clearance)
 
@@ -74,9 +81,10 @@ def cells_in_reach(
 ) -> tuple[int, int]:
     """Return the first of the cells in which an overlap may exceed ``least``, and their number.
 
-    It does in cell ``before`` of the second turn. The cells on both sides are doubled
-    until the pin does not reach the least depth of all cells at their ends; equation W3.
-    All cells of a turn begin opposite to the eccentricity, so that no arc is cut.
+    The cells lie on both sides of cell ``before``, the previous place of the greatest
+    overlap, which is counted in the second turn. Their number is doubled until the pin
+    does not reach the least depth of all cells at both ends; equation W3. If all cells of
+    a turn are needed, they begin opposite to the eccentricity, so that no arc is cut.
     """
     nodes = joint.surface_nodes
     farthest = place.clearance + joint.least_depth + least
@@ -84,7 +92,7 @@ def cells_in_reach(
     while 2 * cells < nodes:
         low = along_at(surfaces, place, before - cells)
         high = along_at(surfaces, place, before + cells)
-        # It reaches less than a quarter of a turn to both sides of the eccentricity.
+        # The pin reaches less than a quarter of a turn to both sides of the eccentricity.
         if max(max(low, high), 0.0) <= farthest:
             return before - cells, 2 * cells
         cells *= 2
@@ -98,7 +106,8 @@ def cells_of_overlap(
 ) -> tuple[int, int]:
     """Return the first and the last of some cells in which the overlap can exceed ``least``, m."""
     needed = place.clearance + least
-    low, high = count, -1
+    low = count
+    high = -1
     for k in range(count):
         node = first + k
         along = max(
@@ -125,19 +134,25 @@ class Survey(NamedTuple):
     # number of cells in which the overlap becomes positive, and the last of them
     starts: int
     start: int
-    ends: int  # the same, in which it becomes negative
+    # number of cells in which the overlap becomes negative, and the last of them
+    ends: int
     end: int
-    # first and last cell that may have the greatest overlap within; -1 without one
+    # first and last cell that may have the greatest overlap between their nodes; the last
+    # is -1 if there is none
     first_hump: int
     last_hump: int
-    others: int  # cells with several roots, or perhaps with an overlap within only
+    # cells with several roots, or that may overlap between their nodes only
+    others: int
 
 
 @vectorised
 def survey_cells(
     surfaces: Array, place: Place, first: int, count: int, previous: float
 ) -> Survey:
-    """Sum the integrals of some cells; ``previous`` is the overlap at the last place, m."""
+    """Sum the integrals of some cells.
+
+    ``previous`` is the overlap at the previous place of the greatest overlap, m.
+    """
     none = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
     x = y = pin_slope = square = 0.0
     starts = ends = others = 0
@@ -177,8 +192,12 @@ def survey_cells(
 def greatest_within(
     surfaces: Array, place: Place, node: int, greatest: float, peak: float
 ) -> tuple[float, float]:
-    """Return the greatest overlap so far with that of a cell, and its place, in cells."""
-    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    """Return the greatest overlap, m, and its place in cells, with those of one more cell.
+
+    ``greatest`` and ``peak`` are overlap and place of the cells before.
+    """
+    left = node_at(surfaces, place, node)
+    right = node_at(surfaces, place, node + 1)
     if left.overlap > greatest:
         greatest = left.overlap
         peak = float(node)
@@ -197,7 +216,8 @@ def with_start(
     surfaces: Array, place: Place, node: int, sums: ArcIntegrals
 ) -> ArcIntegrals:
     """Return the integrals with the cell in which an arc of overlap starts."""
-    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    left = node_at(surfaces, place, node)
+    right = node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
     x = only_root(p)
     surfaces[ARC_START, sums.arcs] = node + x
@@ -210,7 +230,8 @@ def with_end(
     surfaces: Array, place: Place, node: int, sums: ArcIntegrals
 ) -> ArcIntegrals:
     """Return the integrals with the cell in which an arc of overlap ends."""
-    left, right = node_at(surfaces, place, node), node_at(surfaces, place, node + 1)
+    left = node_at(surfaces, place, node)
+    right = node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
     x = only_root(p)
     surfaces[ARC_END, sums.arcs] = node + x
@@ -250,7 +271,7 @@ def integrate_cells(
 def integrate_overlap(
     surfaces: Array, joint: Records, place: Place, angle: float
 ) -> tuple[float, float, ArcIntegrals]:
-    """Return the greatest overlap of a pin and its bearing, its place, and the integrals.
+    """Return the greatest overlap, m, its place in cells, and the integrals of the overlap.
 
     Parameters
     ----------
@@ -262,14 +283,15 @@ def integrate_overlap(
     """
     before = joint.surface_nodes + cell_of(angle, joint.surface_nodes)[0]
     previous = node_at(surfaces, place, before).overlap
-    # Between two nodes the pin reaches farther than at both by less than this.
+    # Between two nodes the pin reaches less than this farther than at the nodes.
     bulge = 0.125 * place.width * place.width * place.eccentricity
     least = min(previous, 0.0) - bulge
     first, count = cells_in_reach(surfaces, joint, place, before, least)
     first, last = cells_of_overlap(surfaces, place, first, count, least)
     count = min((last + LANES - first) // LANES * LANES, joint.surface_nodes)
     survey = survey_cells(surfaces, place, first, count, previous)
-    greatest, peak = previous, float(before)
+    greatest = previous
+    peak = float(before)
     for node in range(first + survey.first_hump, first + survey.last_hump + 1):
         greatest, peak = greatest_within(surfaces, place, node, greatest, peak)
     sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 0)
@@ -285,7 +307,7 @@ def integrate_overlap(
     surfaces[ARC_PLACE, 1] = place.dy
     surfaces[ARC_PLACE, 2] = place.lag + place.offset
     surfaces[ARC_PLACE, 3] = sums.arcs
-    # Mean of cosine and sine over a cell, over that of their cubics
+    # Ratio of the means of cosine and sine over a cell to the means of their cubics
     scale = 1.0 + (1 / 720) * place.width**4
     sums = ArcIntegrals(
         scale * sums.x, scale * sums.y, sums.pin_slope, sums.square, sums.arcs

@@ -1,5 +1,8 @@
 """Worn walls of a guide with clearance, along their length: dV = K_d F_n ds.
 
+V is the worn volume, K_d the wear coefficient, F_n the normal force on a corner of the slide
+and s its sliding distance.
+
 A map holds the mean depth of equal bins along a wall. Both corners of the slide on the
 side of the wall wear it, over its width, and the slide does not wear. Between the
 middles of the bins a worn wall is the monotone cubic of ``linkage.surface``.
@@ -40,11 +43,11 @@ def wall_profile(
 def deposit_on_wall(
     depth: Array, k: int, joint: Records, contact: Records, dose: float, h: float
 ) -> None:
-    """Add the wear of a dose F_n ds, N m, of corner ``k`` to the depths of its wall, m.
+    """Add the wear of a load distance F_n ds, N m, of corner ``k`` to its wall.
 
-    ``depth`` are those of all joints, shape (joints, 2, bins); both corners on a wall
-    hold them. The wear is spread over the way of the corner in the step, which takes
-    ``h`` seconds.
+    ``depth`` has the depths of all joints, m, shape (joints, 2, bins). The depths of a
+    wall are stored twice, at both of its corners. The wear is spread over the distance
+    that the corner moves in a step of ``h`` seconds.
     """
     end = (contact.place - joint.wall_start) / joint.wall_bin
     start = end - joint.wall_sense * contact.sliding * h / joint.wall_bin
@@ -55,9 +58,9 @@ def deposit_on_wall(
 
 @compiled
 def spread_along(depth: Array, start: float, end: float, depth_sum: float) -> None:
-    """Add a sum of depths, m, to the bins of a map evenly between two places, in bins.
+    """Spread a sum of depths, m, evenly over the bins between two places, in bins.
 
-    What lies beyond the ends of the map is added to the bin at the end.
+    The part beyond an end of the map is added to the bin at this end.
     """
     last = depth.shape[0] - 1
     low = min(max(min(start, end), 0.0), float(last))
@@ -78,7 +81,7 @@ def bin_centres_of(wall: WallMap) -> Array:
 
 
 def wall_volume(corner: GuideCorner, depth: Array) -> float:
-    """Return the volume that a wall lost by a depth along it, m, shape (bins,); m^3."""
+    """Return the worn volume of a wall, m^3, from its depths, m, shape (bins,)."""
     assert corner.wall is not None
     return float(depth.sum()) * corner.width * corner.wall.bin_length
 
@@ -94,9 +97,10 @@ def tilt_between(corner: GuideCorner, walls: Array) -> float:
 
 
 def openings_between(corner: GuideCorner, walls: Array) -> Array:
-    """Return the worn depth of both walls at two opposite corners of a slide, together, m.
+    """Return the sum of the worn depths at two opposite corners of a slide, m.
 
-    The shape is (2, places along the guide), for a tilt to either side.
+    The shape is (2, places along the guide), for a tilt to either side. ``walls`` are the
+    depths of the left and the right wall, m, shape (2, bins).
     """
     guide = corner.guide
     wall = corner.wall
@@ -117,18 +121,20 @@ def walls_of(linkage: Linkage, maps: Array) -> dict[str, Array]:
     ----------
     linkage : Linkage
     maps : ndarray, shape (..., joints, 2, bins)
-        Depths, m. Both corners on a side hold the depths of its wall, as bearing.
+        Depths, m. Those of a wall are stored twice, as the bearing of both corners on
+        its side.
 
     Returns
     -------
     dict of str to ndarray, shape (..., 2, WALL_BINS)
         Depths, m, by guide.
     """
-    rows: dict[str, dict[float, int]] = {}
+    corners: dict[str, dict[float, int]] = {}  # index of a corner, by guide and side
     for k, joint in enumerate(linkage.clearances):
         if isinstance(joint, GuideCorner) and joint.wall is not None:
-            rows.setdefault(joint.guide.name, {})[joint.side] = k
-    return {
-        name: maps[..., [each[1.0], each[-1.0]], 0, :WALL_BINS]
-        for name, each in rows.items()
-    }
+            corners.setdefault(joint.guide.name, {})[joint.side] = k
+    walls = {}
+    for name, by_side in corners.items():
+        left_and_right = [by_side[1.0], by_side[-1.0]]
+        walls[name] = maps[..., left_and_right, 0, :WALL_BINS]
+    return walls

@@ -113,7 +113,7 @@ CYCLE = (
 ) = range(len(CYCLE))
 JOINT_CYCLE = (
     Column("force_max", "N", "greatest normal force"),
-    Column("load_distance", "N m", "integral of normal force and sliding"),
+    Column("load_distance", "N m", "integral of normal force times sliding speed"),
     Column("contacts", "1", "contacts that have ended"),
     Column("eccentricity_x", "m", "at the end of the cycle, to the right"),
     Column("eccentricity_y", "m", "at the end of the cycle, upwards"),
@@ -141,7 +141,7 @@ JOINT_CYCLE = (
     CLOSED_TIME,
     SLIDING_DISTANCE,
 ) = range(len(JOINT_CYCLE))
-# A joint in the last accepted state, with which integrals over a step are computed
+# Numbers of a joint in the last accepted state, for integrals over the next step
 LAST = np.dtype(
     [
         ("sliding", np.float64),  # m/s

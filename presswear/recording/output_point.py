@@ -60,35 +60,39 @@ def lowest_between(
 
     ``before`` and ``after`` are position, velocity and acceleration at the ends of the
     step. The velocity is negative before and positive after. The result is the minimum
-    of the quintic polynomial through these values. Its error is at most h^6 / 46080
-    times the greatest sixth derivative; if the acceleration jumps by J at the start of
-    the step, at most 0.018 J h^2.
+    of the quintic Hermite polynomial x_0 + c_1 s + ... + c_5 s^5 through these values,
+    with the part s of the step. Its error is at most h^6 / 46080 times the greatest sixth
+    derivative. If the acceleration jumps by J at the start of the step, it is at most
+    0.018 J h^2.
     """
-    c1 = h * before[1]
-    c2 = 0.5 * h * h * before[2]
-    d0 = after[0] - before[0] - c1 - c2
-    d1 = h * after[1] - c1 - 2.0 * c2
-    d2 = h * h * (after[2] - before[2])
+    x0, v0, a0 = before
+    x1, v1, a1 = after
+    c1 = h * v0
+    c2 = 0.5 * h * h * a0
+    d0 = x1 - x0 - c1 - c2
+    d1 = h * v1 - c1 - 2.0 * c2
+    d2 = h * h * (a1 - a0)
     c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2
     c4 = -15.0 * d0 + 7.0 * d1 - d2
     c5 = 6.0 * d0 - 3.0 * d1 + 0.5 * d2
-    low, high = 0.0, 1.0
-    x = before[1] / (before[1] - after[1])
+    low = 0.0
+    high = 1.0
+    s = v0 / (v0 - v1)
     for _ in range(BOTTOM_STEPS):
-        slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+        slope = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
         if slope <= 0.0:
-            low = x
+            low = s
         else:
-            high = x
-        curvature = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
-        new = x - slope / curvature if curvature > 0.0 else low
+            high = s
+        curvature = 2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))
+        new = s - slope / curvature if curvature > 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - x) < BOTTOM_NOISE:
+        if abs(new - s) < BOTTOM_NOISE:
             break
-        x = new
-    position = before[0] + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
-    return position, x * h
+        s = new
+    position = x0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+    return position, s * h
 
 
 @compiled
@@ -101,17 +105,18 @@ def note_bottom(
 ) -> None:
     """Update the lowest position of the present stroke, and store it at the end of the stroke.
 
-    ``nominal`` are nominal time and its rate at the end of the step. ``now`` is the
-    motion of the output point at that time.
+    ``nominal`` are the nominal time, s, and its rate at the end of the step. ``now`` are
+    position, velocity and acceleration of the output point at the end of the step.
     """
     state = records.output[0]
     cycle = records.cycle
-    time = nominal[0]
+    time, _ = nominal
+    place, velocity, _ = now
     if time > state.stroke_begin:
-        if now[0] < state.bottom:
-            state.bottom = now[0]
+        if place < state.bottom:
+            state.bottom = place
             state.bottom_time = time
-        if state.velocity <= 0.0 and now[1] > 0.0:
+        if state.velocity <= 0.0 and velocity > 0.0:
             before = (state.place, state.velocity, state.acceleration)
             lowest, elapsed = lowest_between(h, before, now)
             if lowest < state.bottom:
@@ -137,10 +142,12 @@ def note_top(
     Call it before ``note_bottom``, which replaces the stored motion at the start of the
     step.
     """
-    highest = now[0]
-    if 0.0 <= state.velocity < math.inf and now[1] < 0.0:
+    highest, velocity, acceleration = now
+    if 0.0 <= state.velocity < math.inf and velocity < 0.0:
+        # The highest position is the lowest one of the motion with the opposite sign.
         before = (-state.place, -state.velocity, -state.acceleration)
-        lowest, _ = lowest_between(h, before, (-now[0], -now[1], -now[2]))
+        after = (-highest, -velocity, -acceleration)
+        lowest, _ = lowest_between(h, before, after)
         highest = max(highest, -lowest)
     cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], highest - state.start)
 

@@ -44,9 +44,9 @@ class Motion:
 
     replicates: int
     period: int | None  # cycles after which it repeats; None: irregular
-    peak_force: Mapping[str, Estimate]  # of a cycle, by joint, N
-    contacts: Mapping[str, Estimate]  # of a cycle, by joint
-    acceleration_max: Estimate  # of a cycle, m/s^2
+    peak_force: Mapping[str, Estimate]  # peak force of a cycle, by joint, N
+    contacts: Mapping[str, Estimate]  # number of contacts in a cycle, by joint
+    acceleration_max: Estimate  # largest acceleration of the output in a cycle, m/s^2
 
 
 @dataclass(frozen=True)
@@ -58,14 +58,14 @@ class Settling:
     starts: tuple[int | None, ...]
     # the motion of most replicates is first, the irregular motion is last
     motions: tuple[Motion, ...]
-    # of the irregular motion, cycles; None: no replicate has settled from it
+    # half-life of the irregular motion, cycles; None: no replicate has settled from it
     half_life: Estimate | None = None
     # lower 95 % limit of the half-life, cycles
     least_half_life: float = 0.0
 
     @property
     def runs(self) -> int:
-        """Number of replicates, on the mean surfaces and on surfaces of their own."""
+        """Number of replicates: those on the mean surfaces and those on separate surfaces."""
         return len(self.starts)
 
     @property
@@ -112,12 +112,14 @@ def signatures(positions: Array, forces: Array) -> Array:
         Largest normal force in a cycle, N.
     """
     least = LEAST_FORCE * forces.max(initial=0.0)
-    logarithms = np.log(np.maximum(forces, least if least > 0.0 else 1.0))
+    if least == 0.0:
+        least = 1.0  # without any force all logarithms are 0
+    logarithms = np.log(np.maximum(forces, least))
     return np.column_stack([positions.reshape(len(positions), -1), logarithms])
 
 
 def settled_motion(cycles: Array) -> SettledMotion | None:
-    """Return the motion on which a run has settled, from the signatures of its cycles.
+    """Return the motion on which a run has settled, from the signatures of its cycles, (n, k).
 
     None if the run has not settled. If the last cycles repeat with several periods, the
     period with the earliest start is used.

@@ -30,7 +30,7 @@ class Reading:
     """Reading of a worn joint at an inspection; numbers in SI, or texts with units."""
 
     joint: str
-    strokes: float  # since new
+    strokes: float  # number of strokes since new
     quantity: str  # depth, wear_volume, radial_clearance or diametral_clearance
     value: float
     error: float | None = None  # standard deviation; None: unknown
@@ -40,10 +40,10 @@ class Reading:
         check_type("quantity", self.quantity, str)
         if self.quantity not in QUANTITIES.values():
             raise unknown("quantity of a reading", self.quantity, QUANTITIES.values())
-        of_value = Quantity(LIFE_QUANTITIES[self.quantity].unit)
-        meanings = {"strokes": _STROKES, "value": of_value}
+        value = Quantity(LIFE_QUANTITIES[self.quantity].unit)
+        meanings = {"strokes": _STROKES, "value": value}
         if self.error is not None:
-            meanings["error"] = replace(of_value, low=0.0, open_low=True)
+            meanings["error"] = replace(value, low=0.0, open_low=True)
         for name, meaning in meanings.items():
             number = meaning.convert(f"{name} of {self.joint}", getattr(self, name))
             object.__setattr__(self, name, float(number))

@@ -31,11 +31,12 @@ class JointTonnage:
     """
 
     peak_by_phase: Mapping[str, Estimate]  # greatest force in each phase
-    # greatest along the impulse from contact to fracture
+    # greatest force in the direction of the impulse from contact to fracture
     working_force: Estimate | None
-    # greatest against this impulse, within SNAP_THROUGH_S of the fracture
+    # greatest force against this direction, within SNAP_THROUGH_S after the fracture
     reversed_force: Estimate | None
-    reversed_fraction: Estimate | None  # reversed over working force, stroke by stroke
+    # reversed force over working force of a stroke
+    reversed_fraction: Estimate | None
     reversal_time: Estimate | None  # from the fracture to the first reversed force, s
 
 
@@ -54,9 +55,11 @@ class Tonnage:
     peak_force: Estimate | None
     work: Estimate | None  # work of the process in a stroke, J
     joints: Mapping[str, JointTonnage]
-    # rms acceleration of the output minus the ideal one, m/s^2, in the SNAP_THROUGH_S
-    vibration_before: Estimate | None  # before the contact
-    vibration_after: Estimate | None  # after the fracture
+    # rms difference of the acceleration of the output from that of the ideal motion, m/s^2,
+    # during SNAP_THROUGH_S before the contact
+    vibration_before: Estimate | None
+    # and during SNAP_THROUGH_S after the fracture
+    vibration_after: Estimate | None
 
 
 def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
@@ -71,7 +74,10 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     }
     force = process_force(scene, stage)
     time = stage.clock
-    peak = work = before = after = None
+    peak = None
+    work = None
+    before = None
+    after = None
     if force is not None:
         height, _ = motion_of_work(scene, stage)
         rows = [_rows(time, item.start, item.end) for item in strokes]
@@ -99,8 +105,7 @@ def joint_tonnage(
 ) -> JointTonnage:
     """Return the forces of a joint in sampled strokes."""
     size = np.hypot(*joint.force.T)
-    # A series has few rows in contacts that are light for the joint: their peaks are
-    # stored.
+    # In contacts with a small force a series has few rows. Their peaks are stored.
     touchdown, separation, peak = map(
         joint.contact, ("touchdown", "separation", "peak_force")
     )
@@ -112,21 +117,21 @@ def joint_tonnage(
                 of_contacts = peak[(touchdown >= start) & (separation < end)]
                 largest = of_contacts.max(initial=float(values.max()))
                 peaks[name].append(float(largest))
-    # Complex numbers are vectors: the force of the pin on its bearing in global
-    # directions. The friction is stored as it acts on the pin.
+    # Vectors are complex numbers, x + i y. The force of the pin on its bearing is turned
+    # from normal and tangential components to global directions. The tangential force is
+    # stored as it acts on the pin, so that it changes its sign.
     vector = np.array([1.0, 1j])
-    pressed = (
-        joint.force @ vector.conj() * np.exp(1j * np.angle(joint.eccentricity @ vector))
-    )
+    direction = np.exp(1j * np.angle(joint.eccentricity @ vector))
+    force = joint.force @ vector.conj() * direction
     broken = [stroke for stroke in strokes if stroke.has_fracture]
-    reversals = [_reversal(time, pressed, stroke) for stroke in broken]
-    working, back, delay = np.array(reversals).reshape(-1, 3).T
+    reversals = [_reversal(time, force, stroke) for stroke in broken]
+    working, reverse, delay = np.array(reversals).reshape(-1, 3).T
     loaded = working > 0.0
-    fraction = back[loaded] / working[loaded]
+    fraction = reverse[loaded] / working[loaded]
     return JointTonnage(
         means_by_name(peaks),
         mean_of_strokes(working),
-        mean_of_strokes(back),
+        mean_of_strokes(reverse),
         mean_of_strokes(fraction),
         mean_of_strokes(delay),
     )
@@ -141,18 +146,20 @@ def _reversal(
     if there is none within ``SNAP_THROUGH_S``. ``force`` holds vectors as complex
     numbers, shape (n,), N.
     """
-    into = _rows(time, stroke.contact, stroke.fracture)
-    after = _rows(
-        time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
-    )
-    impulse = complex(np.trapezoid(force[into], time[into]))
+    before = _rows(time, stroke.contact, stroke.fracture)
+    end = min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
+    after = _rows(time, stroke.fracture, end)
+    impulse = complex(np.trapezoid(force[before], time[before]))
     if impulse == 0.0:
         return 0.0, 0.0, math.nan
     along = (force * impulse.conjugate()).real / abs(impulse)
     against = np.maximum(-along[after], 0.0)
-    delay = float(time[after][int((against > 0.0).argmax())]) - stroke.fracture
-    back = float(against.max(initial=0.0))
-    return float(along[into].max()), back, delay if back > 0.0 else math.nan
+    working = float(along[before].max())
+    if not np.any(against > 0.0):
+        return working, 0.0, math.nan
+    first = int((against > 0.0).argmax())
+    delay = float(time[after][first]) - stroke.fracture
+    return working, float(against.max()), delay
 
 
 def _rms(time: Array, values: Array, start: float, end: float) -> float:

@@ -35,11 +35,12 @@ from presswear.tools.quantities import Quantity, written
 from presswear.tools.serialize import Checked
 from presswear.tools.user_function import UserFunction
 
-# width of the friction ramp, m/s; steps inside the ramp shorten with its width
+# Smallest width of the friction ramp, m/s. Steps inside the ramp shorten with its width.
 LEAST_RAMP = 1e-5
-# Pa s; a film of a lower viscosity is too stiff for explicit steps. Petrol has five
-# times as much.
+# Smallest viscosity with film = run, Pa s: a film of a lower viscosity is too stiff for
+# explicit steps. Petrol has five times as much.
 LEAST_VISCOSITY = 1e-4
+_ROUND_OFF = 1e-6  # relative excess of an allowed value that is round-off
 AUTO = "auto"  # elasticity that follows from the contact of surfaces
 MIN_ANGLES = 16  # bins of a wear map
 # Settings that a rigid joint reads
@@ -54,9 +55,8 @@ _READ_RIGID = {
     "damping_ratio",
     "parallel_rods",
 }
-# Settings that each joint has for itself
-SINGLE = "stiffness", "damping_ratio"
-
+# Settings that cannot be set for all joints at once
+NOT_COMMON = "stiffness", "damping_ratio"
 
 Law = str | UserFunction | Callable[..., float]
 # Settings that stand for twice the value of others
@@ -151,10 +151,10 @@ class Bearing(FrictionSettings, DryContact):
     Numbers are in SI, or texts with units such as "0.5 mm". ``diametral_clearance``
     stands for twice the clearance, and ``diameter`` for twice the radius of the bearing,
     in their place. A clearance can be a fit such as "110 H8/f7": it is then the middle
-    of the fit. A clearance of 0 is a rigid joint with friction: a moment r F_t(r omega,
-    F) of the joint force F; see ``rigid``. A law can be a function of some of
-    NORMAL_PARAMETERS or FRICTION_PARAMETERS that returns a
-    force, N.
+    of the fit. A clearance of 0 is a rigid joint with friction. Its moment is
+    r F_t(r omega, F), with the radius r of the bearing, the relative angular velocity
+    omega, the joint force F and the friction law F_t. A law can be a function that
+    returns a force, N, of some of NORMAL_PARAMETERS or STATE_PARAMETERS.
     """
 
     viscosity: float | None = quantity(
@@ -264,6 +264,7 @@ class Bearing(FrictionSettings, DryContact):
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
             allowed = f"with elasticity = {self.elasticity} allowed is 1.5"
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
+        # The difference of two speeds has a larger round-off than the speeds.
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
             low, high, ramp = (
                 written(speed, "m/s")
@@ -354,14 +355,16 @@ class Bearing(FrictionSettings, DryContact):
         if self.clearance == 0.0:
             raise InputError("film = run: with clearance = 0 allowed is report")
         relative = self.clearance / self.bearing_radius
-        if relative > 1.000001 * OILED_CLEARANCE:
+        if relative > (1.0 + _ROUND_OFF) * OILED_CLEARANCE:
             raise InputError(
                 f"film = run: clearance = {written(self.clearance, 'm')} is "
                 f"{1e3 * relative:.3g} per mille of the radius of the bearing; allowed is up to "
                 f"{1e3 * OILED_CLEARANCE:g} per mille, or film = report"
             )
         ratio = 0.5 * self.width / self.bearing_radius
-        if not 0.999999 * MIN_FILM_WIDTH <= ratio <= 1.000001 * MAX_FILM_WIDTH:
+        lowest = (1.0 - _ROUND_OFF) * MIN_FILM_WIDTH
+        highest = (1.0 + _ROUND_OFF) * MAX_FILM_WIDTH
+        if not lowest <= ratio <= highest:
             raise InputError(
                 f"film = run: width = {written(self.width, 'm')} is {ratio:.3g} of the diameter of "
                 f"the bearing; allowed is {MIN_FILM_WIDTH:g} to {MAX_FILM_WIDTH:g}, "
@@ -393,9 +396,9 @@ class Bearing(FrictionSettings, DryContact):
         if self.clearance == 0.0:
             read = _READ_RIGID
             if self.stiffness is None:
-                read = read.difference(SINGLE)
+                read = read.difference(NOT_COMMON)
             return tuple(item.name for item in fields(self) if item.name not in read)
-        names = [*SINGLE]
+        names = [*NOT_COMMON]
         if self.has_film:
             names += "normal_law", "viscous_damping"
         else:

@@ -47,5 +47,12 @@ class Conventions(Checked):
 
 CONVENTIONS: dict[str, Conventions] = {
     "refined": Conventions(),
-    "paper": Conventions("paper", "angle", "fixed", "bin", "radial", "raw"),
+    "paper": Conventions(
+        stiffness="paper",
+        slip="angle",
+        map_frame="fixed",
+        wear_distribution="bin",
+        contact="radial",
+        wear_maps="raw",
+    ),
 }

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from presswear.linkage.linkage import Linkage
-from presswear.scene.bearing import SINGLE
+from presswear.scene.bearing import NOT_COMMON
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import settings_in, settings_of
 from presswear.tools.choices import NONE, Choice
@@ -101,7 +101,7 @@ def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
     for joint in scene.joint_bearings:
         for item in settings_in(scene.bearings):
             key = item.key
-            if key in SINGLE:
+            if key in NOT_COMMON:
                 values.setdefault(f"{joint}.{key}", getattr(base.bearings, key))
             elif key in values:  # numbers of a user law are in the text of the law
                 values.setdefault(f"{joint}.{key}", values[key])

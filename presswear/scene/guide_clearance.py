@@ -40,8 +40,9 @@ def corners_of(
     """Return the corners of a slide in a guide with the clearance and laws of a bearing.
 
     ``walls`` are the surfaces of the left and the right wall. Without a contact
-    stiffness, each corner is a line contact of the total width b of the bearing: F =
-    (pi / 4) E* b delta.
+    stiffness, each corner is a line contact with the force F = (pi / 4) E* b delta, with
+    the effective modulus E* of the materials, the total width b of the bearing and the
+    penetration delta.
     """
     check_guide(bearing, guide)
     assert guide.width is not None
@@ -71,9 +72,8 @@ def _corner_normal(bearing: Bearing) -> NormalLaw:
     if bearing.contact_stiffness is None:
         stiffness = 0.25 * math.pi * bearing.width / bearing.materials.compliance
         bearing = replace(bearing, contact_stiffness=stiffness, exponent=1.0)
-    return replace(
-        normal_law_of(bearing, Conventions(contact="radial")), elasticity="power"
-    )
+    law = normal_law_of(bearing, Conventions(contact="radial"))
+    return replace(law, elasticity="power")
 
 
 def check_guide(bearing: Bearing, guide: Guide) -> None:
@@ -121,7 +121,10 @@ def deepest_wall(bearing: Bearing, guide: Guide) -> float:
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:
     """Return the names of the settings of a bearing that have no effect in a guide."""
-    names = (setting.name for setting in fields(bearing.materials))
     read = ("youngs_modulus", "bearing_modulus", "poisson_ratio", "wear_coefficient")
-    of_pins = tuple(name for name in names if name not in read)
-    return (*bearing.unread, *_ROUND, *of_pins)
+    unread = [
+        setting.name
+        for setting in fields(bearing.materials)
+        if setting.name not in read
+    ]
+    return (*bearing.unread, *_ROUND, *unread)

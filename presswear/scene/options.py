@@ -93,7 +93,7 @@ class Recording(Checked):
         first = self.section_angle / (2.0 * math.pi)
         phases = []
         for k in range(self.sections):
-            # The start of a cycle, 0, is 1: the end of the cycle before.
+            # A section at the start of a cycle is stored at 1, the end of the cycle before.
             phases.append(1.0 - (1.0 - first - k / self.sections) % 1.0)
         return tuple(sorted(phases))
 
@@ -168,7 +168,7 @@ class Service:
 
     joint: str
     strokes: float  # number of strokes before the service
-    is_rotated: bool  # by half a turn
+    is_rotated: bool  # True: rotated by half a turn; False: replaced
     is_guide: bool = False
 
     @property
@@ -186,7 +186,7 @@ NEW_OVER_CLEARANCE = {"radial_clearance": 1.0, "diametral_clearance": 2.0}
 _TIMES_NEW = re.compile(r"([0-9.eE+-]+)\s*[x×]\s*new")
 _DECIMAL_COMMA = re.compile(r"\d*,\d+")  # a limit after a comma begins with a name
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>=?\s*(\S.*?)\s*$")
-_STROKES = Quantity("", 1.0, 1e15)
+_STROKES = Quantity("", 1.0, 1e15)  # allowed numbers of strokes
 
 
 @dataclass(frozen=True)
@@ -262,6 +262,7 @@ class Life(Checked):
                 if name == "tilt":
                     new = tilts[joint]
                 else:
+                    # Other quantities than clearances grow from 0.
                     ratio = NEW_OVER_CLEARANCE.get(name, 0.0)
                     new = ratio * clearances.get(joint, 0.0)
                 value = _limit_value(text, name, size, new)
@@ -343,7 +344,6 @@ def _limit_value(text: str, name: str, size: str, new: float) -> float:
 
     ``new`` is the value of the new joint, SI. It is 0 for a quantity that grows from 0.
     """
-    quantity_of_life = LIFE_QUANTITIES[name]
     if size.endswith("new"):
         times = _TIMES_NEW.fullmatch(size)
         if times is None:
@@ -353,10 +353,10 @@ def _limit_value(text: str, name: str, size: str, new: float) -> float:
         if new == 0.0:
             allowed = ", ".join(("clearance", *NEW_OVER_CLEARANCE, "tilt"))
             raise InputError(f"until = {text!r}: 'x new' is allowed for {allowed}")
-        ratio = Quantity("", 1.0, 1000.0, "", "times the new value", open_low=True)
-        return float(parse_quantity(f"until: {name}", times[1], ratio)) * new
-    unit = quantity_of_life.unit
-    text_of_range = quantity_of_life.text
+        above_1 = Quantity("", 1.0, 1000.0, "", "times the new value", open_low=True)
+        return float(parse_quantity(f"until: {name}", times[1], above_1)) * new
+    unit = LIFE_QUANTITIES[name].unit
+    text_of_range = LIFE_QUANTITIES[name].text
     positive = Quantity(unit, 0.0, math.inf, "", text_of_range, open_low=True)
     value = float(parse_quantity(f"until: {name}", size, positive))
     if value <= new:

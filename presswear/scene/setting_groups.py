@@ -1,6 +1,6 @@
 """Settings in groups, and those that a user changes first."""
 
-from presswear.scene.bearing import SINGLE
+from presswear.scene.bearing import NOT_COMMON
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import (
     Setting,
@@ -64,7 +64,7 @@ def settings_in_groups(scene: Scene, every: bool = False) -> dict[str, list[Sett
         is_first = title == "Mechanism" or setting.key in _FIRST
         if owner in scene.bearing_joints:
             title = "Bearings"
-            is_first = name in {*_FIRST, *SINGLE}
+            is_first = name in {*_FIRST, *NOT_COMMON}
         elif setting.key == "conventions":
             title = "Conventions"
         elif "process" in (owner, name) or "life" in (owner, name):

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import cast
 
 from presswear.linkage.linkage import Linkage
-from presswear.scene.bearing import DIAMETRAL, DOUBLED, SINGLE
+from presswear.scene.bearing import DIAMETRAL, DOUBLED, NOT_COMMON
 from presswear.scene.scene import Scene
 from presswear.scene.setting_list import Setting, all_settings
 from presswear.tools.choices import NONE, Choice
@@ -81,7 +81,7 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
             advice = f"; specify the {MOTOR} of a drive in mechanism.drives"
         kind = scene.mechanism.kind
         return InputError(f"{key}: mechanism {kind} has no {first}{advice}")
-    if not first and last in SINGLE:
+    if not first and last in NOT_COMMON:
         joint = scene.mechanism.linkage().revolutes[-1].name
         return InputError(f"{key}: name the joint, for example {joint}.{last}")
     part = allowed.get(first)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
 
 from presswear.linkage.points import OutputPoint
-from presswear.scene.bearing import SINGLE
+from presswear.scene.bearing import NOT_COMMON
 from presswear.scene.guide_clearance import unread_in_guide
 from presswear.scene.scene import Scene
 from presswear.tools.choices import NONE, Choice
@@ -68,7 +68,7 @@ def used_settings_of(scene: Scene) -> list[Setting]:
         for setting in settings_in(scene.bearing(joint))
         if setting.key.partition(".")[0] not in unread_of(scene, joint)
     }
-    common = {setting.key for setting in settings_in(scene.bearings)} - {*SINGLE}
+    common = {setting.key for setting in settings_in(scene.bearings)} - {*NOT_COMMON}
     engines = (
         engine
         for engine in vars(scene.numerics).values()
@@ -132,7 +132,7 @@ def settings_in(
             plain.append(Setting(key, value, meaning))
         if has_settings(value):
             for setting in settings_in(value, origins, inner):
-                if name != COMMON or setting.key not in SINGLE:
+                if name != COMMON or setting.key not in NOT_COMMON:
                     yield setting
     yield from plain
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from presswear.linkage.servos import ConstantSpeed
-from presswear.scene.bearing import SINGLE, halved
+from presswear.scene.bearing import NOT_COMMON, halved
 from presswear.scene.fits import clearances_of, fit_of
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import (
@@ -99,7 +99,7 @@ def _joint_and_name(key: str, joints: Collection[str]) -> tuple[str, str]:
 
 def _without_single(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return settings without the keys that each joint has for itself."""
-    return {key: value for key, value in settings.items() if key not in SINGLE}
+    return {key: value for key, value in settings.items() if key not in NOT_COMMON}
 
 
 def _release_elastic(

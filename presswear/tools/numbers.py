@@ -9,14 +9,13 @@ SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MM3_PER_MILLION = 1e15
 # A mean with more decimals is not written to the digits of its interval
 _MAX_DECIMALS = 6
-_NO_SCATTER = 1e-6  # half width relative to the mean, up to which samples are equal
-# below it the powers of ten that a number is divided by have no digits left
+_NO_SCATTER = 1e-6  # largest half width of equal samples, relative to the mean
+# Smallest magnitude that is not printed as 0: its power of ten is a normal float
 _MIN_VALUE = 1e-300
-# Shares below it are not printed with their digits
-_LEAST_SHARE = 1e-4
+_LEAST_SHARE = 1e-4  # smallest share that is printed with digits
 
-# SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display
-# unit.
+# By display unit: SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in
+# the display unit; inf: ``unit_scale`` does not use the display unit
 DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
     "m": ("m", 1.0, 1.0),
     "mm": ("m", 1e3, 1e-3),
@@ -47,15 +46,15 @@ DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
     "%": ("", 100.0, math.inf),
     "million": ("", 1e-6, math.inf),
 }
-
-
-# Least magnitudes of SI units that are not printed as 0: less is round-off of a
-# mechanism, or a part of an atom
+# Smallest magnitudes by SI unit that are more than round-off
 _LEAST_VALUES = {"m": 1e-15, "m^3": 1e-24, "N m": 1e-15}
 
 
 def _decimals(value: float, digits: int) -> int:
-    """Return the decimals of some significant digits; negative left of the point."""
+    """Return the number of decimals with which a value has ``digits`` significant digits.
+
+    It is negative if the last digit is left of the decimal point.
+    """
     return digits - 1 - math.floor(math.log10(abs(value)))
 
 

@@ -26,7 +26,7 @@ class TreeLink(NamedTuple):
     joint: Any  # exudyn.JointType
     parent: int = -1  # number of the parent; -1: the frame, or a prescribed body
     turn: float = 0.0  # angle of its joint in the axes of the parent, rad
-    offset: tuple[float, float] = (0.0, 0.0)  # of its joint in these axes, m
+    offset: tuple[float, float] = (0.0, 0.0)  # place of its joint in these axes, m
     centre: tuple[float, float] = (0.0, 0.0)  # mass centre in the axes of the link, m
     body: Body | None = None  # None: without mass
 

@@ -20,7 +20,7 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
     chain = page.chain
     layout = page.layout
     text.comment("torques and power of the drives")
-    _pass_on(text, chain, bodies)
+    _add_forces_of_free_bodies(text, chain, bodies)
     torques = [ZERO] * len(chain.linkage.drives)
     if chain.has_loops:
         torques = _torques_of_loops(text, chain)
@@ -43,8 +43,12 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
             continue
         link = chain.of(drive.body)
         torque = text.let(f"{link.prefix}_torque", torques[k])
-        rate = link.speed if isinstance(drive, LinearDrive) else link.omega
-        rate = ZERO if isinstance(drive, GearedDrive) else rate
+        if isinstance(drive, GearedDrive):
+            rate = ZERO  # its power is that of its leader
+        elif isinstance(drive, LinearDrive):
+            rate = link.speed
+        else:
+            rate = link.omega
         power = text.let(f"{link.prefix}_power", product(torque, rate))
         powers.append(power)
         write_torque(text, layout, k, torque, power)
@@ -53,8 +57,10 @@ def write_drives(page: Page, bodies: dict[str, Articulated]) -> None:
     page.add_power("drive_exchange", f"abs({power})")
 
 
-def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
-    """Write the forces of free bodies on prescribed ones."""
+def _add_forces_of_free_bodies(
+    text: Text, chain: Chain, bodies: dict[str, Articulated]
+) -> None:
+    """Write the forces of free bodies, and add them to their prescribed parents."""
     for link in chain.free:
         parent = link.parent
         if parent is not None and parent.is_prescribed and parent is not chain.frame:
@@ -69,7 +75,10 @@ def _pass_on(text: Text, chain: Chain, bodies: dict[str, Articulated]) -> None:
 
 
 def _torque(text: Text, link: Link) -> str:
-    """Write the torque of a prescribed body about its hinge; pass its force on to its parent."""
+    """Write the torque of the drive of a prescribed body about its hinge.
+
+    The force in the hinge is added to the parent.
+    """
     prefix = link.prefix
     body = link.body
     if link.is_guided:
@@ -102,8 +111,8 @@ def _force_along(text: Text, link: Link) -> str:
 def _torques_of_loops(text: Text, chain: Chain) -> list[str]:
     """Write the torques of drives in closed loops, by virtual work."""
     for link in chain.prescribed:
-        forces = *Vector().plus(*link.forces), total(*link.moments)
-        for i, expression in enumerate(forces):
+        force = Vector().plus(*link.forces)
+        for i, expression in enumerate((force.x, force.y, total(*link.moments))):
             text.write(f"force[{link.index + i}] = {expression}")
     text.write("subtract_inertia(data.prescribed.parts, a, force)")
     text.write("drive_torques(data.prescribed, q, axes, force, data.torque)")

@@ -14,26 +14,27 @@ from presswear.tools.arrays import Array
 
 # Energies of the ledger, J
 ENERGIES = (
-    "drive_work",  # of all drives
+    "drive_work",  # work of all drives
     "drive_exchange",  # integral of the absolute power of all drives
-    "load_work",  # of loads with a law, less the losses in dampers
+    "load_work",  # work of loads with a law, less the losses in dampers
     "contact_loss",
     "friction_loss",
     "created",  # created by normal forces that have no potential
 )
 DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, CREATED = range(6)
-# Doses of wear of a joint: integrals of F_n ds, N m, and of p ds, N/m
+# Doses of wear of a joint: integrals of F_n ds, N m, and of p ds, N/m, with the normal force
+# F_n, the pressure p and the sliding distance s
 DOSES = ("work", "pressure")
 WORK, PRESSURE = range(2)
 DOSE_COUNT = len(DOSES)
-# Integrals of a drive over time: of torque and power, and of their squares, SI units
+# Integrals of a drive over time: torque, its square, power, its square; SI units
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)
 
 
 class State(NamedTuple):
     """Continuous state of an interaction: a length whose rate the engines integrate."""
 
-    name: str  # of its variable in the equations
+    name: str  # name of its variable in the equations
     scale: float  # smallest change that matters, m
     # number of the clearance joint whose touchdown changes the rate; -1: none
     joint: int = -1
@@ -54,10 +55,10 @@ class Layout(NamedTuple):
     """Indices at which groups of numbers begin in the state vector; kernels read it, too."""
 
     coordinates: int  # number of coordinates, and also of their rates
-    first_state: int  # of interactions
+    first_state: int  # index of the first state of an interaction
     first_energy: int
     first_dose: int
-    first_torque: int  # of the integrals of drives
+    first_torque: int  # index of the first integral of a drive
     size: int  # length of the state vector
 
 

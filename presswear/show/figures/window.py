@@ -22,7 +22,7 @@ MOMENTS = {
     "fracture": ("x", "cross: the work breaks"),
     "separation": ("^", "triangle up: leaves the work"),
 }
-_ROOM = 0.15  # before and after the working zone, of its length
+_MARGIN = 0.15  # margin before and after the working zone, part of its length
 _WIDTHS = (3.0, 2.0)  # widths of the panels of the full turn and of the working zone
 
 
@@ -35,18 +35,16 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True)
 class Window:
-    """Part of the motion that is shown: start, end, period and run-up, s, with its description.
+    """Part of the motion that figures show, in times of the ideal motion."""
 
-    ``zone`` is the working zone of one of its strokes, from the touch of the work to the
-    end of the snap-through, or until the force has vanished; None without work.
-    """
-
-    start: float
-    end: float
-    period: float
-    run_up: float
-    phase: str
-    words: str
+    start: float  # s
+    end: float  # s
+    period: float  # duration of a cycle, s
+    run_up: float  # duration of the run-up, s
+    phase: str  # name of the angle of the cycle
+    words: str  # description of the part
+    # Working zone of a stroke, from the touch of the work to the end of the snap-through,
+    # or until the force has vanished; None without work
     zone: Span | None = None
 
     def rows(
@@ -54,12 +52,14 @@ class Window:
     ) -> tuple[Sheet, list[Axes], list[Axes]]:
         """Return a sheet of rows, the panels of the full turn and those of the working zone.
 
-        ``height`` is that of the sheet, inches. There are no panels of a zone without work.
+        ``height`` is that of the sheet, inches, and ``sharing`` are options of
+        ``style.panels``. Without work there are no panels of a working zone.
         """
         widths = _WIDTHS if self.zone else _WIDTHS[:1]
-        sharing = {"sharex": "col", "width_ratios": widths} | sharing
-        sheet, grid = style.panels(count, len(widths), height, **sharing)
-        return sheet, list(grid[:, 0]), list(grid[:, 1]) if self.zone else []
+        options = {"sharex": "col", "width_ratios": widths} | sharing
+        sheet, grid = style.panels(count, len(widths), height, **options)
+        zones = list(grid[:, 1]) if self.zone else []
+        return sheet, list(grid[:, 0]), zones
 
     def label(self, full: Sequence[Axes], zones: Sequence[Axes] = ()) -> None:
         """Limit the panels of the full turn, mark the phase below, and draw their zones."""
@@ -83,13 +83,17 @@ class Window:
         zones[-1].set_xlim(*self.zone)
 
     def degrees(self, time: float) -> float:
-        """Return the phase of the cycle since the start at a time, s."""
+        """Return the angle of the cycle since the start at a time, s.
+
+        During the run-up the speed rises steadily, so that the angle is half of that at
+        nominal speed.
+        """
         return 360.0 * (time - 0.5 * self.run_up) / self.period
 
     def _write_phase(self, axes: Axes) -> None:
-        """Write the phase of the cycle in place of the time below a panel.
+        """Write the angle of the cycle in place of the time below a panel.
 
-        That of a stroke is written without whole turns.
+        With a working zone the angle is written without whole turns.
         """
         turn = 360.0 if self.zone else math.inf
         axes.xaxis.set_major_formatter(
@@ -109,15 +113,19 @@ def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
         "marker": line.get_marker(),
         "markersize": line.get_markersize(),
     }
-    if line.get_transform() is not source.transData:  # level over all of the panel
+    if line.get_transform() is not source.transData:  # a line of ``axhline``
         target.axhline(y[0], **line_style)
         return
     rows = np.flatnonzero((x >= zone.start) & (x <= zone.end))
-    if rows.size:  # with the rows on both sides, so that the curve fills the panel
-        part = slice(max(rows[0] - 1, 0), rows[-1] + 2)
-        lone = line_style["linestyle"] == "none"
-        part = slice(rows[0], rows[-1] + 1) if lone else part
-        target.plot(x[part], y[part], **line_style)
+    if not rows.size:
+        return
+    first = rows[0]
+    end = rows[-1] + 1
+    if line_style["linestyle"] != "none":
+        # One more row on each side, so that the curve fills the panel.
+        first = max(first - 1, 0)
+        end += 1
+    target.plot(x[first:end], y[first:end], **line_style)
 
 
 def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
@@ -128,13 +136,17 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     scene = result.scene
     period = scene.mechanism.period
     ends = [float(stage.data.time[-1]) for stage in stages]
+    # A cycle counts if it is complete but for 2 %.
     fewest = min(round((end - scene.run_up) / period - 0.48) for end in ends)
     first = max(min(STARTUP_CYCLES, fewest - 1), 0)
     start = scene.run_up + first * period
     zone = None
-    if spans := [stroke for stage in stages if (stroke := _stroke_of(result, stage))]:
-        start = max(stroke.start for stroke, _ in spans)
-        zone = Span(min(z.start for _, z in spans), max(z.end for _, z in spans))
+    strokes_and_zones = list(filter(None, (_stroke_of(result, s) for s in stages)))
+    if strokes_and_zones:
+        strokes, zones = zip(*strokes_and_zones, strict=True)
+        start = max(stroke.start for stroke in strokes)
+        zone_start = min(zone.start for zone in zones)
+        zone = Span(zone_start, max(zone.end for zone in zones))
     shown_cycles = 1 if zone else style.SHOWN_CYCLES
     end = min(start + shown_cycles * period, max(ends))
     words = "a stroke" if zone else _words(first, (end - scene.run_up) / period)
@@ -151,7 +163,10 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
 
 
 def _stroke_of(result: Result, stage: ShownStage) -> tuple[Span, Span] | None:
-    """Return the first sampled stroke on the work and its working zone; None without work."""
+    """Return the first sampled stroke on the work and its working zone with a margin.
+
+    None without work.
+    """
     data = stage.data
     strokes = working_strokes(result.scene, data)
     if not strokes:
@@ -163,13 +178,13 @@ def _stroke_of(result: Result, stage: ShownStage) -> tuple[Span, Span] | None:
         return Span(*map(float, data.nominal_of(np.array([start, end]))))
 
     zone = nominal_span(first.contact, end_of_work)
-    room = _ROOM * (zone.end - zone.start)
-    wider_zone = Span(zone.start - room, zone.end + room)
+    margin = _MARGIN * (zone.end - zone.start)
+    wider_zone = Span(zone.start - margin, zone.end + margin)
     return nominal_span(first.start, first.end), wider_zone
 
 
 def _words(first: int, count: float) -> str:
-    """Return the words for cycles that are shown, from the first one up to a number of them."""
+    """Return a description of the cycles from index ``first`` to ``count``, a number of cycles."""
     cycles = round(count)
     if abs(count - cycles) > 0.02:
         return f"the first {count:.2g} cycles"
@@ -197,13 +212,15 @@ def draw_with_moments(
     for shown, whole in stages:
         shown.pen.draw(axes, shown.data.time, values_of(shown.data), linewidth=0.8)
         strokes = strokes_of(result.scene, whole.data)
+        if not strokes:
+            continue
         values = values_of(whole.data)
-        for name, (mark, words) in MOMENTS.items() if strokes else ():
-            when = getattr(strokes, name)[:, 0]
-            when = when[(when >= window.start) & (when <= window.end)]
-            if when.size:
+        for name, (mark, words) in MOMENTS.items():
+            times = getattr(strokes, name)[:, 0]
+            times = times[(times >= window.start) & (times <= window.end)]
+            if times.size:
                 marks[mark] = words
-                rows = [abs(whole.data.time - time).argmin() for time in when]
+                rows = [abs(whole.data.time - time).argmin() for time in times]
                 colour = shown.pen.colour
-                axes.plot(when, values[rows], mark, color=colour, markersize=6.0)
+                axes.plot(times, values[rows], mark, color=colour, markersize=6.0)
     return marks
