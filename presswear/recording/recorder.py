@@ -41,8 +41,8 @@ from presswear.recording.recorder_state import RecorderState
 from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import Array, State, named, part
 
-# Fields of RecorderState that ``Recorder.save`` does not copy: they do not change in a
-# run, or only their written rows are stored
+# Fields of RecorderState that ``Recorder.save`` does not copy, because they do not change
+# in a run, or because only their written rows are stored
 _NOT_COPIED = (
     "packed",
     "motions",
@@ -165,12 +165,15 @@ class Recorder:
     def last_frames(self, count: int) -> Array:
         """Return the rows of the last frames for ``Film.of``.
 
-        If the film is full, the only row is the present frame.
+        If the film is full or has no frame yet, the only row is the present frame, which
+        lies behind the recorded frames.
         """
         film = self.records.film
         frames = int(self.records.sampler["frames"][0])
-        first = frames if frames == len(film) - 1 else max(frames - count, 0)
-        return film[first : max(frames, first + 1)]
+        is_full = frames == len(film) - 1
+        if is_full or frames == 0:
+            return film[frames : frames + 1]
+        return film[max(frames - count, 0) : frames]
 
     def stored_contacts(self, k: int) -> Array:
         """Return the recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
@@ -197,8 +200,10 @@ class Recorder:
         columns = (
             len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.records.memory.size
         )
-        whole = self._sections[: len(self.cycles) * self.sections_per_cycle]
-        return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
+        finished = self._sections[: len(self.cycles) * self.sections_per_cycle]
+        # numpy cannot infer the number of cycles of an empty array.
+        cycles = -1 if finished else 0
+        return np.reshape(finished, (cycles, self.sections_per_cycle, columns))
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
@@ -215,7 +220,7 @@ class Recorder:
             nominal["cycle_start"] = self.last_time
             nominal["cycle_begin"] = nominal["now"]
             speed = nominal["rate"] * abs(nominal["speed"])
-            is_first = self.last_time == 0.0  # without a state yet
+            is_first = self.last_time == 0.0  # the initial state is not recorded yet
             leader[LEADER_SPEED_MIN] = math.inf if is_first else speed
             leader[LEADER_SPEED_MAX] = -math.inf if is_first else speed
         records.depth[:] = 0.0
@@ -296,8 +301,8 @@ class Recorder:
     def save(self) -> State:
         """Return the state of the recorder as named arrays.
 
-        What follows from linkage, start and plan is left out. Rows of series, contacts,
-        film and cycles are views, because a written row does not change.
+        Without the arrays that are computed from linkage, start and plan. Rows of series,
+        contacts, film and cycles are views, because a written row does not change.
         """
         records = self.records
         frames = int(self.records.sampler["frames"][0])

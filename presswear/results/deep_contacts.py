@@ -1,7 +1,7 @@
 """Contacts whose penetration is too deep for a contact law of small contacts."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import get_args
 
 from presswear.linkage.normal_law import Elasticity, NormalLaw
@@ -14,11 +14,11 @@ from presswear.tools.compile import Records
 from presswear.tools.numbers import quantity_text, readable
 from presswear.tools.user_function import UserFunction
 
-# Penetration over clearance. There K delta^1.5 is 6 % above the foundation, and the
-# arc of contact is 49 degrees.
+# Largest penetration of a small contact over the clearance. At this penetration K delta^1.5
+# is 6 % above the force of the foundation, and the arc of contact is 49 degrees.
 SMALL_CONTACT = 0.1
-# Peak force over that of rigid joints, up to which the load prescribes the peak: runs with
-# the three laws then have peaks within 4 %.
+# Ratio of a peak force to that of rigid joints up to which the load prescribes the peak:
+# runs with the three elastic laws then have peaks within 4 %.
 PRESCRIBED = 1.1
 LAW_WORDS = {
     "power": "K delta^1.5",
@@ -43,14 +43,13 @@ def penetrations(scene: Scene, stages: Sequence[StageResult]) -> dict[str, float
 def forces_by_law(
     scene: Scene, joint: str, force: float, prescribed: float = 0.0
 ) -> dict[str, float]:
-    """Return the peak force, N, of each elastic law for the energy of a peak force, N.
+    """Return the peak force of an impact with each elastic law, N, at equal energy.
 
-    The energy is that which the law of the scene stores between round surfaces at
-    ``force``, beyond the work of a force that the load prescribes, N, from its
-    equilibrium on. All laws are compared at an impact of this energy: of all of it
-    without a prescribed force, and of nearly none where the load prescribes the peak.
-    A forced penetration makes them differ more. Empty for a user law, and for an
-    exponent other than 1.5, which the laws of conforming pins do not have.
+    The energy is that of an impact whose peak with the law of the scene is ``force``, N,
+    between round surfaces. The impact begins in equilibrium with ``prescribed``, a force
+    of the load, N; the energy is the elastic energy that is added, minus the work of
+    this force. Empty for a user law, and for an exponent other than 1.5, which the laws
+    of conforming pins do not have.
     """
     bearing = scene.bearing(joint)
     conventions = scene.conventions
@@ -64,10 +63,10 @@ def forces_by_law(
         )
     used = records[elastic_law(bearing, conventions.contact)]
     prescribed = min(prescribed, force)
-    energy = _energy(used, _depth_of(used, force), prescribed)
+    energy = _impact_energy(used, _depth_at_force(used, force), prescribed)
     forces = {}
     for law, record in records.items():
-        depth = _depth_of(record, prescribed, energy)
+        depth = _depth_of_impact(record, prescribed, energy)
         forces[law] = elastic_of(record, depth)[0]
     return forces
 
@@ -89,25 +88,40 @@ def ideal_force(scene: Scene, joint: str) -> float:
     return float(abs(ideal_forces(scene)[1][joint]).max())
 
 
-def _energy(law: Records, depth: float, force: float) -> float:
-    """Return the elastic energy at a depth, m, minus that at a force, N, and its work, J."""
-    start = _depth_of(law, force)
-    stored = elastic_of(law, depth)[1] - elastic_of(law, start)[1]
-    return stored - force * (depth - start)
+def _impact_energy(law: Records, depth: float, force: float) -> float:
+    """Return the energy of an impact that reaches a penetration, m, against a load ``force``, J.
+
+    It is the elastic energy that is added from the equilibrium with the force, N, minus
+    the work of the force.
+    """
+    start = _depth_at_force(law, force)
+    _, energy_at_start = elastic_of(law, start)
+    _, energy = elastic_of(law, depth)
+    return energy - energy_at_start - force * (depth - start)
 
 
-def _depth_of(law: Records, force: float, energy: float = 0.0) -> float:
-    """Return the penetration, m, at a force, N, or where an energy, J, has pressed from there.
+def _depth_at_force(law: Records, force: float) -> float:
+    """Return the penetration, m, with an elastic force, N."""
+    return _least_depth(law, 0.0, lambda depth: elastic_of(law, depth)[0] < force)
+
+
+def _depth_of_impact(law: Records, force: float, energy: float) -> float:
+    """Return the penetration, m, of an impact with an energy, J; see ``_impact_energy``."""
+    start = _depth_at_force(law, force)
+    if energy <= 0.0:
+        return start
+    return _least_depth(
+        law, start, lambda depth: _impact_energy(law, depth, force) < energy
+    )
+
+
+def _least_depth(
+    law: Records, start: float, is_below: Callable[[float], bool]
+) -> float:
+    """Return the least penetration from ``start`` on, m, at which ``is_below`` is false.
 
     Bisection goes on to the last bit.
     """
-    start = _depth_of(law, force) if energy > 0.0 else 0.0
-
-    def is_below(depth: float) -> bool:
-        if energy > 0.0:
-            return _energy(law, depth, force) < energy
-        return elastic_of(law, depth)[0] < force
-
     low = start
     high = start + float(law["clearance"])
     while is_below(high):
@@ -126,7 +140,7 @@ def _depth_of(law: Records, force: float, energy: float = 0.0) -> float:
 def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     """Return sentences on joints whose penetration is too large for a stiffness of small contacts.
 
-    A foundation of conforming pins has the stiffness of deep contacts.
+    A foundation with ``stiffness = conforming`` is valid for deep contacts.
 
     At an angle x from the line of centres the surfaces overlap by e cos(x) - c, with
     the eccentricity e and the clearance c. The cosine of half the arc of contact is
@@ -147,12 +161,13 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
             f"Pin and bearing deform at joint {depths}, while the oil film is that between rigid "
             "ones: a real film is wider, and its least thickness greater."
         )
-    if dry := [
-        name for name in deep if name not in oiled and not has_deep_law(scene, name)
-    ]:
-        sentences.append(
-            _dry_contacts(scene, stages, {name: deep[name] for name in dry})
-        )
+    dry = {
+        name: ratio
+        for name, ratio in deep.items()
+        if name not in oiled and not has_deep_law(scene, name)
+    }
+    if dry:
+        sentences.append(_dry_contacts(scene, stages, dry))
     return sentences
 
 
@@ -177,10 +192,11 @@ def _dry_contacts(
     for name in deep:
         if name in last.statistics.joints:
             force = last.statistics.joints[name].peak_force_per_cycle.mean
-            if force <= PRESCRIBED * ideal_force(scene, name):
-                continue
-            peaks.append(_forces_by_law_text(scene, name, force))
-    peaks = [words for words in peaks if words]
+            words = ""
+            if force > PRESCRIBED * ideal_force(scene, name):
+                words = _forces_by_law_text(scene, name, force)
+            if words:
+                peaks.append(words)
     if peaks:
         text += " The peak force of an impact of the same elastic energy is, at joint "
         text += f"{'; at joint '.join(peaks)}."

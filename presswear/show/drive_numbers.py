@@ -30,10 +30,10 @@ BEHIND_FLYWHEEL = (
 class _Quantity(NamedTuple):
     """Quantity of the drives with a key number."""
 
-    name: str  # of the duty of a drive: torque or power
-    word: str  # in titles: torque, force or power
+    name: str  # torque or power: a field of DriveDuty
+    word: str  # torque, force or power in titles
     unit: str
-    bodies: Collection[str]  # whose drives have it
+    bodies: Collection[str]  # bodies whose drives have the quantity
 
 
 def drive_numbers(scene: Scene, stages: list[StageResult]) -> list[KeyNumber]:
@@ -146,10 +146,10 @@ class _Comparison:
         name, _, unit, bodies = quantity
         compared = []
         for label, duties in self.rigid.items():
-            of_bodies = {each: duties[each] for each in bodies}
-            compared.append((label, _peak_text(of_bodies, name, unit, body)))
+            of_quantity = {driven: duties[driven] for driven in bodies}
+            compared.append((label, _peak_text(of_quantity, name, unit, body)))
         if name == "torque" and self.static:
-            torques = {each: self.static[each] for each in bodies}
+            torques = {driven: self.static[driven] for driven in bodies}
             compared.append((STATIC, _static_text(torques, unit)))
         return tuple(compared)
 

@@ -26,12 +26,16 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text
 
 FRAMES = 120  # pictures of a stroke
-MOST_JOINTS = 4  # enlarged, those with the largest force of a stroke
+MOST_JOINTS = 4  # enlarged joints: those with the largest forces of a stroke
 _WIDTH = 420.0  # greatest width of the mechanism, in units of the picture
 _HEIGHT = 340.0  # height of the picture
-_CIRCLE = 0.4  # radius of an enlarged clearance, of the height for each joint
-_PIN = 0.55  # radius of an enlarged pin, of that of the circle
-_ARROW = 0.9  # length of the arrow of the largest force, of the same radius
+# Radius of the circle of an enlarged bearing, part of the height that a joint has
+_CIRCLE = 0.4
+_PIN = 0.55  # radius of an enlarged pin, part of that of the circle
+_ARROW = (
+    0.9  # length of the arrow of the largest force, part of the radius of the circle
+)
+_LEAST_FORCE = 1e-300  # N, avoids a division by zero
 _INK = "#1a1a1a"
 
 
@@ -45,11 +49,11 @@ class MovingMechanism(NamedTuple):
 
 
 class _Drawing(NamedTuple):
-    """Scale, units of the picture per m, and corner of a mechanism in it."""
+    """Scale and place of a mechanism in the picture."""
 
-    scale: float
-    low: Array  # (2,), m
-    size: Array  # (2,), units of the picture
+    scale: float  # units of the picture per m
+    low: Array  # lower left corner of the mechanism, (2,), m
+    size: Array  # width and height, (2,), units of the picture
 
 
 def moving_mechanism(result: Result) -> MovingMechanism | None:
@@ -105,10 +109,11 @@ def _frames_of(film: Film, start: float, end: float) -> Film | None:
 
 
 def _largest_joints(linkage: Linkage, film: Film) -> list[int]:
-    """Return the numbers of the pins with the largest force, in their order."""
+    """Return the indices of the pins with the largest forces, in increasing order."""
     pins = range(len(shapes.loose_pins(linkage)))
     forces = film.joints[:, :, NORMAL].max(axis=0)
-    return sorted(sorted(pins, key=lambda k: -forces[k])[:MOST_JOINTS])
+    by_force = sorted(pins, key=lambda k: -forces[k])
+    return sorted(by_force[:MOST_JOINTS])
 
 
 def _drawing_of(linkage: Linkage, film: Film) -> _Drawing:
@@ -137,7 +142,11 @@ def _factor(joint: ClearanceJoint, count: int) -> float:
 
 
 def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
-    """Return place of each pin centre and tip of its force, units; shape (n, 4 joints)."""
+    """Return the place of each pin centre and the arrow of its force, shape (n, 4 joints).
+
+    Both have x and y in units of the picture. The place is relative to the centre of the
+    bearing, and the arrow to the centre of the pin.
+    """
     radius = _radius(len(joints))
     result = np.zeros((len(film.time), len(joints), 4))
     for column, k in enumerate(joints):
@@ -150,8 +159,10 @@ def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
         across = np.column_stack([-normal[:, 1], normal[:, 0]])
         force = row[:, [NORMAL]] * normal - row[:, [TANGENTIAL]] * across
         size = np.hypot(*force.T)
-        length = _ARROW * radius * np.sqrt(size / max(float(size.max()), 1e-300))
-        result[:, column, 2:] = force * (length / np.maximum(size, 1e-300))[:, None]
+        largest = max(float(size.max()), _LEAST_FORCE)
+        length = _ARROW * radius * np.sqrt(size / largest)
+        scale = length / np.maximum(size, _LEAST_FORCE)
+        result[:, column, 2:] = force * scale[:, np.newaxis]
     return np.asarray(result.round(1).reshape(len(film.time), -1))
 
 

@@ -39,12 +39,12 @@ CONTROL = np.dtype(
         ("event", np.int64),  # number of the present event, or -1
         ("is_located", np.bool_),  # the trial step ends on the event
         *floats("low", "high"),  # step lengths between which the event lies, s
-        ("extension", np.float64),  # by which the next trial step is longer, s
+        ("extension", np.float64),  # additional length of the next trial step, s
         ("is_last", np.bool_),  # no other length is tried
         # time at which a step of fixed length ends that an event has shortened, s; or 0
         ("due", np.float64),
-        ("longest", np.float64),  # step, s
-        ("shortest", np.float64),  # step, s
+        ("longest", np.float64),  # longest allowed step, s
+        ("shortest", np.float64),  # shortest allowed step, s
         ("resolution", np.float64),  # round-off of the coordinates, m
         ("parts", np.float64),  # least number of steps in a free impact
         ("tolerance", np.float64),
@@ -56,7 +56,7 @@ CONTROL = np.dtype(
         ("steps", np.int64),  # accepted steps
         ("rejected", np.int64),  # rejected trial steps
         ("events", np.int64),  # located events
-        ("evaluations", np.int64),  # of the accelerations
+        ("evaluations", np.int64),  # evaluations of the accelerations
         ("position_error", np.float64),  # greatest |Phi|
         ("velocity_error", np.float64),  # greatest |dPhi/dt|
     ]
@@ -76,9 +76,10 @@ class Integration(NamedTuple):
     """Integration of a system; a march receives its address."""
 
     system: System
-    tableau: Tableau | None  # of an embedded method
-    # Number of stages of the classical method, for steps of fixed length. One of both is
-    # None, and the kernels are compiled without it.
+    # Either the coefficients of an embedded method, or the number of stages of the classical
+    # method, for steps of fixed length. The other field is None, and the kernels are
+    # compiled without it.
+    tableau: Tableau | None
     classical: int | None
     records: RecorderState
     observer: StepObserver
@@ -199,7 +200,7 @@ def embedded_step(
     slopes = run.motion.slopes
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
-        # Slopes do not depend on the integrals, which are behind ``count``.
+        # Slopes do not depend on the integrals, which come after the first ``count`` values.
         count = system.layout.first_energy
         weighted_sum(new, slopes, tableau.a[stage], stage, count)
         for i in range(count):
