@@ -9,7 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from presswear.campaign import wear_update
-from presswear.campaign.cycles_of_life import cycles_left
+from presswear.campaign.cycles_of_life import (
+    MIN_TIMED_BLOCKS,
+    cycles_left,
+    relative_time,
+    time_per_cycle,
+)
 from presswear.campaign.ensemble import Ensemble, EnsembleState
 from presswear.campaign.life_problem import fewest_cycles_of, problem_of
 from presswear.campaign.life_quantities import pseudo_levels_of, samples_of
@@ -43,9 +48,6 @@ from presswear.tools.numbers import large, quantity_text
 
 # Largest number of cycles of a history in a service interval, never reached
 _MAX_CYCLES = 1_000_000
-# Blocks of the first refinement after which the remaining time is estimated: in the
-# second, kernels are compiled and joints worn
-MEASURED_BLOCKS = 2
 # Cycles of each history that take as long as a stage until its wear maps are known
 STAGE_CYCLES = 8
 # service intervals of a refinement, so that no two of them start alike
@@ -163,7 +165,7 @@ class WearHistories:
         blocks = refinements[-1].blocks
         cycles = cycles_left(self.problem, refinements)
         cycles += self.later_stages * _stage_cycles(self.runner, blocks)
-        seconds = cycles * blocks[-1].wall_s / max(blocks[-1].cycles, 1)
+        seconds = cycles * time_per_cycle(self.problem, refinements)
         return cycles * self.runner.scene.replicate_count, seconds
 
     def limit_first_block(self) -> LifeProblem:
@@ -230,8 +232,9 @@ class WearHistories:
         later = cycles_left(self.problem, refinements) - plan.cycles
         if not before:
             later -= start_up
-        runner.later = max(later, 0.0)
-        runner.later += self.later_stages * _stage_cycles(runner, before)
+        later = max(later, 0.0) + self.later_stages * _stage_cycles(runner, before)
+        # Progress counts time in cycles of the mean duration so far.
+        runner.later = later * relative_time(self.problem, refinements)
 
         laws = depth_laws_of(scene.linkage().clearances)
         spec = RunSpec(
@@ -398,7 +401,7 @@ def run_life(
         if len(refinements) > 1:
             return
         count = len(refinements[0].blocks)
-        if count == MEASURED_BLOCKS:
+        if count == MIN_TIMED_BLOCKS:
             announce(*histories.remaining(refinements))
         is_power_of_two = count > 1 and count.bit_count() == 1
         if is_power_of_two and next_block(problem, refinements[0]) is not None:

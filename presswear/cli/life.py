@@ -10,7 +10,12 @@ from rich.progress import Progress as ProgressBar
 
 from presswear.cli import terminal
 from presswear.cli.run import finish, has_no_options, run_scene, with_options
-from presswear.cli.run_observer import confirm, least_needed, needed
+from presswear.cli.run_observer import (
+    confirm,
+    expected_time,
+    least_needed,
+    needed,
+)
 from presswear.cli.several_runs import several_runs
 from presswear.linkage.materials import MATERIALS, listed_pair
 from presswear.scene.options import Life
@@ -19,7 +24,6 @@ from presswear.scene.setting_list import SET
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.files import name_for
-from presswear.tools.numbers import duration_text
 from presswear.tools.processes import cores
 
 WEAR_UPDATES = "2"  # stages through the life of a scene that does not specify them
@@ -162,7 +166,7 @@ def announcing(
         nonlocal has_answer
         whole = turns * seconds
         words = f"{name}: the life {needed(cycles, seconds)}"
-        text = f"{words}; all lives take about {duration_text(whole)}"
+        text = f"{words}; all lives take {expected_time(whole)}"
         terminal.print_lines(bar.console, text)
         has_answer = has_answer or confirm(bar, whole)
 

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 LINE_INTERVAL = 60.0  # time between lines of progress where there is no terminal, s
-LONG_LIFE = 600.0  # s, from which a user is asked before a service life goes on
+LONG_LIFE = 600.0  # s, above which a user is asked before a service life goes on
+# Largest ratio of needed and expected cycles, or times, of a life after its first blocks:
+# scatter decides how many refinements follow, worn surfaces how long a cycle takes
+LIFE_SPREAD = 2.0
 BAR_DELAY = 3.0  # time after which a run in Python shows its bar, s
 SHOWN_JOINTS = 3  # joints in the lines of a stage
 LIFE = "life,"  # start of the description of a step that follows a service life
@@ -178,9 +181,17 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
 
 def needed(cycles: float, seconds: float) -> str:
     """Return the remaining cycles and time of a life in words."""
-    count = large(cycles, digits=2)
-    chance = "half to twice as much by chance"
-    return f"needs about {count} cycles of all replicates, {duration_text(seconds)} more ({chance})"
+    count = f"{large(*_range(cycles), digits=2)} cycles of all replicates"
+    return f"needs {count}, {expected_time(seconds)} more"
+
+
+def expected_time(seconds: float) -> str:
+    """Return the range of the time of a life in words."""
+    return duration_text(*_range(seconds))
+
+
+def _range(value: float) -> tuple[float, float]:
+    return value / LIFE_SPREAD, value * LIFE_SPREAD
 
 
 def least_needed(cycles: float) -> str:
@@ -191,14 +202,16 @@ def least_needed(cycles: float) -> str:
 
 
 def confirm(bar: ProgressBar, seconds: float) -> bool:
-    """Ask a user at a terminal before a long life goes on, and return whether it was asked.
+    """Ask a user at a terminal before a life that may be long, and return whether it was asked.
 
     Raises
     ------
     KeyboardInterrupt
         If the answer is no.
     """
-    if not (bar.console.is_terminal and sys.stdin.isatty()) or seconds <= LONG_LIFE:
+    if not (bar.console.is_terminal and sys.stdin.isatty()):
+        return False
+    if LIFE_SPREAD * seconds <= LONG_LIFE:
         return False
     bar.stop()
     answer = input("continue? [y/N] (--yes: do not ask) ")

@@ -85,12 +85,13 @@ def percent(share: float, digits: int = 3) -> str:
     return f"{readable(100.0 * share, digits)} %"
 
 
-def duration_text(seconds: float) -> str:
-    """Return a time in words."""
+def duration_text(*seconds: float) -> str:
+    """Return a time in words, or two as a range in two digits: ``5.2 to 21 minutes``."""
+    digits = 2 if len(seconds) > 1 else 3
     for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.2g} s"
+        if max(seconds) >= 1.5 * size:
+            return f"{' to '.join(f'{s / size:.{digits}g}' for s in seconds)} {unit}"
+    return f"{' to '.join(f'{s:.2g}' for s in seconds)} s"
 
 
 def count_scale(largest: float) -> tuple[float, str]:

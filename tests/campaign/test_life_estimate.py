@@ -20,7 +20,13 @@ from campaign.known_wear import (
     load_block,
     problem,
 )
-from presswear.campaign.cycles_of_life import cycles_left, fewest_cycles
+from presswear.campaign.cycles_of_life import (
+    MIN_TIMED_BLOCKS,
+    cycles_left,
+    fewest_cycles,
+    relative_time,
+    time_per_cycle,
+)
 from presswear.campaign.life_estimate import estimate_life
 from presswear.campaign.life_result import life_result
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
@@ -29,7 +35,7 @@ from presswear.campaign.service_life import (
     next_refinement,
     run_refinements,
 )
-from presswear.campaign.wear_histories import MEASURED_BLOCKS
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.options import Limit, Service
 from presswear.scene.settings import changed
 
@@ -210,7 +216,7 @@ def announced(seed: int, noise: float) -> float:
     moment = []
 
     def advance(done: Refinements, plan: Any) -> LoadBlock:
-        if len(done) == 1 and len(done[0].blocks) == MEASURED_BLOCKS:
+        if len(done) == 1 and len(done[0].blocks) == MIN_TIMED_BLOCKS:
             moment.append((ran(done), cycles_left(life, done)))
         return wear(done, plan)
 
@@ -274,3 +280,61 @@ def test_interval_with_the_wear_coefficients_is_one_of_95_percent():
     life = life_result(scene, problem(DEPTH), [evenly_worn(10, 2e6, A=5e-11, C=1e-11)])
     low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
+
+
+class TimedWear(KnownWear):
+    """Histories whose cycles take 1 s on new surfaces, and ``worn`` s at the limit."""
+
+    worn = 1.0
+    clock = 0.0
+
+    def __call__(self, refinements: Refinements, plan: Any) -> LoadBlock:
+        block = super().__call__(refinements, plan)
+        depth = float(block.levels["A.depth"].mean())
+        start_up = 0 if refinements[-1].blocks else STARTUP_CYCLES
+        cycles = block.cycles + start_up
+        seconds = cycles * (1.0 + (self.worn - 1.0) * depth / DEPTH.value)
+        self.clock += seconds
+        return replace(block, wall_s=seconds)
+
+
+def test_the_mean_speed_and_the_relative_time_give_the_time_left():
+    """The mean speed so far, with which the progress bar counts, is that of new surfaces."""
+    wear = TimedWear(1, noise=0.3, fresh=0.0)
+    wear.worn = 4.0
+    life = problem(DEPTH)
+
+    def check(done: Refinements) -> None:
+        if len(done) > 1 or len(done[0].blocks) >= MIN_TIMED_BLOCKS:
+            mean = wear.clock / ran(done)
+            expected = time_per_cycle(life, done)
+            assert mean * relative_time(life, done) == pytest.approx(expected)
+
+    run_refinements(life, wear, keep=check)
+
+
+@pytest.mark.parametrize(("worn", "factor"), [(1.0, 1.5), (2.0, 1.25), (4.0, 1.5)])
+def test_time_of_a_life_whose_cycles_get_slower(worn, factor):
+    """The first moment is the announcement, with an expected number of cycles."""
+    life = problem(DEPTH)
+    for seed in range(4):
+        wear = TimedWear(seed, noise=0.3, fresh=0.0)
+        wear.worn = worn
+        moments: list[tuple[float, ...]] = []
+
+        def keep(
+            done: Refinements,
+            wear: TimedWear = wear,
+            moments: list[tuple[float, ...]] = moments,
+        ) -> None:
+            if len(done) > 1 or len(done[0].blocks) >= MIN_TIMED_BLOCKS:
+                left = cycles_left(life, done)
+                each = time_per_cycle(life, done)
+                moments.append((wear.clock, ran(done), left, each))
+
+        refinements = run_refinements(life, wear, keep=keep)
+        clock, _, left, each = moments[0]
+        assert 1.0 / factor < left * each / (wear.clock - clock) < factor
+        for clock, cycles, _, each in moments[:-1]:
+            seconds = each * (ran(refinements) - cycles)
+            assert 0.5 < seconds / (wear.clock - clock) < 2.0

@@ -67,6 +67,8 @@ def test_numbers(function, texts):
 
 def test_ranges_and_intervals_are_rounded_together():
     assert large(8.70e6, 9.54e6, digits=2) == "8.7 to 9.5 million"
+    assert duration_text(312.0, 1250.0) == "5.2 to 21 minutes"
+    assert duration_text(20.4, 81.6) == "20 to 82 s"
     assert large(4.0, 1.739e6) == "0 to 1.74 million"
     assert large(123456.0, digits=2) == "120\u202f000"
     assert with_interval(107.1912, 0.2693) == "107.19\u00a0± 0.27"
