@@ -29,6 +29,8 @@ LONG_LIFE = 600.0  # s, above which a user is asked before a service life goes o
 # Largest ratio of needed and expected cycles, or times, of a life after its first blocks:
 # scatter decides how many refinements follow, worn surfaces how long a cycle takes
 LIFE_SPREAD = 2.0
+# Cycles of all replicates from which ``--quick`` is named: ten minutes at 0.3 s each
+MANY_CYCLES = 2000
 BAR_DELAY = 3.0  # time after which a run in Python shows its bar, s
 SHOWN_JOINTS = 3  # joints in the lines of a stage
 LIFE = "life,"  # start of the description of a step that follows a service life
@@ -198,7 +200,13 @@ def least_needed(cycles: float) -> str:
     """Return the least number of cycles of a life in words, before anything has run."""
     count = large(cycles, digits=1)
     text = f"needs at least about {count} cycles of all replicates"
-    return f"{text}; after its first strokes follow a closer number and the time"
+    text += "; after its first strokes follow a closer number and the time"
+    if cycles >= MANY_CYCLES:
+        text += (
+            "; `presswear life --quick` estimates the strokes to a depth in two short "
+            "stages, without an interval"
+        )
+    return text
 
 
 def confirm(bar: ProgressBar, seconds: float) -> bool:

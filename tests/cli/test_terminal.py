@@ -327,3 +327,11 @@ def test_names_are_no_markup(clock: Clock, monkeypatch):
     bar = progress_bar(console)
     bar.add_task("a[/red]b")
     assert lines_of(bar, 80, clock)[0].startswith("a[/red]b")
+
+
+def test_a_life_of_many_cycles_names_the_quick_one():
+    """560 cycles are those to 0.05 mm in press-blanking."""
+    assert "--quick" not in run_observer.least_needed(560.0)
+    words = run_observer.least_needed(24_064.0)
+    assert words.startswith("needs at least about 20\u202f000 cycles of all replicates")
+    assert "`presswear life --quick` estimates the strokes to a depth" in words
