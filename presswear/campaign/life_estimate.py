@@ -24,7 +24,7 @@ class LifeEstimate:
     strokes: float
     sampling: float  # half width over the histories
     step: float
-    # of the logarithm of each refinement in that of the life, with sum 1
+    # weight of each refinement in the mean logarithm of the life, with sum 1
     weights: tuple[float, ...] = ()
 
     @property
@@ -37,7 +37,7 @@ def estimate_life(refinements: Refinements, limits: Sequence[Limit]) -> LifeEsti
     """Return the strokes after which the first of some limits is exceeded, with their errors.
 
     The logarithm of the life is the mean over the refinements, each weighted by its
-    cycles.  The error of the steps of a refinement decreases with one over its cycles,
+    cycles. The error of the steps of a refinement decreases with one over its cycles,
     or faster.  If it is larger than the scatter in the last refinement, the estimate is
     that of the last refinement alone.
     """

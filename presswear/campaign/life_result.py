@@ -5,19 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.campaign.life_estimate import estimate_life
-from presswear.campaign.refinement import Refinements
+from presswear.campaign.life_estimate import LifeEstimate, estimate_life
+from presswear.campaign.refinement import Refinement, Refinements
 from presswear.campaign.service_life import LifeProblem
 from presswear.recording.statistics import quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import large
 
 
 def preliminary_life(
     scene: Scene, problem: LifeProblem, refinements: Refinements
 ) -> LifeResult:
-    """Return the life of some refinements that others follow, with the state as its message."""
+    """Return the life of the finished refinements while another refinement runs."""
     life = life_result(scene, problem, refinements)
     error = "has an unknown error"
     if life.error is not None:
@@ -35,7 +36,7 @@ def preliminary_life(
 def life_by_rate(
     scene: Scene, problem: LifeProblem, refinements: Refinements
 ) -> LifeResult | None:
-    """Return the life that the wear rate of the last load block gives, with no error.
+    """Return the life by the wear rate of the last load block, without an error.
 
     None while that block ends a service interval, or no limit on the surfaces comes
     closer.
@@ -76,20 +77,56 @@ def life_result(
 ) -> LifeResult:
     """Return the life as results store it."""
     last = refinements[-1]
-    end = refinements[-1].blocks[-1]
+    end = last.blocks[-1]
     life = estimate_life(refinements, problem.limits)
     ended: Ended = "limit"
     message = ""
     if math.isinf(life.strokes):
-        ended = "cycles"
-        message = f"within {last.cycles} cycles of all replicates"
-        if end.strokes >= problem.at_most:
-            ended = "at_most"
-            message = f"within {problem.at_most:.4g} strokes"
-        message = f"no limit is exceeded {message}"
-        if end.ended_by:
-            ended = "worn"
-            message = end.ended_by
+        ended, message = _end_without_limit(problem, last)
+    # A life is inversely proportional to the wear coefficients, if all of them are high or
+    # low together.
+    joints = scene.wearing_joints
+    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
+    services = problem.services[: end.interval]
+    return LifeResult(
+        ended=ended,
+        message=message,
+        strokes=life.strokes if math.isfinite(life.strokes) else end.strokes,
+        sampling=_finite(life.sampling),
+        step=_finite(life.step),
+        scatter=quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
+        limits=_limit_results(problem, refinements, life),
+        refinements=_refinement_results(problem, refinements, life),
+        services=tuple(
+            f"{service.words} after {service.strokes:.4g} strokes"
+            for service in services
+        ),
+        curves=_curves(last),
+        settled=tuple(block.settled for block in last.blocks if block.cycles),
+    )
+
+
+def _end_without_limit(problem: LifeProblem, last: Refinement) -> tuple[Ended, str]:
+    """Return why a life ended although no limit was exceeded, and a message."""
+    end = last.blocks[-1]
+    if end.ended_by:
+        return "worn", end.ended_by
+    if end.strokes >= problem.at_most:
+        return (
+            "at_most",
+            f"no limit is exceeded within {problem.at_most:.4g} strokes",
+        )
+    return (
+        "cycles",
+        f"no limit is exceeded within {last.cycles} cycles of all replicates",
+    )
+
+
+def _limit_results(
+    problem: LifeProblem, refinements: Refinements, life: LifeEstimate
+) -> tuple[LimitResult, ...]:
+    """Return the strokes at which each limit is exceeded, and the last value of its quantity."""
+    last = refinements[-1]
     limits = []
     for limit in problem.limits:
         item = estimate_life(refinements, [limit])
@@ -110,49 +147,44 @@ def life_result(
                 last_half_width=float(half_width[-1]),
             )
         )
+    return tuple(limits)
+
+
+def _refinement_results(
+    problem: LifeProblem, refinements: Refinements, life: LifeEstimate
+) -> tuple[RefinementResult, ...]:
+    """Return the life of each refinement, and the deviations of its histories."""
     stored = []
     weights = life.weights or (0.0,) * len(refinements)
-    for each, weight in zip(refinements, weights, strict=True):
-        strokes = each.crossing(problem.limits)
-        error = each.sampling_error(problem.limits)
-        logarithms = each.logarithms(problem.limits)
+    for refinement, weight in zip(refinements, weights, strict=True):
+        strokes = refinement.crossing(problem.limits)
+        error = refinement.sampling_error(problem.limits)
+        logarithms = refinement.logarithms(problem.limits)
         deviations = np.zeros(0)
         if weight > 0.0 and logarithms.size:
             deviations = weight * (logarithms - logarithms.mean())
         stored.append(
             RefinementResult(
-                change=each.change,
-                cycles=each.cycles,
+                change=refinement.change,
+                cycles=refinement.cycles,
                 strokes=_finite(strokes),
                 sampling=_finite(error),
                 deviations=tuple(map(float, deviations)),
             )
         )
+    return tuple(stored)
+
+
+def _curves(last: Refinement) -> dict[str, Array]:
+    """Return the curves of a refinement by key over its strokes.
+
+    A row of a curve has mean, lower and upper limit.
+    """
     curves = {"strokes": last.strokes}
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):
         value, half = last.band(key)
         curves[key] = np.column_stack([value, value - half, value + half])
-    # A life is inversely proportional to the wear coefficients, if all of them are high or
-    # low together.
-    joints = scene.wearing_joints
-    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
-    services = problem.services[: end.interval]
-    return LifeResult(
-        ended=ended,
-        message=message,
-        strokes=life.strokes if math.isfinite(life.strokes) else end.strokes,
-        sampling=_finite(life.sampling),
-        step=_finite(life.step),
-        scatter=quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
-        limits=tuple(limits),
-        refinements=tuple(stored),
-        services=tuple(
-            f"{service.words} after {service.strokes:.4g} strokes"
-            for service in services
-        ),
-        curves=curves,
-        settled=tuple(block.settled for block in last.blocks if block.cycles),
-    )
+    return curves
 
 
 def unknown_life(scene: Scene, life: LifeResult) -> list[str]:

@@ -84,10 +84,11 @@ def _cubics(surface: Surface, parts: int) -> Array:
 
 
 def _least_depths(cubics: Array) -> Array:
-    """Return a lower bound of the depth in each cell, and of that of any cubic through its depths.
+    """Return a lower bound of the depth in each cell, m, shape (nodes,).
 
-    A cubic lies within its Bezier points. Those of one through depths and slopes of the
-    surface are its depths, and these plus or minus a third of the slopes.
+    It is also a lower bound of any cubic, one cell long, whose depths and slopes at its
+    ends occur in the cell. A cubic lies within its Bezier points. Those of this cubic are
+    the depths, and the depths plus or minus a third of the slopes.
     """
     depth, slope, square, cube = cubics
     points = [depth, depth + slope / 3, depth + (2.0 * slope + square) / 3]

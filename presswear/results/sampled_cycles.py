@@ -63,6 +63,7 @@ def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
     """
     period = scene.mechanism.period
     run_up = scene.run_up
+    # A cycle counts as complete if less than 2 % of it is missing.
     whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
     first = max(min(STARTUP_CYCLES, whole - 1), 0)
     end = run_up + max(whole, first + 1) * period

@@ -49,7 +49,7 @@ class LoadedLinkage(BearingJoints):
         bearings = {name: self.bearing(name) for name in self.bearing_joints}
         surfaces = {**self.surfaces, **worn}
         linkage = with_bearings(self.loaded, bearings, self.conventions, surfaces)
-        # Without a drive nothing tells how far a slide moves.
+        # Without a drive the range of a slide, and thus the length of a map, is unknown.
         if not (linkage.corners and linkage.drives):
             return linkage
         return with_wall_maps(linkage, self.ideal, bearings)
@@ -89,10 +89,12 @@ class LoadedLinkage(BearingJoints):
         guides = [guide for guide in ideal.guides if guide.body == point.body]
         if self.process is None or self.process.offset == 0.0 or not guides:
             return point
-        turn = ideal.output.direction - guides[0].angle
-        right = point.x + self.process.offset * math.sin(turn)
-        above = point.y - self.process.offset * math.cos(turn)
-        return Attachment(point.body, right, above)
+        # Output direction, away from the work, in the axes of the slide
+        angle = ideal.output.direction - guides[0].angle
+        # The offset is to the right of this direction.
+        x = point.x + self.process.offset * math.sin(angle)
+        y = point.y - self.process.offset * math.cos(angle)
+        return Attachment(point.body, x, y)
 
     @property
     def process_laws(self) -> dict[str, OverPosition]:
@@ -103,10 +105,13 @@ class LoadedLinkage(BearingJoints):
 
     @property
     def lift(self) -> float:
-        """Height over the work at which a stroke on it is over, m: half way up."""
-        return (
-            0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
-        )
+        """Height above the touch of the work at which a stroke is over, m.
+
+        It is half of the distance from there to upper dead centre; 0 without a process.
+        """
+        if self.process is None:
+            return 0.0
+        return 0.5 * (self.stroke - self.process.height)
 
     @property
     def ideal(self) -> IdealMotion:

@@ -26,7 +26,7 @@ class Analysis:
 
 
 def failed_text(table: Table) -> str:
-    """Return how many runs failed, without which the statistics are; empty for none."""
+    """Return how many runs failed; empty for none. Statistics do not include them."""
     failed = sum(error not in ("", NOT_RUN) for error in table.errors)
     if not failed:
         return ""
@@ -52,9 +52,11 @@ def analyze(
         if plan.sample:
             notes.append(f"{error}.")
     spread = None
-    scatter = [plan.distributions.get(column.key) for column in points.parameters]
-    distributions = [item for item in scatter if item is not None]
-    if len(distributions) == len(scatter):
+    keys = [column.key for column in points.parameters]
+    distributions = [
+        plan.distributions[key] for key in keys if key in plan.distributions
+    ]
+    if len(distributions) == len(keys):
         if surrogate is not None:
             reason = surrogate.outside(distributions)
             if reason:

@@ -81,8 +81,11 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     low = everything.min(axis=0) - _MARGIN * size
     high = everything.max(axis=0) + _MARGIN * size
     wide, tall = high - low
-    room = max(_SLIMMEST * tall - wide, 0.0)  # for the labels of an upright mechanism
-    low[0], high[0], wide = low[0] - 0.5 * room, high[0] + 0.5 * room, wide + room
+    # Labels of an upright mechanism need room on both sides.
+    room = max(_SLIMMEST * tall - wide, 0.0)
+    low[0] -= 0.5 * room
+    high[0] += 0.5 * room
+    wide += room
     rows = math.ceil(len(linkage.bodies) / _LEGEND_COLUMNS)
     edges = _EDGES[1] + _LEGEND_ROW * rows
     height = (style.WIDTH - _EDGES[0]) * tall / wide + edges
@@ -93,26 +96,14 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
     output = linkage.output
     place = moving(Attachment(output.body, output.x, output.y))[0]
-    _arrow(
-        axes, place, place + 0.14 * size * direction_at(output.direction), "black", 1.6
-    )
-    labels = _draw_joints(
-        axes, scene, ends, {name: path[0] for name, path in paths.items()}, size
-    )
-    for drive in linkage.drives:
-        if isinstance(drive, LinearDrive):
-            start = moving(Attachment(drive.body, 0.0, 0.0))[0]
-            guide = linkage.guide_of(drive)
-            carrier = Attachment(guide.on, 0.0, 0.0)
-            turn = points_of(linkage, position, carrier)[0, 2]
-            along = direction_at(guide.direction + turn)
-            _arrow(axes, start, start + 0.1 * size * along, "black", 1.1)
-            continue
-        hinge = next(
-            (paths[name][0] for name, end in ends if end.body == drive.body), None
-        )
-        if hinge is not None:
-            _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
+    tip = place + 0.14 * size * direction_at(output.direction)
+    _arrow(axes, place, tip, "black", 1.6)
+    joints = {name: path[0] for name, path in paths.items()}
+    labels = _draw_joints(axes, scene, ends, joints, size)
+    hinges: dict[str, Array] = {}  # first joint of each body, (2,), m
+    for name, end in ends:
+        hinges.setdefault(end.body, paths[name][0])
+    _draw_drives(axes, linkage, position[:1], hinges, size)
     for k in range(len(linkage.bodies)):
         _draw_body(axes, linkage, k, position[:1], size)
         _draw_slots(axes, linkage, k, position, size)
@@ -138,6 +129,31 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         clearance=_common_clearance(scene),
     )
     return drawing
+
+
+def _draw_drives(
+    axes: Axes,
+    linkage: Linkage,
+    position: Array,
+    hinges: Mapping[str, Array],
+    size: float,
+) -> None:
+    """Draw an arrow for each drive, along its guide or about the hinge of its body.
+
+    ``position`` has the shape (1, 3 bodies), and ``size`` is that of the mechanism, m.
+    """
+    for drive in linkage.drives:
+        if isinstance(drive, LinearDrive):
+            body = Attachment(drive.body, 0.0, 0.0)
+            start = points_of(linkage, position, body)[0, :2]
+            guide = linkage.guide_of(drive)
+            carrier = Attachment(guide.on, 0.0, 0.0)
+            turn = points_of(linkage, position, carrier)[0, 2]
+            along = direction_at(guide.direction + turn)
+            _arrow(axes, start, start + 0.1 * size * along, "black", 1.1)
+        elif drive.body in hinges:
+            hinge = hinges[drive.body]
+            _bent_arrow(axes, hinge, drive.mean_speed, 0.06 * size, "black")
 
 
 def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:

@@ -55,10 +55,11 @@ class EnlargedJoint:
 
     joint: ClearanceJoint
     max_depth: float  # largest wear depth that the drawing must hold, m
-    max_force: float  # whose arrow has the length ``ARROW_SHARE`` of the radius, N
-    centre: Array  # shape (2,), m
-    radius: float  # m
-    paint: Colour  # of path and text
+    # force whose arrow has the length ``ARROW_SHARE`` times ``radius``, N
+    max_force: float
+    centre: Array  # centre of the drawing, shape (2,), m
+    radius: float  # radius of the drawing, m
+    paint: Colour  # colour of path and text
 
     @property
     def pin_factor(self) -> float:
@@ -79,16 +80,11 @@ class EnlargedJoint:
 
     def labels(self) -> tuple[str, ...]:
         """Return the factors as text."""
-        worn = (
-            (f"orange: wear depth x{self.band_factor:.0f}",)
-            if self.band_factor > 0.0
-            else ()
-        )
-        return (
-            f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}",
-            *worn,
-            f"arrow: sqrt(F), up to {force_text(self.max_force)}",
-        )
+        labels = [f"clearance, wear x{self.gap_factor:.4g}; pin x{self.pin_factor:.3g}"]
+        if self.band_factor > 0.0:
+            labels.append(f"orange: wear depth x{self.band_factor:.0f}")
+        labels.append(f"arrow: sqrt(F), up to {force_text(self.max_force)}")
+        return tuple(labels)
 
     def bodies(self) -> list[list[Shape]]:
         """Return bearing, its mark, pin and its mark, each about its own centre."""
@@ -124,7 +120,7 @@ class EnlargedJoint:
     def shapes(
         self, parts: Sequence[list[Shape]], bearing: Array, pin: Array, row: Array
     ) -> list[Shape]:
-        """Return ``parts``, those of ``bodies``, in their poses, and what moves; see ``moving``."""
+        """Return the shapes of ``bodies`` in their poses, and those of ``moving``."""
         drawn: list[Shape] = []
         poses = self.coordinates(bearing[-1], pin[-1])
         for part, pose in zip(parts, poses, strict=True):

@@ -37,14 +37,15 @@ PIN = to_rgba("#9aa5b1")
 LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
 BAR = 0.017  # half width of a bar over the size of the mechanism
 _BLOCK = (5.6, 4.4)  # length and width of a block in a guide, in half widths of a bar
-# Of the radius of an enlarged joint
+# Sizes in the drawing of an enlarged joint, part of its radius: pin, clearance with wear, band
+# of the wear depth, and arrow of the largest force
 PIN_SHARE = 0.34
 PLAY_SHARE = 0.36
 BAND_SHARE = 0.13
-ARROW_SHARE = 0.55  # length of the arrow of the largest force over that radius
+ARROW_SHARE = 0.55
 DRAWN_BINS = 180  # bins of a wear map that are drawn
 _WALL_BARS = 125  # bars that show the wear of a wall; a divisor of its bins
-# Length of the deepest one, in half widths of a bar of the mechanism
+# Length of the bar of the deepest wear, in half widths of a bar of the mechanism
 _DEEPEST_BARS = 4.0
 _EDGE = 0.22  # width of the line of a wall or a foot, in half widths of a bar
 
@@ -301,7 +302,8 @@ def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     ends += [Attachment(body.name, 0.0, 0.0) for body in linkage.bodies]
     ends += [point for guide in guides_of(linkage) for point in slide_corners(guide)]
     points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
-    low, high = points.min(axis=0), points.max(axis=0)
+    low = points.min(axis=0)
+    high = points.max(axis=0)
     margin = 0.09 * float(np.hypot(*(high - low)))
     return low - margin, high + margin
 
@@ -363,7 +365,10 @@ def frame_shapes(linkage: Linkage, positions: Array, bar: float) -> list[Shape]:
 
 
 def wall_factor(depth: float, bar: float) -> float:
-    """Return the factor of the wear of walls whose greatest depth is given, m; 0 without wear."""
+    """Return the factor by which the wear of walls is enlarged; 0 without wear.
+
+    ``depth`` is the greatest wear depth, and ``bar`` the half width of a bar, m.
+    """
     return two_digits(_DEEPEST_BARS * bar / depth) if depth > 0.0 else 0.0
 
 
@@ -377,7 +382,9 @@ def worn_walls(linkage: Linkage, factor: float, body: str = GROUND) -> list[Shap
     corners = [corner for corner in linkage.corners if corner.guide.on == body]
     walls = {(corner.guide.name, corner.side): corner for corner in corners}
     for corner in walls.values():
-        surface, wall, guide = corner.bearing_surface, corner.wall, corner.guide
+        surface = corner.bearing_surface
+        wall = corner.wall
+        guide = corner.guide
         if wall is None or guide.width is None or not surface.is_worn:
             continue
         depths = surface.depth.reshape(_WALL_BARS, -1).max(axis=1)
