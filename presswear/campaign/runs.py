@@ -109,8 +109,8 @@ def run_scenes(
         Scenes that run at a time; None: as many as there are cores. No number depends
         on it.
     on_progress : callable
-        Called with the name of a scene, the completed fraction of its run, and a few
-        words. At 1.0 the run has ended and the words are its status.
+        Called with the name of a scene, the latest estimate of the completed fraction of
+        its run, and a few words. At 1.0 the run has ended and the words are its status.
     on_life_start : callable
         Called with the name of a scene, and the cycles and seconds that its service
         life will still take in one process, after the first strokes.
@@ -163,7 +163,7 @@ def _run_one(scene: Scene, path: Path, report: Report) -> str:
         """Observer that reports the progress to the process that started this one."""
 
         def on_progress(self, progress: Progress) -> None:
-            completed = min(progress.whole, 0.999)
+            completed = min(progress.estimate or progress.whole, 0.999)
             if progress.word == COMPILING:
                 completed = math.nan
             report(completed, progress.word)

@@ -19,10 +19,13 @@ def several_runs(
 ) -> Iterator[tuple[Callable[[str, float, str], None], ProgressBar]]:
     """Show the progress of several runs in a folder; yield a function for ``run_scenes``.
 
-    Without a terminal it is a line now and then.
+    Without a terminal it is a line now and then. The time left is at least that of each
+    run that has started.
     """
     shares: dict[str, float] = {}
-    printed = clock.perf_counter()
+    starts: dict[str, float] = {}
+    started = printed = clock.perf_counter()
+    shown = 0.0  # completed share, which never falls
     command = f"the same command with --resume --out {folder} continues"
     with (
         terminal.resumable(command, folder, lambda: "finished runs are stored"),
@@ -31,17 +34,24 @@ def several_runs(
         task = bar.add_task(name, total=1.0)
 
         def show(run: str, share: float, words: str) -> None:
-            nonlocal printed
+            nonlocal printed, shown
             check_stopped()
+            now = clock.perf_counter()
             shares[run] = share
+            starts.setdefault(run, now)
             finished = sum(share == 1.0 for share in shares.values())
             text = f"{name}: {finished} of {count} finished"
             whole = sum(shares.values()) / count
-            bar.update(task, description=text, completed=whole)
-            if bar.disable and clock.perf_counter() > printed + LINE_INTERVAL:
-                printed = clock.perf_counter()
+            shown = max(shown, whole)
+            for each, done in shares.items():
+                if done >= terminal.MIN_SHARE and now > starts[each]:
+                    left = (now - starts[each]) * (1.0 - done) / done
+                    whole = min(whole, (now - started) / (now - started + left))
+            bar.update(task, description=text, completed=shown, share=whole)
+            if bar.disable and now > printed + LINE_INTERVAL:
+                printed = now
                 remaining = terminal.time_left(bar.tasks[task])
-                line = f"{text}, {100.0 * whole:.0f} % {remaining}".rstrip()
+                line = f"{text}, {100.0 * shown:.0f} % {remaining}".rstrip()
                 terminal.print_lines(console, line)
             if share == 1.0:
                 terminal.print_lines(console, f"finished {run}: {words}")

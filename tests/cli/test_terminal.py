@@ -194,6 +194,23 @@ def test_several_runs_print_a_line_a_minute_without_a_terminal(
     assert lines == ["lives: 0 of 2 finished, 15 % 7.55 minutes left"]
 
 
+def test_time_left_of_several_runs_is_that_of_the_longest(
+    tmp_path, clock: Clock, monkeypatch
+):
+    """The short run has 100 s left at the mean speed, the long one 300 s."""
+    monkeypatch.setattr(several_runs_module, "clock", clock)
+    console = console_of(80, clock, is_terminal=False)
+    with several_runs(console, "lives", tmp_path, 2) as (show, _):
+        show("short", 0.0, "")
+        show("long", 0.0, "")
+        clock.now += 100.0
+        show("short", 0.999, "cycle 5 of 5")
+        clock.now += 100.0
+        show("long", 0.4, "cycle 2 of 5")
+    lines = [line for line in console.export_text().splitlines() if line]
+    assert lines[-1].endswith("70 % 5 minutes left")
+
+
 def test_steps_are_described():
     words = "cycle 3 of 5"
     assert step_text(SCENE, 0, "") == "no wear"
