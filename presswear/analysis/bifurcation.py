@@ -223,7 +223,9 @@ class Diagram:
         sentences = []
         for direction, branch in self.branches.items():
             periods = self.periods(direction)
-            counts = Counter(each.period for each in periods if each and each.period)
+            counts = Counter(
+                motion.period for motion in periods if motion and motion.period
+            )
             listed = ", ".join(f"period {k} at {counts[k]}" for k in sorted(counts))
             sentence = (
                 f"{direction}: the motion is periodic at {counts.total()} of {len(periods)} values "

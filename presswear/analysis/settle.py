@@ -253,7 +253,7 @@ def compute(
     with only_writer(folder, resume=True):
         _store_inputs(folder, scene, watch, parameter)
         stored = _Folder(folder, watch.starts)
-        ideals = [initial_state(each) for each in scenes]
+        ideals = [initial_state(variant) for variant in scenes]
         count = min(jobs or cores(), watch.starts * len(scenes))
         with Workers(count, (__name__,)) as workers:
             _run_starts(workers, stored, scenes, ideals, watch, on_progress)

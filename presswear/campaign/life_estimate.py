@@ -73,7 +73,7 @@ def _pooled_half_width(weights: Array, halves: Array, freedom: Array) -> float:
     """
     if np.isinf(halves).any():
         return math.inf
-    variances = (weights * halves / [quantile(each) for each in freedom]) ** 2
+    variances = (weights * halves / [quantile(degrees) for degrees in freedom]) ** 2
     variance = float(variances.sum())
     joint_freedom = variance**2 / float((variances**2 / freedom).sum())
     return quantile(joint_freedom) * math.sqrt(variance)

@@ -281,7 +281,7 @@ class _Rounds:
             if run
         ]
         cycles = sum(map(len, rows))
-        steps = sum(float(each[:, cycle_column("steps")].sum()) for each in rows)
+        steps = sum(float(numbers[:, cycle_column("steps")].sum()) for numbers in rows)
         solver = self.runner.scene.solver
         is_worn = self.depth[members.start].any()
         step_time = solver.worn_step_time if is_worn else solver.step_time

@@ -70,7 +70,7 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 
 def _changes_a_life(arguments: argparse.Namespace) -> bool:
-    """Return whether other lives are compared with the one of the scene."""
+    """Return whether the life of the scene is compared with lives under changes."""
     changes = (
         arguments.replace,
         arguments.rotate,
@@ -98,16 +98,16 @@ def _with_readings(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _variants(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:
     """Return the settings of the lives to compare with, by label."""
-    variants = {
-        f"bush replaced: {each}": {"life.replaced": each} for each in arguments.replace
-    }
-    variants |= {
-        f"bush rotated: {each}": {"life.rotated": each} for each in arguments.rotate
-    }
-    variants |= {
-        each: terminal.parse_settings(each.split(",")) for each in arguments.compare
-    }
-    for joint in scene.loose_pins if arguments.materials else ():
+    variants = {}
+    for services in arguments.replace:
+        variants[f"bush replaced: {services}"] = {"life.replaced": services}
+    for services in arguments.rotate:
+        variants[f"bush rotated: {services}"] = {"life.rotated": services}
+    for settings in arguments.compare:
+        variants[settings] = terminal.parse_settings(settings.split(","))
+    if not arguments.materials:
+        return variants
+    for joint in scene.loose_pins:
         for name in MATERIALS:
             if name != listed_pair(scene.bearing(joint).materials):
                 variants[f"{joint}.materials={name}"] = {f"{joint}.materials": name}

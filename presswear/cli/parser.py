@@ -134,7 +134,7 @@ def _texts() -> dict[str, str]:
         "until": Life().until,
         "at_most": f"{Life().at_most:g}",
         "quantities": "; ".join(
-            f"{name}: {each.text}" for name, each in LIFE_QUANTITIES.items()
+            f"{name}: {quantity.text}" for name, quantity in LIFE_QUANTITIES.items()
         ),
     }
 

@@ -111,10 +111,12 @@ def corner_ends(
     """
     assert guide.length is not None
     assert guide.width is not None
-    c, s = math.cos(guide.direction), math.sin(guide.direction)
+    c = math.cos(guide.direction)
+    s = math.sin(guide.direction)
     across = 0.5 * side * guide.width
     beside = Attachment(guide.on, guide.x - s * across, guide.y + c * across)
     turn = guide.direction - guide.angle
-    c, s = math.cos(turn), math.sin(turn)
+    c = math.cos(turn)
+    s = math.sin(turn)
     x = 0.5 * along * guide.length
     return beside, Attachment(guide.body, c * x - s * across, s * x + c * across)

@@ -129,7 +129,8 @@ def _pieces_of_table(rows: Array) -> Pieces:
         net = float(rows[-1, 1] - rows[0, 1])
     else:
         rows = np.vstack([rows, rows[0]])
-    phase, value = np.append(rows[:-1, 0], rows[0, 0] + TURN), rows[:, 1].copy()
+    phase = np.append(rows[:-1, 0], rows[0, 0] + TURN)
+    value = rows[:, 1].copy()
     value -= net * (phase - phase[0]) / TURN
     value[-1] = value[0]
     count = len(phase) - 1

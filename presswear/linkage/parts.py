@@ -96,7 +96,8 @@ class Placing:
         if isinstance(joint, Guide):
             return self._guide(joint)
         where = f"joint {joint.name}"
-        first, second = self.point(joint.first, where), self.point(joint.second, where)
+        first = self.point(joint.first, where)
+        second = self.point(joint.second, where)
         if isinstance(joint, Revolute):
             return replace(joint, first=first, second=second)
         return Revolute(
@@ -118,7 +119,8 @@ class Placing:
         else:
             origin = 0.0, 0.0
         if drawn is not None and origin is not None:
-            x, y = drawn[0] - origin[0], drawn[1] - origin[1]
+            x = drawn[0] - origin[0]
+            y = drawn[1] - origin[1]
         if guide.x is not None:
             x = guide.x
         if guide.y is not None:

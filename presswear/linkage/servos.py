@@ -83,7 +83,8 @@ class Dwell(_Servo):
     def drive(self, body: str, frequency: float, slider: str) -> Drive:
         """Return the drive of a body that makes the slider, a point, dwell; frequency in rad/s."""
         half = math.pi * self.part
-        low, top = self.bottom + half, self.bottom + math.pi
+        low = self.bottom + half
+        top = self.bottom + math.pi
         up = Rise(low, top, self.stroke, self.law)
         down = Rise(top, self.bottom + TURN - half, -self.stroke, self.law)
         follow = Follow(slider, rises=[up, down])

@@ -236,7 +236,8 @@ def deepest_acceleration(
     vx = c * contact.velocity_x + s * contact.velocity_y
     vy = c * contact.velocity_y - s * contact.velocity_x
     # Velocity and acceleration of the eccentricity in the turning frame
-    ux, uy = vx + spin * place.dy, vy - spin * place.dx
+    ux = vx + spin * place.dy
+    uy = vy - spin * place.dx
     bx = c * ax + s * ay + 2.0 * spin * vy + spin_t * place.dy - spin * spin * place.dx
     by = c * ay - s * ax - 2.0 * spin * vx - spin_t * place.dx - spin * spin * place.dy
     node, x = cell_of(contact.place - zero, joint.surface_nodes)
@@ -270,7 +271,8 @@ def penetration_acceleration(
     )
     ex, ey = c.eccentricity_x, c.eccentricity_y
     vx, vy = c.velocity_x, c.velocity_y
-    ax, ay = pin_x - bearing_x, pin_y - bearing_y
+    ax = pin_x - bearing_x
+    ay = pin_y - bearing_y
     ends = (
         (BEARING, c.bearing_angle, c.bearing_spin, bearing_spin_t),
         (PIN, c.pin_angle, c.pin_spin, pin_spin_t),
@@ -281,7 +283,8 @@ def penetration_acceleration(
         return deepest_acceleration(
             joint, surfaces, c, ax, ay, bearing_spin_t, pin_spin_t
         )
-    nx, ny = ex / eccentricity, ey / eccentricity
+    nx = ex / eccentricity
+    ny = ey / eccentricity
     turning = (vy * nx - vx * ny) / eccentricity
     result = ax * nx + ay * ny + turning * turning * eccentricity
     if count > 0:

@@ -24,23 +24,24 @@ ROUND_FOUNDATION = 1
 # Kinds of damping: a factor of the elastic force, a force beside it, that of a user law
 FACTOR, VISCOUS, USER = range(3)
 
-# A normal law as the kernels see it
+# Normal law for the kernels
 NORMAL = np.dtype(
     [
         *floats("stiffness", "exponent", "damping", "clearance"),
-        ("address", np.int64),  # of a force of NORMAL_PARAMETERS, elastic at rest
-        ("kind", np.int64),  # of damping
-        # The power law with which the time of a contact is estimated.
+        # address of a function of NORMAL_PARAMETERS, whose force is elastic at rest
+        ("address", np.int64),
+        ("kind", np.int64),  # kind of damping
+        # power law with which the time of a contact is estimated
         *floats("estimated_stiffness", "estimated_exponent"),
         ("abrupt", np.bool_),  # the force begins with a jump
     ]
 )
 
-# A law of friction as the kernels see it
+# Friction law for the kernels
 FRICTION = np.dtype(
     [
         *floats("coefficient", "lower", "upper"),
-        ("force", np.int64),  # its address
+        ("force", np.int64),  # address of a function of FRICTION_PARAMETERS
     ]
 )
 
@@ -155,8 +156,8 @@ def round_foundation(
     The overlap e cos(x) - c with e = c + delta is positive up to s, cos s = c / e. Its
     integrals give F = k_w b R (e s - c sin s) = K delta sqrt(delta c / e) g(u) and U =
     k_w b R / 2 [(e^2 + 2 c^2) s - 3 e c sin s] = 2/5 K delta^2 sqrt(delta c / e) h(u)
-    with u = sin^2(s / 2) = delta / (2 e). g and h are 1 at u = 0; as they stand, both
-    cancel there.
+    with u = sin^2(s / 2) = delta / (2 e). g and h are 1 at u = 0. They are polynomials
+    here, because the differences in F and U lose their digits at small u.
     """
     reach = max(penetration, 0.0)
     plain = stiffness * reach * math.sqrt(reach * clearance / (clearance + reach))
@@ -199,7 +200,7 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
         return elastic, elastic * penetration / (law.exponent + 1.0)
     energy = 0.0
     for i in range(len(ABSCISSAE)):
-        # In the root of the penetration, which nearly all laws are smooth in.
+        # Integrate over the root of the penetration, in which nearly all laws are smooth.
         x = 0.5 * (1.0 + ABSCISSAE[i])
         energy += WEIGHTS[i] * x * elastic_at(law, penetration * x * x)
     return elastic, energy * penetration
@@ -211,8 +212,8 @@ def normal_force(
 ) -> float:
     """Return the normal contact force, N, from its elastic part, N; never adhesive.
 
-    ``penetration`` is delta, m, ``rate`` the one that damps, m/s, and ``onset_speed``
-    the closing speed at touchdown delta_dot_0, m/s, above zero.
+    ``penetration`` is delta, m, ``rate`` the closing speed in the damping term, m/s, and
+    ``onset_speed`` the closing speed at touchdown delta_dot_0, m/s, above zero.
     """
     if law.kind == FACTOR:  # equation 8
         return max(elastic * (1.0 + law.damping * rate / onset_speed), 0.0)
@@ -281,19 +282,21 @@ def fill_friction(law: Records, sliding: Array, normal: Array, force: Array) -> 
         force[i] = friction_force(sliding[i], normal[i], law)
 
 
-# Penetrations over the clearance between which a user law is taken as a power law
+# Penetrations over the clearance through which the power law of a user law is fitted
 POWER_LAW_RANGE = 1e-4, 1e-2
-# A law begins with a jump if its force at touchdown exceeds the elastic force so many
-# times, at a penetration of this part of the clearance.
+# Smallest ratio of the force to the elastic force at touchdown of a law that begins with a
+# jump
 ABRUPT = 1e3
-TOUCHDOWN_DEPTH = 1e-9
+TOUCHDOWN_DEPTH = 1e-9  # penetration at touchdown over the clearance
 
 
 def normal_record(law: NormalLaw, clearance: float) -> Records:
     """Return a normal law as a record of NORMAL, for a clearance, m."""
     record = np.zeros(1, NORMAL).view(np.recarray)[0]
-    record["stiffness"] = record["estimated_stiffness"] = law.stiffness
-    record["exponent"] = record["estimated_exponent"] = law.exponent
+    record["stiffness"] = law.stiffness
+    record["exponent"] = law.exponent
+    record["estimated_stiffness"] = law.stiffness
+    record["estimated_exponent"] = law.exponent
     record["damping"] = law.damping
     record["clearance"] = clearance
     force: Any = ELASTICITIES[law.elasticity]

@@ -179,7 +179,8 @@ def only_root(p: Cubic) -> float:
 @compiled
 def root_between(p: Cubic, low: float, high: float) -> float:
     """Return the root of a polynomial that is monotone between two places of different signs."""
-    at_low, at_high = value_at(p, low), value_at(p, high)
+    at_low = value_at(p, low)
+    at_high = value_at(p, high)
     rises = at_high > 0.0
     # Start from the root of a parabola through both ends.
     first = (high - low) * slope_at(p, low)
@@ -253,8 +254,10 @@ def with_part(
     ``length`` is its part of the cell, of ``width`` rad, whose polynomial has the
     coefficient a_4.
     """
-    p0, d0 = left.overlap, length * left.rise
-    p1, d1 = right.overlap, length * right.rise
+    p0 = left.overlap
+    d0 = length * left.rise
+    p1 = right.overlap
+    d1 = length * right.rise
     q = a4 * length * length * length * length
     l0 = 156.0 * p0 + 22.0 * d0 + 54.0 * p1 - 13.0 * d1 + 7.0 * q
     l1 = 22.0 * p0 + 4.0 * d0 + 13.0 * p1 - 3.0 * d1 + 1.5 * q
@@ -346,7 +349,8 @@ def add_parts(
             continue
         low, high = start, end
         start = end
-        at_low, at_high = value_at(p, low), value_at(p, high)
+        at_low = value_at(p, low)
+        at_high = value_at(p, high)
         if at_low <= 0.0 and at_high <= 0.0:
             continue
         if at_low <= 0.0:

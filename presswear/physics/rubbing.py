@@ -1,8 +1,9 @@
 """Friction moments of rigid pin joints: the friction law at the joint force and the relative spin.
 
-With the joint force F, the radius r of the bearing and the spin omega of the pin
-relative to the bearing, the moment on the pin is r F_t(r omega, |F|); the ramp gives
--mu c_d |F| r sign(omega).
+With the joint force F, the radius r of the bearing, the spin omega of the pin relative to
+the bearing and the friction law F_t, the moment on the pin is r F_t(r omega, |F|). With the
+ramp it is -c_f c_d |F| r sign(omega), with the friction coefficient c_f and the dynamic
+correction c_d.
 """
 
 import math
@@ -13,9 +14,9 @@ from presswear.physics.packed import RUBBING
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
-# change of friction moments in the last iteration, part of the greatest
+# Largest change of friction moments in the last iteration, over the largest moment
 FRICTION_TOL = 1e-12
-MAX_ITERATIONS = 100
+MAX_ITERATIONS = 100  # repeated substitutions
 
 
 @inlined
@@ -59,14 +60,14 @@ def add_friction(
     """Add the friction moments of rigid joints to generalized forces, and solve again.
 
     The moments depend on the joint forces, which are multipliers, and the joint forces
-    on the moments. Repeated substitution converges where mu r is small against the
-    levers of the joint forces. Where it does not, the forces are no numbers, which ends
-    the run.
+    on the moments. Repeated substitution converges if c_f r is small against the levers
+    of the joint forces. If it does not converge, the forces are NaN, which ends the run.
     """
     for k in range(rubbing.shape[0]):
         rubbing[k].moment = 0.0
     for _ in range(MAX_ITERATIONS):
-        change = greatest = 0.0
+        change = 0.0
+        greatest = 0.0
         for k in range(rubbing.shape[0]):
             joint = rubbing[k]
             x = constraints.multipliers[joint.row]

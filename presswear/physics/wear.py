@@ -210,7 +210,8 @@ def share_worn_arc(
     arcs = count_arcs(surfaces, joint, place, contact.place - zero)
     for i in range(arcs):
         share_arc(surfaces, joint, place, i, shares)
-    start, end = surfaces[ARC_START, 0], surfaces[ARC_END, max(arcs - 1, 0)]
+    start = surfaces[ARC_START, 0]
+    end = surfaces[ARC_END, max(arcs - 1, 0)]
     width = place.width
     return (start + 0.5) * width - ARC_MARGIN, (end + 0.5) * width + ARC_MARGIN
 

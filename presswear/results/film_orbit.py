@@ -60,7 +60,8 @@ def film_power(load: FilmLoad, orbit: FilmOrbit, film: OilFilm) -> Array:
     on_film = load.force * direction.conj()
     power = np.zeros(load.time.size)
     for i, (gap, force) in enumerate(zip(orbit.gap, on_film, strict=True)):
-        along, across = float(force.real), float(force.imag)
+        along = float(force.real)
+        across = float(force.imag)
         limited = max(float(gap), _THINNEST)
         closing, wedge = film_velocity(limited, along, across, film, NO_DAMPING)
         power[i] = across * wedge - along * closing
@@ -131,7 +132,8 @@ def stretched_rate(
 
     A centred pin moves along the force.
     """
-    x, y = float(state[0]), float(state[1])
+    x = float(state[0])
+    y = float(state[1])
     length = math.hypot(x, y)
     eccentricity = -math.expm1(-length)
     if eccentricity > 0.0:

@@ -86,7 +86,8 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     if not stage.has_joint_series:
         return GuideTilt(None, None, None, None, {}, {}, None, force)
     strokes = sampled_strokes(scene, stage)
-    time, size = stage.clock, np.abs(tilt_series(stage, guide))
+    time = stage.clock
+    size = np.abs(tilt_series(stage, guide))
     at = {
         name: mean_of_strokes(
             _value(time, size, getattr(stroke, name)) for stroke in strokes
@@ -216,7 +217,8 @@ def _shares(
     for stroke in strokes:
         inside = knots[(knots > stroke.start) & (knots < stroke.end)]
         edges = np.array([stroke.start, *inside, stroke.end])
-        middle, step = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        step = np.diff(edges)
         state = _states([_is_within(load.spans, middle) for load in loads])
         force = np.sum([load.at(middle) for load in loads], axis=0)
         for rows, weight in zip(shares, (step, step * force), strict=True):
@@ -229,7 +231,7 @@ def _shares(
 def _means(rows: list[Array]) -> dict[str, Estimate]:
     """Return the means over strokes of the states that occur."""
     values = zip(STATES, np.array(rows).reshape(-1, len(STATES)).T, strict=True)
-    means = means_by_name({name: each for name, each in values if each.any()})
+    means = means_by_name({name: shares for name, shares in values if shares.any()})
     return {name: _at_most_one(mean) for name, mean in means.items()}
 
 

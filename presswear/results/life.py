@@ -186,7 +186,8 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     ratio = life.strokes / reference.strokes
     sampling = _half_width_of_ratio(life, reference)
     half = math.hypot(sampling, life.step or 0.0, reference.step or 0.0)
-    low, high = ratio / math.exp(half), ratio * math.exp(half)
+    low = ratio / math.exp(half)
+    high = ratio * math.exp(half)
     text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
     if half == 0.0:
         return text, f"{float(ratio > 1.0):g}"
@@ -205,8 +206,8 @@ def _half_width_of_ratio(life: LifeResult, reference: LifeResult) -> float:
     without stored deviations are independent.
     """
     pairs = zip_longest(
-        (each.deviations for each in life.refinements),
-        (each.deviations for each in reference.refinements),
+        (refinement.deviations for refinement in life.refinements),
+        (refinement.deviations for refinement in reference.refinements),
         fillvalue=(),
     )
     groups = []

@@ -157,7 +157,8 @@ def _load_of(drive: Drive, numbers: Array, duration: Array) -> MotorLoad:
     rated = motor.ratio * motor.torque
     work = numbers[:, GIVEN] - numbers[:, RETURNED]
     loss = drive.no_load_speed * numbers[:, TORQUE] - work
-    mean_work, mean_loss = mean_of_strokes(work), mean_of_strokes(loss)
+    mean_work = mean_of_strokes(work)
+    mean_loss = mean_of_strokes(loss)
     rms = mean_of_strokes(np.sqrt(numbers[:, TORQUE_SQUARE] / duration) / rated)
     assert mean_work is not None
     assert mean_loss is not None

@@ -123,7 +123,8 @@ def _films(scene: Scene) -> dict[str, JointFilm]:
 def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     """Return the film of a joint."""
     time, forces = ideal_forces(scene)
-    velocity, linkage = scene.ideal.at(time).velocity, scene.loaded
+    velocity = scene.ideal.at(time).velocity
+    linkage = scene.loaded
     first, second = (
         np.zeros(time.size)
         if end.body == GROUND

@@ -97,7 +97,8 @@ def motion_of_work(scene: Scene, stage: StageResult) -> tuple[Array, Array]:
     of the work times the sine of the tilt. Without a series of the joints the tilt is
     unknown and left out.
     """
-    height, velocity = height_of(scene, stage), stage.velocity
+    height = height_of(scene, stage)
+    velocity = stage.velocity
     offset = 0.0 if scene.process is None else scene.process.offset
     body = scene.base_linkage.output.body
     guides = [guide for guide in scene.loose_guides if guide.body == body]

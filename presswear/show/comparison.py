@@ -125,7 +125,8 @@ def _text_of(quotient: Estimate) -> str:
     text = readable(quotient.mean)
     if quotient.low is None or quotient.high is None:
         return text
-    low, high = readable(quotient.low), readable(quotient.high)
+    low = readable(quotient.low)
+    high = readable(quotient.high)
     return text if low == high else f"{text} ({low} to {high})"
 
 
@@ -161,7 +162,8 @@ def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
 
     A mechanism of bodies is compared as a whole.
     """
-    ours, theirs = settings_by_key(first), settings_by_key(second)
+    ours = settings_by_key(first)
+    theirs = settings_by_key(second)
     listed = [
         setting.key for scene in (first, second) for setting in settings_of(scene)
     ]
@@ -189,7 +191,8 @@ def _other_differences(
     first: Scene, second: Scene, keys: set[str]
 ) -> list[SettingPair]:
     """Return the differences of mechanisms and surfaces that no setting states."""
-    ours, theirs = first.as_dict(), second.as_dict()
+    ours = first.as_dict()
+    theirs = second.as_dict()
     pairs = []
     names = [name for name, *_ in differences(ours["mechanism"], theirs["mechanism"])]
     if unlisted := [name for name in dict.fromkeys(names) if name not in keys]:

@@ -168,7 +168,8 @@ def heat_map(
         axes.pcolormesh(
             x, y, level, norm=norm, cmap=COLOURS, shading="gouraud", rasterized=True
         )
-    x, y = x_axis.factor * across, y_axis.factor * up
+    x = x_axis.factor * across
+    y = y_axis.factor * up
     for marker, rows in (("o", ~points.censored), ("^", points.censored)):
         rows = rows & points.has_value
         axes.scatter(

@@ -138,10 +138,8 @@ class Workers:
                         rows, worker.rows = worker.rows, None
                         on_progress(worker.key, worker.progress, "", rows)
         except BaseException as error:
-            is_interrupt, due = (
-                isinstance(error, KeyboardInterrupt),
-                time.monotonic() + GRACE,
-            )
+            is_interrupt = isinstance(error, KeyboardInterrupt)
+            due = time.monotonic() + GRACE
             for worker in self._running:
                 worker.send(None)
             while any(
@@ -169,7 +167,8 @@ class Workers:
             try:
                 is_complete, content = worker.pipe.recv()
             except (EOFError, OSError):
-                is_complete, content = True, RunFailed(LOST)
+                is_complete = True
+                content = RunFailed(LOST)
             if not is_complete:
                 worker.key, (worker.progress, rows) = key, content
                 worker.rows = worker.rows if rows is None else rows
@@ -331,7 +330,8 @@ def starting_processes() -> Iterator[None]:
     has read its arguments leaves the parent waiting. The processes call
     ``end_with_parent`` first.
     """
-    main, mask = sys.modules["__main__"], getattr(signal, "pthread_sigmask", None)
+    main = sys.modules["__main__"]
+    mask = getattr(signal, "pthread_sigmask", None)
     if mask:
         # It starts with the first process and then admits SIGINT, which that would
         # inherit.

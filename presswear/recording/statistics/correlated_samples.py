@@ -150,7 +150,7 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
         (squares - run**2 * run.size / (run.size - 1)) / max(free - 1, 1)
         for run in centred
     ]
-    if count < MIN_SAMPLES or not all(np.all(each > 0.0) for each in variances):
+    if count < MIN_SAMPLES or not all(np.all(variance > 0.0) for variance in variances):
         return Estimate(value, samples=count)
     pseudo = [
         2.0 * count * math.log(value) - (count - 1) * np.log(variance)
@@ -158,7 +158,8 @@ def spread(runs: Sequence[Array]) -> Estimate | None:
     ]
     centre = float(np.concatenate(pseudo).mean())
     half = half_width_of_runs(pseudo) or 0.0
-    low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
+    low = math.exp(0.5 * (centre - half))
+    high = math.exp(0.5 * (centre + half))
     return Estimate(value, low, high, count)
 
 
