@@ -20,5 +20,5 @@ from presswear.show.stage_tables import direction_text
 def test_interval_of_an_angle_is_one_range_of_less_than_half_a_turn(
     mean, low, high, text
 ):
-    angle = Estimate(*map(math.radians, (mean, low, high)), 8)
+    angle = Estimate(math.radians(mean), math.radians(low), math.radians(high), 8)
     assert direction_text(angle) == text
