@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LOGGER = logging.getLogger(__name__)
 LINE_INTERVAL = 60.0  # time between lines of progress where there is no terminal, s
 LONG_LIFE = 600.0  # s, above which a user is asked before a service life goes on
-# Largest ratio of needed and expected cycles, or times, of a life after its first blocks:
+# Largest ratio of needed and expected time of a life after its first blocks:
 # scatter decides how many refinements follow, worn surfaces how long a cycle takes
 LIFE_SPREAD = 2.0
 # Cycles of all replicates from which ``--quick`` is named: ten minutes at 0.3 s each
@@ -183,17 +183,15 @@ def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
 
 def needed(cycles: float, seconds: float) -> str:
     """Return the remaining cycles and time of a life in words."""
-    count = f"{large(*_range(cycles), digits=2)} cycles of all replicates"
-    return f"needs {count}, {expected_time(seconds)} more"
+    count = large(cycles, digits=2)
+    return (
+        f"needs about {count} cycles of all replicates, {expected_time(seconds)} more"
+    )
 
 
 def expected_time(seconds: float) -> str:
     """Return the range of the time of a life in words."""
-    return duration_text(*_range(seconds))
-
-
-def _range(value: float) -> tuple[float, float]:
-    return value / LIFE_SPREAD, value * LIFE_SPREAD
+    return duration_text(seconds / LIFE_SPREAD, seconds * LIFE_SPREAD)
 
 
 def least_needed(cycles: float) -> str:
