@@ -72,7 +72,7 @@ def _stage_record(scene: Scene, stage: StageResult) -> Record:
     angles = {}
     for joint, statistics in stage.statistics.joints.items():
         peaks = statistics.wear_peaks.items()
-        angles[joint] = {side: direction_text(peak.angle) for side, peak in peaks}
+        angles[joint] = {side: _direction(peak.angle) for side, peak in peaks}
     return {
         "stage": stage,
         "angles": angles,
@@ -172,7 +172,7 @@ def _deepest(stage: StageResult, joint: str) -> dict[str, tuple[float, float | N
     return deepest
 
 
-def direction_text(angle: Estimate) -> str:
+def _direction(angle: Estimate) -> str:
     """Return an angle in degrees from 0 to 360, with its interval, as a text.
 
     The half width of the interval has two digits. An interval of half a turn or more

@@ -126,7 +126,8 @@ def test_stages_are_columns():
     ("degrees", "text"),
     [
         ((355.5, 350.0, 365.0), "355.5 (350.0 to 5.0)"),
-        ((92.5, -100.0, 300.0), "92 (any)"),
+        # half of the samples are deepest in the opposite groove
+        ((182.0, -156.0, 182.0), "182 (no single place)"),
         ((92.5,), "92.5 (too few cycles)"),
     ],
 )
