@@ -2,11 +2,15 @@
 
 import ast
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
+TOP_LEVEL = {".ci", ".gitignore", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
+TOP_LEVEL |= {"LICENSE", "README.md", "docs", "presswear", "pyproject.toml"}
+TOP_LEVEL |= {"scenarios", "tests"}
 UPWARD = {("results", "show")}  # Result.plot and Result.report
 BEGINNINGS = {"Of", "What", "Where", "Whether", "Which", "How", "Who", "That", "Those"}
 # Calls of ``import_module``, which linters do not see, by file: their module is chosen at
@@ -37,6 +41,12 @@ IMPORTED_BY_NAME = {
 }
 NAMES = {"own", "told", "tell", "asked", "found", "known", "given", "other", "begun"}
 NAMES |= {"taken", "kept", "gone", "apart", "borne", "felt", "bed", "look"}
+
+
+def test_no_scratch_file_is_in_the_repository():
+    command = ["git", "ls-files"]
+    listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True).stdout
+    assert {Path(file).parts[0] for file in listed.decode().splitlines()} == TOP_LEVEL
 
 
 def test_rooms_import_only_rooms_below_them():
