@@ -143,13 +143,14 @@ class _Comparison:
 
         ``body`` is that of the largest peak of the run.
         """
-        name, _, unit, bodies = quantity
+        unit = quantity.unit
         compared = []
         for label, duties in self.rigid.items():
-            of_quantity = {driven: duties[driven] for driven in bodies}
-            compared.append((label, _peak_text(of_quantity, name, unit, body)))
-        if name == "torque" and self.static:
-            torques = {driven: self.static[driven] for driven in bodies}
+            of_quantity = {driven: duties[driven] for driven in quantity.bodies}
+            text = _peak_text(of_quantity, quantity.name, unit, body)
+            compared.append((label, text))
+        if quantity.name == "torque" and self.static:
+            torques = {driven: self.static[driven] for driven in quantity.bodies}
             compared.append((STATIC, _static_text(torques, unit)))
         return tuple(compared)
 
