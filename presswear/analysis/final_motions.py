@@ -59,9 +59,9 @@ class FinalMotion:
     """
 
     starts: int
-    share: Estimate  # of the starts whose run did not fail
+    share: Estimate  # share of the starts whose run did not fail
     period: int | None  # cycles; None: irregular until the last cycle
-    peak_force: Mapping[str, float]  # of a cycle, by joint, N
+    peak_force: Mapping[str, float]  # peak of a cycle by joint, N
     contacts: Mapping[str, float]  # number of contacts that end in a cycle, by joint
     runs: tuple[int, ...]  # indices of the runs from these starts
     # smallest kick of each pin that leads to rattling; None: not determined
@@ -81,7 +81,7 @@ class FinalMotion:
 class FinalMotionsAt:
     """Final motions at one value of the parameter."""
 
-    value: float | None  # of the parameter, SI; None: there is no parameter
+    value: float | None  # value of the parameter, SI; None: there is no parameter
     joints: tuple[str, ...]  # with clearance
     runs: Runs  # finished runs, in the order of the starts
     # the motion of most starts is first, the irregular motion is last

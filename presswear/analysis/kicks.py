@@ -42,7 +42,7 @@ class Kick:
     # smallest speed after which the motion rattles; None: it returns after all kicks
     rattles: float | None
     returns: float  # speed after which it returns from all states, in all directions
-    direction: int = 0  # of the kick that leads to rattling, degrees
+    direction: int = 0  # direction of the kick that leads to rattling, degrees
     state: int = 0  # number of the state of the settled motion before this kick
 
 

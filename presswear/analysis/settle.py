@@ -119,13 +119,15 @@ def run_start(
 def _row(joints: int, coordinates: int) -> NDArray[Any]:
     """Return an empty row of an irregular run."""
     fields: list[Any] = [
-        ("index", int),  # of the start
-        ("eccentricity", float, (joints, 2)),  # of each pin at the start, m
-        ("velocity", float, (joints, 2)),  # of each pin relative to its bearing, m/s
-        ("cycles", int),  # that were run
+        ("index", int),  # number of the start
+        # eccentricity of each pin at the start, m
+        ("eccentricity", float, (joints, 2)),
+        # velocity of each pin relative to its bearing, m/s
+        ("velocity", float, (joints, 2)),
+        ("cycles", int),  # number of cycles of the run
         ("settled", int),  # cycles before it settled, or IRREGULAR or FAILED
-        ("period", int),  # of the final motion, cycles; 0: irregular
-        ("signature", float, 3 * joints),  # of the final motion
+        ("period", int),  # period of the final motion, cycles; 0: irregular
+        ("signature", float, 3 * joints),  # signature of the final motion
         ("last", float, (PERIODS[-1], 3 * joints)),  # signatures of the last cycles
         ("peak_force", float, joints),  # mean of the final motion after its start-up, N
         ("contacts", float, joints),  # mean of these cycles

@@ -20,7 +20,7 @@ class Spectrum:
 
     frequency: Array  # Hz
     density: Array  # square of the unit of the values per Hz
-    period: float  # of a cycle, s
+    period: float  # period of a cycle, s
 
     @property
     def order(self) -> Array:

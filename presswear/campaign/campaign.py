@@ -77,7 +77,7 @@ class _Campaign:
 
     runner: Runner
     at: Checkpoint
-    strokes: float | None = None  # of the service life, if the scene has one
+    strokes: float | None = None  # length of the service life, if the scene has one
     unconverged: list[str] = field(default_factory=list)  # messages
 
     def run(self) -> Outcome:

@@ -20,15 +20,16 @@ _DOCUMENT = "document"  # array of a checkpoint that holds everything but its ar
 class Checkpoint:
     """State of a campaign between two cycles, saved as named arrays."""
 
-    index: int = 0  # of the stage that runs
-    # of the surfaces of its runs, m
+    index: int = 0  # number of the stage that runs
+    # depth of the surfaces of its runs, m
     depth: Array = field(default_factory=lambda: np.zeros(0))
     stage: EnsembleState | None = None  # its finished runs, while they wear
     update: WearUpdate | None = None  # last refinement of the wear update after it
     # unfinished runs of the stage or of a refinement
     running: EnsembleState = EnsembleState()
-    life: LifeState | None = None  # of the service life, which comes before the stages
-    new: WearRates | None = None  # of the new surfaces, in a quick life
+    # state of the service life, which comes before the stages
+    life: LifeState | None = None
+    new: WearRates | None = None  # wear rates of the new surfaces, in a quick life
 
     @property
     def words(self) -> str:

@@ -42,7 +42,7 @@ class EnsembleState:
     runs: tuple[RunState | None, ...] = ()  # None: the run has not started
     until: tuple[int, ...] = ()  # cycle at which each run ends its round
     wall: float = 0.0  # wall time, s
-    # of a finished step check
+    # errors by name, from a finished step check
     step_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -56,11 +56,12 @@ class Ensemble:
     """Finished runs of a linkage from one or several replicates."""
 
     linkage: Linkage  # on the surfaces that the scene starts on
-    depth: Array  # of the surfaces at the start of each run, (runs, joints, 2, bins), m
+    depth: Array  # surfaces at the start of each run, (runs, joints, 2, bins), m
     runs: tuple[Run, ...]  # by replicate, of one set or two; a failed one is the last
     replicates: int  # number of runs in a set
     state: EnsembleState
-    bins: tuple[int, ...] = ()  # of each joint's wear maps, if they are smoothed
+    # bins of the wear maps of each joint, if they are smoothed
+    bins: tuple[int, ...] = ()
 
     @staticmethod
     def of(

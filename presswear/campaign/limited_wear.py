@@ -18,7 +18,7 @@ class LimitedWear:
     """Wear of a pin and its bearing, or of both walls of a guide, under a limit."""
 
     limit: Limit
-    number: int  # of the clearance joint; of a guide that of a corner
+    number: int  # index of the clearance joint; for a guide the index of a corner
     joint: ClearanceJoint
 
     @property

@@ -44,7 +44,7 @@ class LoadBlock:
     """Some cycles of every wear history, or the maintenance of a bushing."""
 
     strokes: float  # since new, at its end
-    cycles: int  # of each history; 0: maintenance or a failed run
+    cycles: int  # cycles of each history; 0: maintenance or a failed run
     interval: int  # number of the service interval
     # quantities of the surfaces at its end, by key, (histories,)
     levels: Mapping[str, Array]
@@ -52,7 +52,7 @@ class LoadBlock:
     rate: float  # largest mean depth that a stroke took off, relative to the clearance
     # mean depth that a stroke takes off by Archard's law, (joints, 2, bins), m
     removed: Array
-    # of the surfaces at its end, (histories, joints, 2, bins), m
+    # depth of the surfaces at its end, (histories, joints, 2, bins), m
     depth: Array = field(default_factory=lambda: np.zeros((0, 0, 2, 0)))
     ended_by: str = ""  # reason why it is the last: worn too deep, or a failed run
     wall_s: float = 0.0

@@ -70,7 +70,8 @@ class Runner:
     scene: Scene
     workers: Workers = field(default_factory=Workers)
     observers: Sequence[Observer] = ()
-    index: int | None = None  # of the present stage; None: the service life before them
+    # number of the present stage; None: the service life before the stages
+    index: int | None = None
     done: float = 0.0  # cycles of the ensembles before the present one
     later: float = 0.0  # expected cycles of the ensembles after it
     reported: float = 0.0  # largest number of cycles that was reported

@@ -39,7 +39,7 @@ class LifeProblem:
     services: tuple[Service, ...]  # in the order of strokes
     at_most: float  # strokes
     tolerance: float  # relative error of the life
-    max_cycles: int  # of all histories in a refinement
+    max_cycles: int  # cycles of all histories in a refinement
     # strokes that a cycle stands for before a wear rate is known
     first_share: float = 1.0
 
@@ -48,7 +48,7 @@ class LifeProblem:
 class BlockPlan:
     """Plan of the next load block."""
 
-    cycles: int  # of each history
+    cycles: int  # cycles of each history
     share: float  # strokes that each stands for
     # depth that each takes off besides by Archard's law, (joints, 2, bins), m
     extra: Array | float = 0.0

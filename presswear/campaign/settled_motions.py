@@ -50,9 +50,10 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     if not joints or not all(map(len, runs)):
         return None
     settled: list[SettledMotion] = []
-    settled_rows = []  # of each settled run, from the start of its settled motion on
-    irregular_rows = []  # of each run, before it settled
-    lengths = []  # of the runs that have not settled, cycles
+    # cycles of each settled run, from the start of its settled motion
+    settled_rows = []
+    irregular_rows = []  # cycles of each run before it settled
+    lengths = []  # numbers of cycles of the runs that have not settled
     starts: list[int | None] = []
     for motion, rows in zip(settled_motions_of(joints, runs), runs, strict=True):
         if motion is None:

@@ -154,7 +154,7 @@ def _statistics(
     )
     try:
         json.dumps(statistics, default=vars, allow_nan=False)
-    except ValueError:  # of a run that failed
+    except ValueError:  # a failed run has values that are not finite
         return StageStatistics(count)
     return statistics
 

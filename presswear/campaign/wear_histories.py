@@ -77,7 +77,7 @@ class _Interval(NamedTuple):
     strokes: float  # since the start of the life
     first: Array  # depth of its surfaces when it started, m
     earlier: Array  # depth of its surfaces before the block, m
-    cycles: int  # of its earlier blocks, in each history
+    cycles: int  # cycles of its earlier blocks, in each history
 
 
 @dataclass

@@ -62,10 +62,10 @@ _LEAST_CHANGE = 1e-15
 class WearUpdate:
     """Wear update as far as it is known."""
 
-    # of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
+    # depth of the surfaces after it, (runs, joints, 2, bins), m; see ``Ensemble``
     depth: Array
     added_depth: Array  # depth that it added, m
-    steps: tuple[WearStep, ...]  # in which it was applied, means over the replicates
+    steps: tuple[WearStep, ...]  # steps of the update, means over the replicates
     coarser: Array | None = None  # depth added in half as many steps, m
     # by which smoothing lowers the mean of ``added_depth``, m
     flattening: Array | None = None
@@ -94,7 +94,7 @@ class CycleWear:
     """
 
     share: float  # cycles that each stands for
-    laws: Laws  # of running-in, by joint
+    laws: Laws  # laws of running-in, by joint
     extra: Array | float = 0.0  # m, shape (joints, 2, bins)
     start_up: int = STARTUP_CYCLES  # cycles
 

@@ -46,7 +46,8 @@ class RunObserver(Observer):
         self._scene = scene
         self._is_confirmed = is_confirmed
         self._compile_time = 0.0  # within this stage, s
-        self._compiled = 0.0  # of all stages, s, with the time before the first report
+        # compile time of all stages and before the first report, s
+        self._compiled = 0.0
         self._compile_start: float | None = None
         # completed part at the first report, of a resumed run
         self._start: float | None = None

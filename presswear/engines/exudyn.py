@@ -59,7 +59,7 @@ class Solver:
     # the last accepted step: its time (``time``), and the next step that contacts allow
     # (``following``) and that the solver proposes (``proposed``), s
     sums: dict[str, float] = field(init=False)
-    _end: float = 0.0  # of the present section, s; nominal with a leader
+    _end: float = 0.0  # end of the present section, s; a nominal time with a leader
     # The present section ends at an angle of the leader. Stored here, because reading it
     # from the recorder takes as long as a stage of the method.
     _ends_by_angle: bool = False

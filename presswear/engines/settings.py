@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from presswear.linkage.linkage import Linkage
 
 Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
-Purpose = Literal["trajectory", "forces", "wear"]  # of the numbers of a run
+Purpose = Literal["trajectory", "forces", "wear"]  # purpose of the numbers of a run
 
 # relative error of the wear maps for which the tolerances below are chosen
 WEAR_ERROR = 0.1
@@ -48,7 +48,7 @@ class _Engine(Named):
     """Longest step, tolerance and run of any engine."""
 
     word: ClassVar[str]
-    # of its setting; none where steps are not error-controlled
+    # name of the setting of the tolerance; empty where steps are not error-controlled
     tolerance_name: ClassVar[str] = ""
     tolerances: ClassVar[dict[Purpose, float]]  # where none is specified
     # typical computing time of a step with one or two contacts, s

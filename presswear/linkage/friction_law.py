@@ -36,7 +36,7 @@ class FrictionLaw(Checked):
     upper: float = 1e-3  # v_1, m/s: full friction above
     name: str = "ramp"
     user_law: UserFunction | None = None  # force along the sliding, N
-    settings: Any = None  # of a law with settings, such as LuGreSettings
+    settings: Any = None  # settings of a law that has some, such as LuGreSettings
 
 
 def has_state(law: UserFunction) -> bool:

@@ -18,7 +18,7 @@ class WallMap:
     """Map of the wear along a wall, which both corners of the slide on its side share."""
 
     coefficient: float  # K_d, 1/Pa
-    start: float  # of the map along the guide, from its point, m
+    start: float  # start of the map along the guide, from the point of the guide, m
     length: float  # m
 
     @property
@@ -38,7 +38,8 @@ class GuideCorner(ClearanceJoint):
     """
 
     guide: Guide = field(kw_only=True)
-    side: float = field(kw_only=True)  # of the wall: 1 left of the direction, -1 right
+    # side of the wall: 1 left of the direction, -1 right
+    side: float = field(kw_only=True)
     # None: no wear of the wall is computed
     wall: WallMap | None = field(default=None, kw_only=True)
 

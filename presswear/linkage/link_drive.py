@@ -126,8 +126,8 @@ class LinkDrive(Mechanism):
         corners = self._corners
         inertia = self.plate_inertia
         if inertia is None:
-            # Of a triangle: m / 12 times the sum of the squared distances of its corners
-            # from the centroid
+            # inertia of a triangle: m / 12 times the sum of the squared distances of its
+            # corners from the centroid
             squares = sum(abs(corner) ** 2 for corner in corners.values())
             inertia = self.plate_mass * squares / 12.0
         points = {name: (point.real, point.imag) for name, point in corners.items()}

@@ -106,7 +106,7 @@ class _Crown(NamedTuple):
 
     bodies: tuple[Body, ...]
     guides: tuple[Guide, ...]
-    ends: Mapping[str, End]  # of the pins on the frame, by joint
+    ends: Mapping[str, End]  # ends of the pins on the frame, by joint
 
 
 class Mechanism(Checked, ABC):
@@ -115,14 +115,15 @@ class Mechanism(Checked, ABC):
     kind: ClassVar[str]  # name of the mechanism in a stored scene
     allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance
     default_joints: ClassVar[tuple[str, ...]]  # joints that have clearance by default
-    origin: ClassVar[str]  # of its values, in a sentence
-    speed: float  # of the driven crank, rad/s
+    origin: ClassVar[str]  # origin of its values, in a sentence
+    speed: float  # speed of the driven crank, rad/s
     torque_limit: float | None  # N m
     # Elastic frame; None: rigid
     frame_mass: float | None = None  # kg
     frame_stiffness: float | None = None  # N/m
     frame_damping: float = ELASTIC_JOINT_DAMPING
-    motor: Motor | None = None  # of the driven crank; None: it turns at its speed
+    # motor of the driven crank; None: the crank turns at its speed
+    motor: Motor | None = None
     # Slide in its guide; None: without clearance
     guide_length: float | None = None  # m
     guide_width: float | None = None  # m

@@ -27,7 +27,7 @@ class Fit(NamedTuple):
     best: float  # geometric mean of all but the doubtful prints
     # factor by which single depths miss it, root mean square of logarithms
     typical: float
-    largest: float  # of these factors
+    largest: float  # largest of these factors
 
 
 def fit(factors: Mapping[Place, float]) -> Fit:

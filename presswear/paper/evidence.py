@@ -65,7 +65,7 @@ class WearMap(NamedTuple):
     """Depth of both surfaces of a joint, m, with its pointwise 95 % interval; shape (m,) each."""
 
     angle: Array  # rad
-    mean: Array  # of the bearing alone where maps turn with the bodies
+    mean: Array  # depth of the bearing alone where maps turn with the bodies
     low: Array
     high: Array
 

@@ -12,7 +12,7 @@ from presswear.linkage.points import GROUND, Attachment, OutputPoint
 class Row(NamedTuple):
     """Constraint row: a distance along a direction, or an angle, and its value."""
 
-    name: str  # of the joint, guide or drive
+    name: str  # name of the joint, guide or drive
     first: Attachment
     second: Attachment
     direction: tuple[float, float] = (0.0, 0.0)

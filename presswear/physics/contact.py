@@ -46,11 +46,11 @@ CONTACT = np.dtype(
         # on a foundation the direction of the greatest overlap, rad; of a corner on a
         # wall with a map its place along the guide, m
         ("place", np.float64),
-        # Of the pressure on the worn pin about the contact point, N m; the bearing's is
-        # opposite.
+        # moment of the pressure on the worn pin about the contact point, N m; the moment on
+        # the bearing is opposite
         ("couple", np.float64),
-        # Of the bodies, rad and rad/s; from their mass centres to those of bearing and
-        # pin, m
+        # angles and rates of the bodies, rad and rad/s; levers from their mass centres to
+        # the centres of bearing and pin, m
         *floats("bearing_angle", "bearing_spin", "bearing_lever_x", "bearing_lever_y"),
         *floats("pin_angle", "pin_spin", "pin_lever_x", "pin_lever_y"),
         *floats("normal", "tangential"),  # forces, N, zero while open
@@ -61,12 +61,12 @@ CONTACT = np.dtype(
 # Memory of a joint between accepted steps: its last state and its present contact
 MEMORY = np.dtype(
     [
-        ("time", np.float64),  # of the last accepted state, s
+        ("time", np.float64),  # time of the last accepted state, s
         ("step", np.float64),  # length of the last accepted step, s
         ("penetration", np.float64),  # m
         ("earlier_penetration", np.float64),  # in the state before the last, m
-        ("rate", np.float64),  # of the penetration, m/s
-        ("acceleration", np.float64),  # of the penetration, m/s^2
+        ("rate", np.float64),  # rate of the penetration, m/s
+        ("acceleration", np.float64),  # second derivative of the penetration, m/s^2
         ("closing", np.float64),  # rate that enters the damping, m/s
         ("elastic", np.float64),  # elastic force, N
         ("energy", np.float64),  # elastic energy, J
@@ -74,13 +74,14 @@ MEMORY = np.dtype(
         ("step_peak", np.float64),
         # speed of the contact over the wear maps, rad/s
         ("sweep", np.float64),
-        *floats("eccentricity_x", "eccentricity_y"),  # of the last accepted state, m
-        ("touchdown_time", np.float64),  # of the present contact, s
-        ("separation_time", np.float64),  # of the previous contact, s
+        # eccentricity in the last accepted state, m
+        *floats("eccentricity_x", "eccentricity_y"),
+        ("touchdown_time", np.float64),  # touchdown of the present contact, s
+        ("separation_time", np.float64),  # separation after the previous contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
         ("steps", np.int64),  # accepted in the present contact
         ("longest_step", np.float64),  # for the expected duration of the contact, s
-        ("peak_force", np.float64),  # of the present contact, N
+        ("peak_force", np.float64),  # largest normal force of the present contact, N
     ]
 )
 

@@ -26,11 +26,11 @@ class Bottom:
     """
 
     time: float  # negative if it lies in the previous cycle
-    height: float  # of the output point at this time, m, in the axes of the frame
+    height: float  # height of the output point at this time in the axes of the frame, m
     stroke: float  # distance of the lowest and the highest position, m
     top: float  # time of the previous highest position
     window: tuple[float, float]  # beginning and end of the lower half of the stroke
-    period: float  # of a cycle, s
+    period: float  # period of a cycle, s
     # Time and height of each minimum in the window
     minima: tuple[tuple[float, float], ...]
 

@@ -15,7 +15,7 @@ MOTION = np.dtype(
         ("speed", np.float64),  # mean speed, with the turn of the pieces in a cycle
         ("angle", np.float64),  # at t = 0
         ("fundamental", np.float64),  # frequency of the first harmonic, rad/s
-        ("count", np.int64),  # of harmonics
+        ("count", np.int64),  # number of harmonics
         ("cosine", np.float64, (MAX_HARMONICS,)),
         ("sine", np.float64, (MAX_HARMONICS,)),
         ("pieces", np.int64),
@@ -88,7 +88,7 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
 @lazily_compiled((0.0, 0.0, 0.0), MOTION, 0)
 def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """Return the result of ``drive_motion`` for any drive."""
-    rate = 1.0  # of the time of the motion without a run-up
+    rate = 1.0  # rate of the time of the motion without a run-up
     rate_change = 0.0  # 1/s
     if drive.run_up > 0.0:
         t, rate, rate_change = run_up_motion(drive.run_up, t)

@@ -98,8 +98,8 @@ def _power_series(count: int) -> tuple[Array, Array]:
     (1 + 2 (1 - 2 u)^2) s - 3 (1 - 2 u) sin s is 16 s = 32 asin(sqrt(u)), which gives h.
     """
     n = np.arange(1, count)
-    root = np.cumprod([1.0, *((n - 1.5) / n)])  # of sqrt(1 - u)
-    angle = np.cumprod([1.0, *((n - 0.5) / n)])  # of 1 / sqrt(1 - u)
+    root = np.cumprod([1.0, *((n - 1.5) / n)])  # coefficients of sqrt(1 - u)
+    angle = np.cumprod([1.0, *((n - 0.5) / n)])  # coefficients of 1 / sqrt(1 - u)
     n = np.arange(count)
     force = 1.5 * root / (n + 1.5)
     energy = 3.75 * angle / ((2 * n + 1) * (n + 1.5) * (n + 2.5))

@@ -31,11 +31,12 @@ LOAD = np.dtype(
         # True: a moment over the angle of the body; False: a force
         ("turns", np.bool_),
         *floats("x", "y"),  # point of the force in the frame of the body, m
-        *floats("cosine", "sine"),  # of the direction; of a moment 1 or -1
+        # direction of a force; for a moment the cosine is 1 or -1
+        *floats("cosine", "sine"),
         ("kind", np.int64),
         ("first", np.int64),  # row of its first node
         ("count", np.int64),  # number of its nodes
-        ("period", np.float64),  # of a table over time, s; 0: it does not repeat
+        ("period", np.float64),  # period of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
         ("is_constant_outside", np.bool_),  # outside of the table its end values hold
         # 0: in both senses of motion; 1: in one sense; -1: in one, with opposite signs
@@ -43,9 +44,9 @@ LOAD = np.dtype(
         # behind the last node no load until the table begins again
         ("release", np.bool_),
         ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
-        ("mean", np.float64),  # of a series, N or N m
+        ("mean", np.float64),  # mean of a series, N or N m
         ("frequency", np.float64),  # rad/s
-        ("address", np.int64),  # of a user function
+        ("address", np.int64),  # address of a user function
     ]
 )
 
@@ -64,10 +65,10 @@ MODE = np.dtype(
         ("deepest_size", np.float64),  # size of the load at this position, N or N m
         # in the last accepted state; position in m or rad
         *floats("place", "speed", "acceleration"),
-        ("change", np.float64),  # of the acceleration, over the last step
+        ("change", np.float64),  # change of the acceleration over the last step
         # change of the size at the last change of mode, over the larger size
         ("jump", np.float64),
-        ("time", np.float64),  # of the last accepted state, s
+        ("time", np.float64),  # time of the last accepted state, s
         ("changed", np.float64),  # time of the last change of mode, s
     ]
 )
@@ -76,10 +77,10 @@ MODE = np.dtype(
 class Loads(NamedTuple):
     """Loads with a law, in the form that kernels read."""
 
-    records: Records  # of LOAD
+    records: Records  # dtype LOAD
     # Nodes of all tables, (n, 2): position or time, and size; or two terms of a series
     nodes: Array
-    modes: Records  # of MODE, during the present step
+    modes: Records  # dtype MODE, during the present step
 
 
 @inlined

@@ -38,7 +38,7 @@ class Place(NamedTuple):
     dy: float
     eccentricity: float  # m
     clearance: float  # m
-    width: float  # of a cell, rad
+    width: float  # width of a cell, rad
     # node of the pin's map at or before a node of the bearing's, less the latter
     lag: int
     offset: float  # way between the two, in cells
@@ -238,11 +238,11 @@ def turning_points(p: Cubic) -> tuple[float, float]:
 class ArcIntegrals(NamedTuple):
     """Integrals over the arc where surfaces overlap, in the frame of the bearing's map."""
 
-    x: float  # of p cos(theta), m rad
-    y: float  # of p sin(theta), m rad
-    pin_slope: float  # of p times the slope of the pin's map, m^2
-    square: float  # of p^2, m^2 rad
-    arcs: int  # of overlap; see ARC_START
+    x: float  # integral of p cos(theta), m rad
+    y: float  # integral of p sin(theta), m rad
+    pin_slope: float  # integral of p times the slope of the pin's map, m^2
+    square: float  # integral of p^2, m^2 rad
+    arcs: int  # number of arcs of overlap; see ARC_START
 
 
 @inlined

@@ -60,8 +60,8 @@ JOINT = np.dtype(
         ("map_turns", np.float64),  # 1 if the wear maps turn with their bodies, else 0
         # stiffness of the foundation k_w b R, N/m^2 per rad; 0 for radial contact
         ("foundation", np.float64),
-        ("map_bins", np.int64),  # of the wear maps of a cycle
-        ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
+        ("map_bins", np.int64),  # bins of the wear maps of a cycle
+        ("surface_bins", np.int64),  # bins of the worn surfaces; 0 while they are round
         # number of nodes into which ``worn_map.pack_rows`` divides these bins
         ("surface_nodes", np.int64),
         ("cell_width", np.float64),  # between two nodes, rad
@@ -72,13 +72,13 @@ JOINT = np.dtype(
         ("bearing_share", np.float64),  # share of the bearing in the worn depth
         # m of the wear law; see ``physics.pressure_wear``
         ("pressure_exponent", np.float64),
-        # of a user law of WEAR_PARAMETERS that depends on the pressure; 0: none
+        # address of a user law of WEAR_PARAMETERS that depends on the pressure; 0: none
         ("wear_address", np.int64),
         ("slip_by_angle", np.bool_),
         ("over_arc", np.bool_),
         ("is_flat", np.bool_),  # a corner on a wall
         ("wall_partner", np.int64),  # number of the second corner on its wall
-        ("wall_start", np.float64),  # of the map along the guide, m
+        ("wall_start", np.float64),  # start of the map along the guide, m
         ("wall_bin", np.float64),  # length of a bin, m
         # 1 where the corner moves along the guide with a positive sliding speed, or -1
         ("wall_sense", np.float64),
@@ -104,11 +104,11 @@ RUBBING = np.dtype(
 # Coordinate of a body that a drive moves
 DRIVEN = np.dtype(
     [
-        ("index", np.int64),  # of the angle of the body in q
+        ("index", np.int64),  # index of the angle of the body in q
         ("is_linear", np.bool_),  # along a guide, by the motion of the drive
         ("is_geared", np.bool_),  # its power is that of its leader
         ("leader", np.int64),  # number of the drive of this leader
-        ("ratio", np.float64),  # of gears
+        ("ratio", np.float64),  # ratio of gears
     ]
 )
 
@@ -116,14 +116,14 @@ DRIVEN = np.dtype(
 class Packed(NamedTuple):
     """Linkage packed for the kernels."""
 
-    joints: Records  # of JOINT
+    joints: Records  # dtype JOINT
     # surfaces, (joints, ROWS, m): a joint uses as many columns as needed, see ``pack_rows``
     surfaces: Array
     loads: Loads | None  # None without loads with a law
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
-    driven: Records  # of DRIVEN
-    rubbing: Records | None  # of RUBBING; None without friction in rigid joints
+    driven: Records  # dtype DRIVEN
+    rubbing: Records | None  # dtype RUBBING; None without friction in rigid joints
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:

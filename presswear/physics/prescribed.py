@@ -29,15 +29,16 @@ PART = np.dtype(
         ("parent", np.int64),  # number of the parent; -1 for the frame
         ("before", np.int64),  # index in q of the x of the parent; -1 for the frame
         ("drive", np.int64),  # number of its drive in the linkage; -1 for none
-        ("driven_angle", np.float64),  # of the driven body less the coordinate, rad
+        # angle of the driven body less the coordinate, rad
+        ("driven_angle", np.float64),
         # -1 if the drive moves the guide of the part along the parent, else 1
         ("sense", np.float64),
         # Number of the part with the hinge that turns a guide; -1 if none does
         ("turning", np.int64),
         *floats("before_x", "before_y"),  # joint in the axes of the parent, m
         *floats("end_x", "end_y"),  # joint in the axes of the body, m
-        *floats("cosine", "sine"),  # of the direction of the guide, axes of the parent
-        ("angle", np.float64),  # of a sliding body in the axes of the parent, rad
+        *floats("cosine", "sine"),  # direction of the guide, axes of the parent
+        ("angle", np.float64),  # angle of a sliding body in the axes of the parent, rad
         *floats("axis_x", "axis_y"),  # cosine and sine of this angle
         # A body with a hinge on the frame has the inertia about the hinge and mass 0.
         *floats("mass", "inertia"),
@@ -67,9 +68,9 @@ DETERMINANT = 1
 class Prescribed(NamedTuple):
     """Prescribed bodies, parents before children."""
 
-    parts: Records  # of PART
-    closings: Records  # of CLOSING
-    motions: Records  # of all drives
+    parts: Records  # dtype PART
+    closings: Records  # dtype CLOSING
+    motions: Records  # motions of all drives
     # last motion, from which Newton's method starts, and working space, with the rows
     # COORDINATE to HEAD: (HEAD + 4 closings, max(parts, 2))
     work: Array

@@ -24,13 +24,13 @@ from presswear.tools.compile import Records, compiled, inlined
 # Counts of one joint
 COUNTERS = np.dtype(
     [
-        ("contacts", np.int64),  # that have ended
-        ("contacts_before", np.int64),  # that had ended before the present cycle
+        ("contacts", np.int64),  # contacts that have ended
+        ("contacts_before", np.int64),  # contacts that had ended before the cycle
         ("rows", np.int64),  # stored contacts
         ("full", np.bool_),  # no more contacts are stored
         ("unresolved", np.int64),  # contacts with too few steps
-        ("fewest_steps", np.int64),  # of any contact
-        ("peak_force", np.float64),  # of the run so far, N
+        ("fewest_steps", np.int64),  # fewest steps of any contact
+        ("peak_force", np.float64),  # largest normal force of the run so far, N
         ("deepest", np.float64),  # largest penetration of the run so far, m
     ]
 )

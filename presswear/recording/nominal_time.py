@@ -28,7 +28,7 @@ _ADVANCE_ANGLE = 2.0 * math.pi * ADVANCE
 # Leader and nominal time of a run
 NOMINAL = np.dtype(
     [
-        ("column", np.int64),  # of the leader's angle in q; -1: no motor
+        ("column", np.int64),  # index of the leader's angle in q; -1: no motor
         ("start", np.float64),  # initial angle of the leader, rad
         ("speed", np.float64),  # nominal speed of the leader, rad/s
         # nominal time in the last accepted state, s, and two derivatives by time

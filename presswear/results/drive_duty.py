@@ -45,10 +45,10 @@ class DriveCurve(NamedTuple):
     """
 
     time: Array  # s
-    angle: Array  # of its body, rad; distance along its guide, m
+    angle: Array  # angle of its body, rad; distance along its guide, m
     torque: Array  # on its body, N m; force of a drive along a guide, N
     power: Array  # W
-    speed: Array  # of its body, rad/s; along its guide, m/s
+    speed: Array  # speed of its body, rad/s; along its guide, m/s
 
 
 def farthest_from_zero(values: Array) -> float:

@@ -23,9 +23,9 @@ from presswear.scene.scene import Scene
 class DriveResult(NamedTuple):
     """Duty and peaks of a drive in a stage, beside its duty with rigid joints."""
 
-    duty: DriveDuty  # of the run, integrated over all steps
-    ideal: DriveDuty  # of rigid joints without friction
-    # of rigid joints with the friction of their bearings, if any
+    duty: DriveDuty  # duty in the run, integrated over all steps
+    ideal: DriveDuty  # duty with rigid joints without friction
+    # duty with rigid joints with the friction of their bearings, if any
     rubbing: DriveDuty | None
     # largest in magnitude of a cycle, mean over cycles, N m
     peak_torque: Estimate | None

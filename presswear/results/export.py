@@ -62,12 +62,13 @@ UNITS = {
     },
     **{column.table_name: column.unit for column in SERIES},
     "clock": "s",  # real time; with a motor ``time`` is the nominal time
-    "height": "m",  # of the output over the ideal bottom dead centre
-    "process_force": "N",  # of the work, if the scene has a process
+    "height": "m",  # height of the output over the ideal bottom dead centre
+    "process_force": "N",  # force on the work, if the scene has a process
     **{column.table_name: column.unit for column in JOINT_SERIES},
     **_DRIVE,
     **_LINEAR_UNITS,
-    "stretch": "m",  # of an elastic frame, or between the centres of an elastic pin
+    # stretch of an elastic frame, or between the centres of an elastic pin
+    "stretch": "m",
     "strokes": "1",
     "replicate": "1",
     **{name: item.unit for name, item in LIFE_QUANTITIES.items()},

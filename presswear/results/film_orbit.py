@@ -28,7 +28,7 @@ class FilmLoad:
     """Force and speeds of a joint in a cycle, whose last instant is the first of the next."""
 
     time: Array  # s, shape (n,)
-    force: Array  # of the film on the pin, x + 1j y, N
+    force: Array  # force of the film on the pin, x + 1j y, N
     speed_sum: Array  # speeds of pin and bearing, rad/s
 
 

@@ -44,7 +44,7 @@ class StoredCheckpoint:
     file: Literal["checkpoint-1.npz", "checkpoint-2.npz"]
     digest: str
     words: str  # description of the last stored cycle
-    index: int  # of the stage that runs
+    index: int  # number of the stage that runs
 
 
 @dataclass

@@ -52,11 +52,11 @@ class RefinementResult:
     """Refinement of a life, in finer steps than the one before."""
 
     change: float  # fraction of the clearance that a cycle takes off
-    cycles: int  # of all replicates
+    cycles: int  # cycles of all replicates
     strokes: float | None  # life by this refinement alone
     sampling: float | None  # half width of ln(strokes)
-    # of each replicate from their mean, in ln(strokes) of the life: those of this
-    # refinement times its weight
+    # deviations of the replicates from their mean, times the weight of this refinement, in
+    # ln(strokes) of the life
     deviations: tuple[float, ...] = ()
 
 
@@ -100,7 +100,7 @@ class LifeResult:
     scatter: float  # half width of ln(strokes) by the scatter of the wear coefficients
     limits: tuple[LimitResult, ...]
     refinements: tuple[RefinementResult, ...]
-    wear_rates: tuple[WearRate, ...] = ()  # of a quick life
+    wear_rates: tuple[WearRate, ...] = ()  # wear rates that a quick life uses
     services: tuple[str, ...] = ()  # maintenance of bushings, with strokes
     curves: Mapping[str, Array] = field(default_factory=dict, metadata=NOT_STORED)
     # motions on the surfaces at the start; None: a quick life

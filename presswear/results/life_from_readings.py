@@ -129,7 +129,7 @@ class _JointLife:
     """Strokes until the first limit of a joint, for each wear coefficient."""
 
     logarithms: Array  # ln of the strokes, shape (n,)
-    probabilities: Array  # of the coefficients
+    probabilities: Array  # probabilities of the coefficients
     deviations: Array  # standard deviations of the logarithms
 
     def survival(self, grid: Array) -> Array:

@@ -45,7 +45,7 @@ ASSUMES = (
 class JointFilm:
     """Film in a joint over a cycle of the linkage without clearance."""
 
-    angle: Array  # of the cycle since its start, degrees, shape (n,)
+    angle: Array  # angle of the cycle since its start, degrees, shape (n,)
     force: Array  # between pin and bearing, N
     orbit: FilmOrbit
     clearance: float  # m

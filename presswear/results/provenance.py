@@ -28,7 +28,7 @@ class Provenance(TypedDict):
     source: str
     machine: str
     started: str
-    command: NotRequired[str]  # that started the run
+    command: NotRequired[str]  # command that started the run
     resumed: NotRequired[list[dict[str, str]]]
 
 

@@ -93,9 +93,9 @@ class StageResult:
     finding: Finding | None  # cause that ended the stage, or the wear after it
     cycles_per_update: float
     wear_steps: tuple[WearStep, ...]
-    simulated_s: float  # of all replicates
+    simulated_s: float  # simulated time of all replicates, s
     wall_s: float
-    diagnostics: Mapping[str, str | int | float | None]  # of the solver
+    diagnostics: Mapping[str, str | int | float | None]  # diagnostics of the solver
     statistics: StageStatistics
     arrays: Mapping[str, Array] = field(
         default_factory=dict, metadata=NOT_STORED, repr=False

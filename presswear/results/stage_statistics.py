@@ -37,7 +37,7 @@ class OutputStatistics:
 class BottomStatistics:
     """Accuracy and repeatability at bottom dead centre over the sampled strokes; m and s."""
 
-    strokes: int  # of all replicates
+    strokes: int  # total over all replicates
     ideal_height: float
     ideal_time: float  # in the cycle
     ideal_dwell: float  # time for which the ideal motion stays at bottom dead centre
@@ -46,7 +46,7 @@ class BottomStatistics:
     range_of_all: float  # highest less lowest bottom dead centre
     range: Estimate | None  # mean range of ``range_strokes`` successive strokes
     range_strokes: int
-    standard_deviation: Estimate | None  # of the height from stroke to stroke
+    standard_deviation: Estimate | None  # scatter of the height from stroke to stroke
     # Behind the ideal motion; None if the ideal motion dwells or has several equal
     # bottoms
     delay: Estimate | None = None
@@ -91,10 +91,11 @@ class JointStatistics:
     contacts_per_cycle: Estimate
     unresolved_contacts: int  # with too few steps
     min_steps_per_contact: int | None  # None: no contact
-    contact_time_fraction: float  # of the cycles in the means
+    contact_time_fraction: float  # fraction of the time of the cycles in the means
     # integral of normal force times sliding speed, N m
     load_distance_per_cycle: Estimate
-    wear_volume: Estimate  # that one wear update takes off bearing and pin, m^3
+    # volume that one wear update takes off bearing and pin, m^3
+    wear_volume: Estimate
     wear_volume_step_error: float | None  # by the wear step, m^3; not in the interval
     # standard error of the wear map over its root mean square
     wear_map_error: float | None
@@ -127,16 +128,16 @@ class WallStatistics:
 
     volume_per_cycle: Estimate  # m^3
     depth_per_cycle: Estimate  # in the deepest bin along the wall, m
-    place: float  # of this bin along the guide, from its point, m
+    place: float  # place of this bin along the guide, from the point of the guide, m
 
 
 @dataclass(frozen=True)
 class StageStatistics:
     """Statistics of a stage; SI units. If they are not finite, only the cycles are stored."""
 
-    cycles: int  # of all replicates
+    cycles: int  # total over all replicates
     energy_made_per_cycle: Estimate | None = None  # by the contacts, J
-    # of all drives, less what it stores, J
+    # work of all drives, less the energy that is stored, J
     drive_work_per_cycle: Estimate | None = None
     output: OutputStatistics | None = None
     bdc: BottomStatistics | None = None  # None: nothing moves, or no stroke is complete

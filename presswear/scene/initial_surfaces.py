@@ -144,7 +144,8 @@ def _means_of_bins(angle: Array, depth: Array, count: int) -> Array:
     # Three neighbours beyond both ends close the curve.
     around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
     depths = np.concatenate([depth[-3:], depth, depth[:3]])
-    with np.errstate(over="ignore"):  # of slopes of depths that are almost zero
+    # slopes of depths that are almost zero may overflow
+    with np.errstate(over="ignore"):
         curve = PchipInterpolator(around, depths)
     edges = np.linspace(0.0, _TURN, count + 1)
     means = np.diff(curve.antiderivative()(edges)) * count / _TURN

@@ -146,7 +146,7 @@ LIFE_QUANTITIES: dict[str, LifeQuantity] = {
 class Limit:
     """Upper limit of a quantity of the service life, SI."""
 
-    name: str  # of LIFE_QUANTITIES
+    name: str  # name of a quantity in LIFE_QUANTITIES
     joint: str  # empty for the whole mechanism
     value: float
     new: float = 0.0  # value of the new mechanism

@@ -77,7 +77,7 @@ class Scene(LinkageWithUserLaws, Checked):
 
     mechanism: AnyMechanism = field(default_factory=Press)
     name: str = "scene"
-    title: str = ""  # of reports; empty: the name
+    title: str = ""  # title of reports; empty: the name
     # a mapping gives ``joints``, ``joint_bearings`` and the common bearing
     bearings: Bearing | Any = field(default_factory=Bearing)
     joint_bearings: Mapping[str, Bearing] = field(default_factory=dict, hash=False)

@@ -92,7 +92,8 @@ class _Texts:
     def __init__(self, pages: PdfPages) -> None:
         self.pages = pages
         self.sheet = Sheet(figsize=PAGE)
-        self.height = PAGE[1] - MARGIN  # of the next line above the lower edge, inches
+        # height of the next line above the lower edge, inches
+        self.height = PAGE[1] - MARGIN
 
     def finish(self) -> None:
         """Write the page."""

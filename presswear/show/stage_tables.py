@@ -30,9 +30,8 @@ from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 
 _TILTS = ("touch", "fracture", "bottom", "greatest")  # fields of a tilt of a slide
-_ROUND_OFF = (
-    1e-9  # of the rms of a drive, or of the energy supplied, below which a mean is 0
-)
+# Ratio of a mean to the rms of a drive, or to the energy supplied, below which the mean is 0
+_ROUND_OFF = 1e-9
 
 
 def stage_tables(result: Result) -> dict[str, Table | None]:

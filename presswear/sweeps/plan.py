@@ -59,13 +59,13 @@ class Plan:
     neighbouring rows.
     """
 
-    scene: Scene  # whose settings vary
+    scene: Scene  # scene whose settings vary
     vary: tuple[str, ...] = ()  # KEY=VALUES
     sample: str = ""  # design, KIND:SIZE
     ranges: tuple[str, ...] = ()  # KEY=DISTRIBUTION of the sampled parameters
     # runs at each point, with the seed of the scene and the next ones
     replicates: int = 1
-    seed: int = 0  # of the design
+    seed: int = 0  # seed of the design
 
     def __post_init__(self) -> None:
         """Check the plan; `InputError` names a value that is unknown, missing or out of range."""

@@ -27,7 +27,7 @@ class Points:
     censored: NDArray[np.bool_]
     # degrees of freedom of the variances; infinite if from intervals of the runs
     freedom: float
-    # of the interval of a run, which the variances are from
+    # degrees of freedom of the interval of a run, which the variances are from
     interval_freedom: float = math.inf
 
     @property

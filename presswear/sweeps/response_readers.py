@@ -28,7 +28,7 @@ class Response(NamedTuple):
     """Value of a response."""
 
     value: float | None
-    half_width: float | None = None  # of its 95 % interval
+    half_width: float | None = None  # half width of its 95 % interval
     censored: bool = False  # whether the value is a lower bound
 
 

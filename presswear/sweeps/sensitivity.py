@@ -34,7 +34,7 @@ class Sensitivity:
 
     title: str
     method: str
-    names: tuple[str, ...]  # of the measures, such as first-order and total index
+    names: tuple[str, ...]  # names of the measures, such as first-order and total index
     values: Array  # shape (measures, d)
     half_widths: Array  # shape (measures, d), of the 95 % intervals; NaN if unknown
     # shares of the variance; otherwise in the unit of the response

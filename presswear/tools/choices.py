@@ -31,7 +31,7 @@ class Choice:
     kinds: Mapping[str, Any] | None = None
     # first values of a part that is either ``on`` or absent: those without a default
     needed: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    example: str = ""  # of a free text that its owner reads
+    example: str = ""  # example of a free text, which its owner parses
 
     unit: ClassVar[str] = ""
 

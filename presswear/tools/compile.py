@@ -62,7 +62,7 @@ class _Listener(event.Listener):
     def __init__(self, start: Callable[[], object], end: Callable[[], object]) -> None:
         self._start = start
         self._end = end
-        self._depth = 0  # of nested compilations
+        self._depth = 0  # number of nested compilations
 
     def on_start(self, event: Any) -> None:
         if self._depth == 0:

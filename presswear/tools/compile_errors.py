@@ -166,7 +166,7 @@ def statement_of(function: Callable[..., Any], text: str) -> tuple[int, str]:
     code = function.__code__
     try:
         lines, first = inspect.getsourcelines(code)
-    except OSError:  # of python -c
+    except OSError:  # code of ``python -c`` has no file
         return code.co_firstlineno, "(no source)"
     places = re.findall(
         rf"(?:at |File \"){re.escape(code.co_filename)}\W+(?:line )?(\d+)", text

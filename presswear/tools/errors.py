@@ -102,7 +102,7 @@ def shown(value: Any) -> str:
     """Return a value as Python writes it, cut where it is long."""
     try:
         text = repr(value)
-    except ValueError:  # of an integer with more than 4300 digits
+    except ValueError:  # an integer with more than 4300 digits
         text = "a huge number"
     return text if len(text) <= MAX_VALUE else f"{text[: MAX_VALUE - 3]}..."
 

@@ -113,7 +113,7 @@ class KernelCache:
 
     cache_path = None  # read by numba
     patience = PATIENCE
-    _locks: ClassVar[list[IO[str]]] = []  # of this process
+    _locks: ClassVar[list[IO[str]]] = []  # locks that this process holds
     _lock: IO[str] | None = None
 
     def __init__(self, *key: object) -> None:

@@ -57,7 +57,7 @@ _FRAME = 140_000
 
 _OPERATORS = {bool, *filter(callable, vars(operator).values())}
 _NUMBERS = types.Number, types.Boolean, types.Literal
-_signatures: dict[Any, Any] = {}  # of operators between numbers
+_signatures: dict[Any, Any] = {}  # signatures of operators between numbers
 
 
 # Numba looks for this function at each use of an array. Without it numba loads all its

@@ -194,9 +194,9 @@ class Workers:
 class _Worker:
     """Worker process, and the job that it does."""
 
-    key: Any = _IDLE  # of its job
-    progress: float | None = None  # of its job, once it is reported
-    rows: Array | None = None  # that its job has reported and nobody has read
+    key: Any = _IDLE  # key of the job
+    progress: float | None = None  # completed part of the job, once it is reported
+    rows: Array | None = None  # rows that the job has reported and nobody has read
 
     def __init__(self, context: Any, imports: Sequence[str]) -> None:
         self.pipe, end = context.Pipe()

@@ -52,7 +52,7 @@ class Quantity:
     text: str = ""
     open_low: bool = False
     whole: bool = False
-    size: float = 1.0  # of the unit, SI
+    size: float = 1.0  # size of the unit, SI
 
     def with_unit(self, value: str) -> str:
         """Return a value as text with the unit behind it."""

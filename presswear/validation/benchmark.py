@@ -43,7 +43,8 @@ class Timing:
     simulated: float  # simulated time, s
     steps: int
     rejected: int  # steps that were repeated with a shorter length
-    evaluations: int | None  # of the accelerations, if the engine counts them
+    # evaluations of the accelerations, if the engine counts them
+    evaluations: int | None
     times: tuple[float, ...]  # CPU times of the solution, s
 
     @property
@@ -222,7 +223,7 @@ def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
     listed = problems_of(points)
     families = list(dict.fromkeys(point.method.family for point in points))
     sheet, grid = style.panels(len(listed), 2, 1.0 + 2.4 * len(listed))
-    handles: dict[str, Any] = {}  # of the legend, by label
+    handles: dict[str, Any] = {}  # lines of the legend, by label
     for row, problem in zip(grid, listed, strict=True):
         timed = [p for p in points if p.problem is problem and p.timing is not None]
         for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
@@ -288,7 +289,7 @@ class FeatureExtent:
     repeats: int = 5
     tree_cycles: float = 2.0
     joints_cycles: float = 1.0
-    wear_cycles: int = 5  # whose wear makes the worn surfaces
+    wear_cycles: int = 5  # cycles whose wear makes the worn surfaces
 
 
 QUICK_FEATURES = FeatureExtent(

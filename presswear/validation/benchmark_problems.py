@@ -64,7 +64,7 @@ class Extent:
     impact_steps: Sequence[int]  # in an impact, trapezoidal rule
     equal_steps: Sequence[float]  # s, with contacts, trapezoidal rule
     rk4_impact_steps: Sequence[float]  # s, with contacts
-    tolerances: Sequence[float]  # of DOP853 and DOPRI5 in dae
+    tolerances: Sequence[float]  # tolerances of DOP853 and DOPRI5 in dae
     tree_tolerances: Sequence[float]
 
 

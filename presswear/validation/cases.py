@@ -51,7 +51,7 @@ class Case:
     """Problem with its checks."""
 
     name: str
-    source: str  # of the reference
+    source: str  # source of the reference
     checks: Callable[[], Iterator[Check]]  # runs the case
 
 

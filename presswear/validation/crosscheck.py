@@ -205,7 +205,7 @@ class Crosscheck:
     checks: tuple[Check, ...]
     # differences of means whose intervals are too wide for a verdict
     undecided: tuple[str, ...]
-    touchdowns: Array  # of the reference up to the horizon
+    touchdowns: Array  # touchdowns of the reference up to the horizon
     # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
     statistics: Means  # over cycles

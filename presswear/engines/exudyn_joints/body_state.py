@@ -19,7 +19,7 @@ Indices = NDArray[np.int64]
 class Friction(NamedTuple):
     """Friction in rigid joints: joint forces from Exudyn, friction moments to Exudyn."""
 
-    joints: Records  # of RUBBING
+    joints: Records  # dtype RUBBING
     rows: Indices  # index of the first of the two multipliers of each joint
     # indices of bearing and pin in the connector forces, (joints, 2); -1 for the ground
     slots: Indices

@@ -93,7 +93,7 @@ def body_state_of(
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
-    # Of the solved coordinates among all, if some are omitted
+    # Indices of the solved coordinates among all, if some are omitted
     solved_indices: list[int] = []
     for i, body in enumerate(linkage.bodies):
         if omitted and body.name not in omitted:
@@ -274,7 +274,8 @@ class _Joints:
         if self.records.packed.rubbing is None:
             return None
         pins = self.linkage.rubbing_pins
-        slots = []  # of the bodies of bearing and pin in the forces; -1 for others
+        # places of the bodies of bearing and pin in the forces; -1 for others
+        slots = []
         for joint in pins:
             for end in joint.ends:
                 is_joined = end.body in self.joined

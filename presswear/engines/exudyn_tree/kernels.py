@@ -108,7 +108,7 @@ class TreeSystem(NamedTuple):
     out: Array  # the same in one state that is no stage
     start: Array  # coordinates and rates at the start of a step, (2, coordinates)
     start_states: Array  # states of interactions at the start of a step, m, (states,)
-    layout: Layout  # of y
+    layout: Layout  # layout of y
 
 
 @inlined

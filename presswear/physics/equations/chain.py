@@ -28,9 +28,9 @@ class Link:
     """Body of an open tree, or the frame, with the names of its variables in a text."""
 
     body: Body
-    prefix: str  # of its variables
+    prefix: str  # prefix of the variables of the body
     joint: str  # prefix of the joint to the parent
-    index: int  # of its x in q; below zero for the frame
+    index: int  # index of the x of the body in q; below zero for the frame
     branch: Branch
     parent: "Link | None"  # None for a body that no ideal joint holds
     drive: int | None = None  # number of the drive that prescribes its angle

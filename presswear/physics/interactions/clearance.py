@@ -56,7 +56,7 @@ class ClearanceContact:
     """Dry contact in a clearance joint that writes itself into the equations."""
 
     joint: ClearanceJoint
-    record: Records  # of JOINT
+    record: Records  # dtype JOINT
     number: int  # index among the clearance joints
 
     kernels: ClassVar[Kernels] = (

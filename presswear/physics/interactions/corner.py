@@ -42,7 +42,7 @@ class CornerContact:
     """Contact of a corner, for which the writer makes equations."""
 
     joint: GuideCorner
-    record: Records  # of JOINT
+    record: Records  # dtype JOINT
     number: int  # index among the clearance joints
 
     # The kernels of ``ClearanceContact`` are called, too.

@@ -43,9 +43,9 @@ class FrictionWithoutState:
     """Friction law as a function of FRICTION_PARAMETERS: a named law or a user law."""
 
     page: Page
-    prefix: str  # of the joint
+    prefix: str  # prefix of the variables of the joint
     law: FrictionLaw
-    record: Records  # of FRICTION
+    record: Records  # dtype FRICTION
     sliding: str = ""
 
     kernels: ClassVar[Kernels] = tuple(FRICTION_FORCES.values())

@@ -37,7 +37,7 @@ class FrictionWithSettings:
     """Friction law with settings and a state in the text of a contact."""
 
     page: Page
-    prefix: str  # of the joint
+    prefix: str  # prefix of the variables of the joint
     joint: int  # index among the clearance joints
     law: FrictionLaw
     functions: LawWithSettings

@@ -18,7 +18,7 @@ class LoadWithLaw:
     """Load with a law that writes itself into the equations."""
 
     load: Force | Moment
-    record: Records  # of LOAD
+    record: Records  # dtype LOAD
     number: int  # index among the loads with a law
 
     kernels: ClassVar[Kernels] = (load_size,)

@@ -61,7 +61,7 @@ class MotorTorque:
     drive: Drive
     motor: Motor
     number: int  # among the drives
-    leader: Drive | None  # whose phase a servo follows; None: the time
+    leader: Drive | None  # drive whose phase a servo follows; None: the time
 
     kernels: ClassVar[Kernels] = (induction_torque, line_torque, servo_torque)
 

@@ -165,7 +165,7 @@ class OiledContact:
     """Contact of an oiled joint for the equations: always closed, without events."""
 
     joint: ClearanceJoint
-    record: Records  # of JOINT
+    record: Records  # dtype JOINT
     number: int  # index among the clearance joints
 
     kernels: ClassVar[Kernels] = (

@@ -27,7 +27,7 @@ class Page:
 
     text: Text
     chain: Chain
-    states: list[State] = field(default_factory=list)  # of interactions
+    states: list[State] = field(default_factory=list)  # states of interactions
     # expressions of powers, W, by energy of ENERGIES
     powers: dict[str, list[str]] = field(
         default_factory=lambda: {name: [] for name in ENERGIES}

@@ -30,7 +30,7 @@ class UserFrictionWithState:
     """User law of STATE_PARAMETERS in the text of a contact."""
 
     page: Page
-    prefix: str  # of the joint
+    prefix: str  # prefix of the variables of the joint
     joint: int  # its number
     law: FrictionLaw
     sliding: str = ""

@@ -29,7 +29,8 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     count = len(maps)
     generator = np.random.default_rng(seed)
     shares = np.full(count, 1.0 / count)
-    repeats = generator.multinomial(count, shares, RESAMPLES)  # of each map
+    # numbers of copies of each map
+    repeats = generator.multinomial(count, shares, RESAMPLES)
     factors = repeats * weights
     return np.asarray(factors @ maps / factors.sum(axis=1, keepdims=True))
 

@@ -81,7 +81,7 @@ class Estimate:
     def __str__(self) -> str:
         """Return the mean with its interval; ``±`` if the interval is nearly symmetric."""
         if self.low is None and self.samples >= MIN_SAMPLES:
-            # of different motions, or too wide
+            # The mean is over different motions, or the interval is too wide.
             return f"{readable(self.mean)} (no interval)"
         if not self.has_interval:
             return with_interval(self.mean, None)

@@ -269,7 +269,8 @@ def _draw_pins(
     """Draw the directions of the pins at the end of the stored cycles over a parameter."""
     dots = len(diagram.parameter.values) * diagram.cycles.stored
     size = float(np.clip(DOT_AREA / dots, 0.6, 6.0))
-    at_end = diagram.branches[direction].pins[:, :, -1]  # of the phases of a cycle
+    # pins at the last phase of each cycle
+    at_end = diagram.branches[direction].pins[:, :, -1]
     for k, axes in enumerate(panels):
         angle = np.degrees(np.arctan2(at_end[:, :, k, 1], at_end[:, :, k, 0]))
         values = np.repeat(value[:, np.newaxis], angle.shape[1], axis=1)

@@ -46,7 +46,7 @@ class _Label(NamedTuple):
     place: Array  # (2,), m
     gap: float  # from the place, points
     direction: Array  # from the place, (2,)
-    style: dict[str, Any]  # of the text
+    style: dict[str, Any]  # style of the text
 
 
 @matplotlib.rc_context(style.SETTINGS)

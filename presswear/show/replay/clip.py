@@ -34,7 +34,8 @@ class Snapshot(NamedTuple):
     """State of a mechanism at one time, s."""
 
     time: float
-    positions: Array  # of the last frames, the present one last, shape (n, 3 bodies)
+    # positions in the last frames, the present frame last, shape (n, 3 bodies)
+    positions: Array
     joints: Array  # columns ``FILM_JOINT``
     peaks: Array  # largest normal forces since the previous picture, N
     chapter: int = 0

@@ -96,8 +96,9 @@ class Picture:
         ground = {"objectType": "Ground", "referencePosition": [0.0, 0.0, 0.0]}
         self._ground = self.system.AddObject({**ground, "VgraphicsData": []})
         self._frame: list[Shape] = []
-        self._bodies: list[list[list[Shape]]] = []  # of each clip
-        self._joints: list[list[list[DrawnJoint]]] = []  # of each chapter of each clip
+        self._bodies: list[list[list[Shape]]] = []  # bodies of each clip
+        # joints of each chapter of each clip
+        self._joints: list[list[list[DrawnJoint]]] = []
         # worn walls of the frame, then of each body, in each chapter of each clip
         self._walls: list[list[list[list[Shape]]]] = []
         for clip, panel in zip(clips, self.layout.panels, strict=True):
