@@ -46,10 +46,11 @@ from presswear.scene.settings import changed
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError
 
+LIMIT = 0.1e-3
 LIFE = replace(
     SCENE,
     conventions=CONVENTIONS["refined"],
-    life=Life(until="A.depth > 0.3 mm"),
+    life=Life(until=f"A.depth > {LIMIT!r} m"),
     wear_updates=1,
 )
 """Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
@@ -67,19 +68,22 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
 @pytest.mark.slow
 def test_life_of_surfaces_that_run_in_again(campaign: Campaign):
     """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
-    whole = float(RUNS_IN.archard_depth(np.array(0.3e-3)) / (RATE * SHAPE[0].max()))
-    life = Life(until="A.depth > 0.3 mm", replaced=f"A@{0.5 * whole!r}")
+    whole = float(RUNS_IN.archard_depth(np.array(LIMIT)) / (RATE * SHAPE[0].max()))
+    life = replace(LIFE.life, replaced=f"A@{0.5 * whole!r}")
     scene = replace(changed(LIFE, RUN_IN), life=life)
     seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
     assert seen.life is not None
     assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
 
 
-def test_the_watched_motion_before_a_life_is_a_small_part_of_it(
-    campaign: Campaign,
-):
+def test_the_watched_motion_before_a_life_is_a_small_part_of_it(use: Use):
     """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
-    progress = campaign(LIFE, FakeEngine(exponential)).progress
+    use(FakeEngine(exponential))
+    scene = replace(LIFE, life=Life(until="A.depth > 0.3 mm"))
+    seen = Seen()
+    with pytest.raises(KeyboardInterrupt):
+        runs.run(scene, observers=[seen, Stops("refinement 1")], jobs=1)
+    progress = seen.progress
     watched = [each.whole for each in progress if "does the motion settle" in each.word]
     assert watched
     assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
@@ -93,7 +97,7 @@ def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     life = result.life
     assert life is not None
     assert (life.ended, result.stages, life.step) == ("preliminary", (), None)
-    exact = REPRESENTED * math.log(1.0 + 0.3e-3 / (RATE * REPRESENTED))
+    exact = REPRESENTED * math.log(1.0 + LIMIT / (RATE * REPRESENTED))
     assert life.strokes == pytest.approx(exact, rel=0.1)
     state = "refinement 1 is finished and has an error of"
     assert state in f"{life}"
@@ -203,7 +207,7 @@ class Noted(RunObserver):
         """Ignore stages, because the fake engine has no statistics of a solver."""
 
 
-def quick(until: str = "A.depth > 0.3 mm", **settings: Any) -> Scene:
+def quick(until: str = LIFE.life.until, **settings: Any) -> Scene:
     return replace(
         LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings
     )
@@ -224,7 +228,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
         None,
         (),
     )
-    half = 0.15e-3
+    half = 0.5 * LIMIT
     rate = RATE * SHAPE[0].max()
     first = half / rate
     second = half / (rate + half / REPRESENTED)

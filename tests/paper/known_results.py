@@ -45,6 +45,14 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
     return np.column_stack(list(columns.values()))
 
 
+@cache
+def ideal_series(setting: str) -> dict[str, Array]:
+    """Return the ideal motion of the slider in a setting."""
+    scene = base_scene(setting)
+    time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
+    return {"time": time, "slider": scene.ideal_slider(time)}
+
+
 def stage(
     setting: str,
     wear_updates: int,
@@ -53,14 +61,13 @@ def stage(
     peak: Sequence[float] = (20e-6, 8e-6),
 ) -> dict[str, Array]:
     """Return the arrays of a stage, from mean forces of each replicate and depths of one wear."""
-    scene = base_scene(setting)
     count = len(force)
-    time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
+    series = ideal_series(setting)
+    time = series["time"]
     deviation = [3e-4, 0.02 + 0.01 * wear_updates, 1e-4, 0.1071]
     rows = [cycle_rows(seed + 1000 * k, mean) for k, mean in enumerate(force)]
     arrays = {
-        "time": time,
-        "slider": scene.ideal_slider(time),
+        **series,
         "angle": bin_centres(BINS),
         "cycles": np.concatenate(rows),
         "cycle_start": np.repeat(np.arange(float(count)), CYCLES),

@@ -12,12 +12,12 @@ from known_results import EVEN, every_evidence, every_result, evidence_of, stage
 from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
 from presswear.paper.depth_fit import depth_factors, fit
-from presswear.paper.evidence import Evidence
+from presswear.paper.evidence import QUANTITIES, Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
 from presswear.paper.tables import case_ratio, long_table, number_table, ratio_table
-from presswear.paper.verdicts import judge
+from presswear.paper.verdicts import compared, judge, verdict
 from presswear.paper.words import printed_text
 from presswear.show.page import FirstScreen, render_page
 from presswear.tools.numbers import readable
@@ -37,6 +37,23 @@ def test_every_printed_number_and_claim_is_on_the_page():
         assert re.sub(r"\s+", " ", printed_text(item)) in text
         assert item.misprint in text
     assert all(claim.quote in text for claim in CLAIMS)
+
+
+def test_known_depths_give_known_verdicts():
+    """A is 2.5 times as deep as C everywhere, and friction has no effect."""
+    for claim in CLAIMS:
+        words = set()
+        for part in claim.parts:
+            assert part.quantity in QUANTITIES
+            assert len(part.over) == len(part.under)
+            ours = compared(every_evidence(), BASE, part)
+            assert ours is not None, claim.quote
+            words.add(verdict(ours, part))
+        assert words
+        if "clearance A is more serious" in claim.quote:
+            assert words == {"holds"}
+        if claim.quote.startswith("the wear depth at the friction coefficient"):
+            assert words == {"no effect"}
 
 
 def test_the_answer_counts_right_and_findings_follow_the_numbers():
