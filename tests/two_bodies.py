@@ -121,13 +121,13 @@ class Pair:
         )
 
     def wear_rates(self) -> tuple[float, float]:
-        """Return the rates of both doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2.
+        """Return the rates of both wear integrals, F_n ds/dt, W, and p ds/dt, W/m^2.
 
         The closing speed at touchdown is so high that damping adds nothing.
         """
         forces = BodyForces(self.linkage, self.packed, np.array([1e9]))
         forces(0.0, self.q, self.v)
-        work, pressure = forces.doses[0]
+        work, pressure = forces.wear_rates[0]
         return float(work), float(pressure)
 
     def moment_of(self, load: JointLoad) -> float:

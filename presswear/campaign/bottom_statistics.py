@@ -1,6 +1,8 @@
 """Accuracy and repeatability of the strokes of a stage at bottom dead centre."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,9 +19,9 @@ from presswear.results.stage_statistics import BottomStatistics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-# Tolerance of the dwell of the ideal motion at bottom dead centre, part of the scatter
+# Tolerance of the dwell of the ideal motion at bottom dead centre, relative to the scatter
 DWELL_SHARE = 0.01
-# Round-off of the place of an ideal slider at rest, part of the stroke
+# Round-off of the position of an ideal slider at rest, relative to the stroke
 ROUND_OFF = 1e-9
 
 
@@ -29,10 +31,10 @@ def bottom_statistics(
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
     ``recorders`` and ``alone`` are as in ``mean_over_cycles``. None if there is no sampled
-    stroke. The delay is None if the ideal motion, such as
-    that of a servo, stays within ``DWELL_SHARE`` of the scatter for longer than ``DWELL``,
-    because it then has no instant of bottom dead centre. It is also None if the ideal
-    stroke has several equal bottoms.
+    stroke. The delay is None if the ideal motion, such as the motion of a servo, stays
+    within ``DWELL_SHARE`` of the scatter for longer than ``DWELL``, because it then has no
+    instant of bottom dead centre. It is also None if the ideal stroke has several equal
+    bottoms.
     """
     ideal = bottom_of(scene.ideal)
     if ideal is None:
@@ -42,7 +44,7 @@ def bottom_statistics(
     if not finished:
         return None
     heights = [run.each_cycle("bottom_height") for run in finished]
-    samples = [after_startup(rows) for rows in heights]
+    sampled_heights = _after_startup(heights)
     height = mean_over_cycles(finished, alone, "bottom_height")
     scatter = spread(heights)
     span, count = mean_range(heights)
@@ -51,35 +53,39 @@ def bottom_statistics(
     dwell = dwell_of(scene.ideal, max(DWELL_SHARE * scatter_size, round_off))
     delays = [ideal.delay(run.each_cycle("bottom_time")) for run in finished]
     alone_delays = [ideal.delay(run.each_cycle("bottom_time")) for run in alone]
-    every_delay = np.concatenate(
-        [after_startup(rows) for rows in (*delays, *alone_delays)]
+    equal = equal_bottoms(
+        ideal, _after_startup([*delays, *alone_delays]), max(scatter_size, round_off)
     )
-    equal = equal_bottoms(ideal, every_delay, max(scatter_size, round_off))
-    delay = None
-    angle = None
-    delay_scatter = None
-    if dwell < DWELL * ideal.period and not equal:
-        delay = pooled(delays, alone_delays)[0]
-        delay_scatter = spread(delays)
-        angle = delay.scaled(2.0 * math.pi / ideal.period)
-    return BottomStatistics(
-        strokes=sum(rows.size for rows in samples),
+    error = Estimate.symmetric(
+        height.mean - ideal.height, height.half_width, height.samples
+    )
+    statistics = BottomStatistics(
+        strokes=sampled_heights.size,
         ideal_height=ideal.height,
         ideal_time=ideal.time,
         ideal_dwell=dwell,
         height=height,
-        error=Estimate.symmetric(
-            height.mean - ideal.height, height.half_width, height.samples
-        ),
-        range_of_all=float(np.ptp(np.concatenate(samples))),
+        error=error,
+        range_of_all=float(np.ptp(sampled_heights)),
         range=span,
         range_strokes=count,
         standard_deviation=scatter,
-        delay=delay,
-        delay_angle=angle,
-        delay_standard_deviation=delay_scatter,
         equal_bottoms=equal,
     )
+    if dwell >= DWELL * ideal.period or equal:
+        return statistics
+    delay, _ = pooled(delays, alone_delays)
+    return replace(
+        statistics,
+        delay=delay,
+        delay_angle=delay.scaled(2.0 * math.pi / ideal.period),
+        delay_standard_deviation=spread(delays),
+    )
+
+
+def _after_startup(runs: Sequence[Array]) -> Array:
+    """Return the values of the cycles of all runs after the start-up."""
+    return np.concatenate([after_startup(values) for values in runs])
 
 
 def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float, ...]:

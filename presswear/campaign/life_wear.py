@@ -1,11 +1,12 @@
 """Wear between two stages through a service life."""
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from presswear.campaign import wear_update
-from presswear.campaign.refinement import Refinement, Refinements
+from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.results.stage import WearStep
 from presswear.tools.arrays import Array
@@ -24,47 +25,56 @@ def wear_between(
     (replicates, joints, 2, bins), m.
     """
     last = refinements[-1]
-    coarser = None
     wear_at = _interpolated(last, initial)
-    final_depth, final_loss = wear_at(until)
-    _, first_loss = wear_at(since)
+    coarser = None
     if len(refinements) > 1 and refinements[-2].strokes[-1] >= until:
         coarser_at = _interpolated(refinements[-2], initial)
-        _, coarser_final_loss = coarser_at(until)
-        _, coarser_first_loss = coarser_at(since)
-        coarser = coarser_final_loss - coarser_first_loss
+        coarser = coarser_at(until).material_loss - coarser_at(since).material_loss
     steps = []
-    begin = since
+    start = since
     for block in last.blocks:
         end = min(block.strokes, until)
-        if end <= begin:
-            continue
-        depth, material_loss = wear_at(end)
-        _, loss_before = wear_at(begin)
-        change = (material_loss - loss_before).mean(axis=0) / block.cycles
-        forces = (block.samples[f"{joint.name}.force_max"].mean() for joint in joints)
-        steps.append(
-            WearStep(
-                cycles_per_update=end - begin,
-                cycles=block.cycles * len(initial),
-                factor=(end - begin) / block.cycles,
-                clearance_change=wear_update.largest_change(joints, change),
-                max_depth=wear_update.by_side(joints, depth.max(axis=3).mean(axis=0)),
-                peak_force=wear_update.by_joint(joints, forces),
-                wall_s=block.wall_s,
-            )
-        )
-        begin = end
-    added_depth = final_loss - first_loss
-    return wear_update.WearUpdate(final_depth, added_depth, tuple(steps), coarser)
+        if end > start:
+            steps.append(_wear_step(block, start, end, joints, wear_at))
+            start = end
+    final = wear_at(until)
+    added_depth = final.material_loss - wear_at(since).material_loss
+    return wear_update.WearUpdate(final.depth, added_depth, tuple(steps), coarser)
 
 
-def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], Array]:
-    """Return a function from a number of strokes to depth and material loss, m.
+class _Wear(NamedTuple):
+    """Wear at a number of strokes; shapes (replicates, joints, 2, bins), m."""
 
-    Its result has the shape (2, replicates, joints, 2, bins). The depth is that of the
-    present surfaces. The material loss includes that of replaced bushings.
-    """
+    depth: Array  # depth of the present surfaces
+    material_loss: Array  # with the loss of replaced bushings
+
+
+def _wear_step(
+    block: LoadBlock,
+    start: float,
+    end: float,
+    joints: Sequence[ClearanceJoint],
+    wear_at: Callable[[float], _Wear],
+) -> WearStep:
+    """Return the wear between two numbers of strokes in a load block."""
+    wear = wear_at(end)
+    loss = wear.material_loss - wear_at(start).material_loss
+    replicates = len(loss)
+    loss_per_cycle = loss.mean(axis=0) / block.cycles
+    peak_forces = [block.samples[f"{joint.name}.force_max"].mean() for joint in joints]
+    return WearStep(
+        cycles_per_update=end - start,
+        cycles=block.cycles * replicates,
+        factor=(end - start) / block.cycles,
+        clearance_change=wear_update.largest_change(joints, loss_per_cycle),
+        max_depth=wear_update.by_side(joints, wear.depth.max(axis=3).mean(axis=0)),
+        peak_force=wear_update.by_joint(joints, peak_forces),
+        wall_s=block.wall_s,
+    )
+
+
+def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], _Wear]:
+    """Return the wear as a function of the number of strokes, linear within blocks."""
     depth = np.array([initial, *(block.depth for block in refinement.blocks)])
     added_depth = np.diff(depth, axis=0, prepend=depth[:1])
     # A block without cycles is a replacement of bushings.
@@ -73,11 +83,11 @@ def _interpolated(refinement: Refinement, initial: Array) -> Callable[[float], A
     values = np.stack([depth, np.cumsum(added_depth, axis=0)], axis=1)
     ends = np.append(0.0, refinement.strokes)
 
-    def at(strokes: float) -> Array:
+    def at(strokes: float) -> _Wear:
         k = int(np.searchsorted(ends, strokes, side="right"))
         if k == len(ends):
-            return np.asarray(values[-1])
-        part = (strokes - ends[k - 1]) / (ends[k] - ends[k - 1])
-        return np.asarray(values[k - 1] + part * (values[k] - values[k - 1]))
+            return _Wear(*values[-1])
+        fraction = (strokes - ends[k - 1]) / (ends[k] - ends[k - 1])
+        return _Wear(*(values[k - 1] + fraction * (values[k] - values[k - 1])))
 
     return at

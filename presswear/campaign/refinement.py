@@ -172,32 +172,34 @@ class Refinement:
 
     def determines(self, limits: Sequence[Limit]) -> bool:
         """Return whether the blocks reach far enough beyond the first crossing."""
-        value = self.crossing(limits)
-        if value == 0.0:
+        crossing = self.crossing(limits)
+        if crossing == 0.0:
             return len(self.blocks) > MIN_BLOCKS_FOR_REFUSAL
         if math.isinf(self.sampling_error(limits)):
             return False
-        first = next(limit for limit in limits if self.crossing([limit]) == value)
+        first = next(limit for limit in limits if self.crossing([limit]) == crossing)
         if first.key in self.blocks[0].levels:
             return True
-        needed = (1.0 + MARGIN) * self.cycles_until(value)
+        needed = (1.0 + MARGIN) * self.cycles_until(crossing)
         return len(self.blocks) > MIN_BLOCKS and self.cycles_until(math.inf) >= needed
 
 
 Refinements = Sequence[Refinement]
 
 
-def _best_order(places: Array, rows: Array, weights: Array) -> int:
+def _best_order(depths: Array, rows: Array, weights: Array) -> int:
     """Return the order of the polynomial that best predicts one history from the others.
 
-    ``places`` are the worn depths, shape (blocks,), ``rows`` the means of the blocks,
-    (blocks, histories), and ``weights`` the square roots of their cycles, (blocks, 1).
+    ``depths`` are the worn depths over the last one, shape (blocks,), ``rows`` the means
+    of the blocks, (blocks, histories), and ``weights`` the square roots of their cycles,
+    (blocks, 1).
     """
+    # Mean of all histories but one, for each history
     others = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
-    highest = max(min(MAX_ORDER, places.size // 2 - 1), 0)
+    highest = max(min(MAX_ORDER, depths.size // 2 - 1), 0)
     errors = []
     for order in range(highest + 1):
-        base = np.vander(places, order + 1) * weights
+        base = np.vander(depths, order + 1) * weights
         coefficients = np.linalg.lstsq(base, others * weights, rcond=None)[0]
         difference = base @ coefficients - rows * weights
         errors.append(float((difference**2).sum()))
@@ -216,17 +218,19 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     scale = float(worn[-1]) or 1.0
     has_cycles = np.array([block.cycles > 0 for block in blocks])
     counts = np.array([block.cycles for block in blocks if block.cycles], dtype=float)
-    # A sample belongs to the surfaces at the start of its cycle.
-    to_middle = 0.5 * (1.0 + 1.0 / counts) * np.diff(worn, prepend=0.0)[has_cycles]
-    places = (worn[has_cycles] - to_middle) / scale
+    # A sample belongs to the surfaces at the start of its cycle. The mean start of n
+    # equal cycles is (1 + 1/n) / 2 of the block before its end.
+    worn_in_block = np.diff(worn, prepend=0.0)[has_cycles]
+    worn_at_samples = worn[has_cycles] - 0.5 * (1.0 + 1.0 / counts) * worn_in_block
+    depths = worn_at_samples / scale
     rows = np.array([block.samples[key] for block in blocks if block.cycles])
     weights = np.sqrt(counts)[:, np.newaxis]
-    order = _best_order(places, rows, weights)
+    order = _best_order(depths, rows, weights)
     if key == "bdc_drift":  # with order 0 a drift would be exactly zero
         order = max(order, 1)
-    order = min(order, places.size - 1)
+    order = min(order, depths.size - 1)
     mean = rows[:, chosen].mean(axis=1)
     curve = np.polynomial.Polynomial.fit(
-        places, mean, order, domain=[0.0, 1.0], w=weights[:, 0]
+        depths, mean, order, domain=[0.0, 1.0], w=weights[:, 0]
     )
     return np.asarray(curve(worn / scale))

@@ -50,6 +50,7 @@ from presswear.results.stage_statistics import (
     StageStatistics,
 )
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 
 
 def stage_result(
@@ -106,57 +107,71 @@ def _statistics(
     count = sum(len(run.cycles) for run in ensemble.recorders[: ensemble.replicates])
     if not recorders:
         return StageStatistics(cycles=0)
-    joints = ensemble.linkage.clearances
     settling = ensemble.settling
-    surfaces = bumps_of(ensemble, recorders)
-    are_high = any(surface is not None and surface.are_high for surface in surfaces)
+    bumps = bumps_of(ensemble, recorders)
+    are_high = any(surface is not None and surface.are_high for surface in bumps)
     is_mixture = settling is not None and settling.is_mixture
     mean_peak = mean_without_interval if is_mixture or are_high else mean_over_cycles
-    output = OutputStatistics(
-        displacement_max=largest_value(recorders, "displacement_max"),
-        velocity_min=-largest_value(recorders, "velocity_min", sign=-1.0),
-        velocity_max=largest_value(recorders, "velocity_max"),
-        acceleration_max=largest_value(recorders, "acceleration_max"),
-        displacement_max_per_cycle=mean_peak(recorders, alone, "displacement_max"),
-        velocity_max_per_cycle=mean_peak(recorders, alone, "velocity_max"),
-        acceleration_max_per_cycle=mean_peak(
-            recorders, alone, "acceleration_max"
-        ).positive,
-    )
-    created_energy = float(diagnostics.get("contact_made_J", 0.0))
-    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + created_energy
-    dissipated += float(diagnostics.get("friction_loss_J", 0.0))
+    joints = {}
+    for k, joint in enumerate(ensemble.linkage.clearances):
+        joints[joint.name] = _joint_statistics(
+            joint, k, recorders, alone, wear, mean_peak, bumps[k]
+        )
+    step_errors = ensemble.state.step_errors
+    created_energy = mean_over_cycles(recorders, alone, "contact_made")
     statistics = StageStatistics(
         cycles=count,
-        energy_made_per_cycle=mean_over_cycles(
-            recorders, alone, "contact_made"
-        ).positive,
+        energy_made_per_cycle=created_energy.positive,
         drive_work_per_cycle=mean_drive_work(recorders, alone),
-        output=output,
-        joints={
-            joint.name: _joint_statistics(
-                joint, k, recorders, alone, wear, mean_peak, surfaces[k]
-            )
-            for k, joint in enumerate(joints)
-        },
+        output=_output_statistics(recorders, alone, mean_peak),
+        joints=joints,
         bdc=bottom_statistics(scene, recorders, alone),
         wear_error=wear_error if joints and math.isfinite(wear_error) else None,
         energy_residual=float(diagnostics["energy_residual_J"]),
         energy_exchanged=float(diagnostics["drive_exchange_J"]),
-        energy_made_fraction=created_energy / dissipated if dissipated > 0.0 else 0.0,
-        load_distance_step_error=ensemble.state.step_errors.get(
-            "load_distance_step_error"
-        ),
-        peak_force_step_error=ensemble.state.step_errors.get("peak_force_step_error"),
+        energy_made_fraction=_created_fraction(diagnostics),
+        load_distance_step_error=step_errors.get("load_distance_step_error"),
+        peak_force_step_error=step_errors.get("peak_force_step_error"),
         settling=settling,
         means=declared_means(mean_peak, recorders, alone, CYCLE),
         walls=wall_statistics(ensemble.linkage, recorders),
     )
+    return statistics if _is_finite(statistics) else StageStatistics(count)
+
+
+def _is_finite(statistics: StageStatistics) -> bool:
+    """Return whether all numbers are finite; those of a failed run may not be."""
     try:
         json.dumps(statistics, default=vars, allow_nan=False)
-    except ValueError:  # a failed run has values that are not finite
-        return StageStatistics(count)
-    return statistics
+    except ValueError:
+        return False
+    return True
+
+
+def _output_statistics(
+    recorders: Recorders, alone: Recorders, mean_peak: Mean
+) -> OutputStatistics:
+    """Return the peaks of the motion of the output point."""
+    acceleration = mean_peak(recorders, alone, "acceleration_max", None)
+    return OutputStatistics(
+        displacement_max=largest_value(recorders, "displacement_max"),
+        velocity_min=-largest_value(recorders, "velocity_min", sign=-1.0),
+        velocity_max=largest_value(recorders, "velocity_max"),
+        acceleration_max=largest_value(recorders, "acceleration_max"),
+        displacement_max_per_cycle=mean_peak(
+            recorders, alone, "displacement_max", None
+        ),
+        velocity_max_per_cycle=mean_peak(recorders, alone, "velocity_max", None),
+        acceleration_max_per_cycle=acceleration.positive,
+    )
+
+
+def _created_fraction(diagnostics: dict[str, float | int | str]) -> float:
+    """Return the energy that contacts create over the energy that is dissipated."""
+    created = float(diagnostics.get("contact_made_J", 0.0))
+    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + created
+    dissipated += float(diagnostics.get("friction_loss_J", 0.0))
+    return created / dissipated if dissipated > 0.0 else 0.0
 
 
 def _joint_statistics(
@@ -183,19 +198,16 @@ def _joint_statistics(
     contacts = int(counters["contacts"].sum())
     columns = JOINT_CYCLE if joint.oil is None else (*JOINT_CYCLE, *FILM_CYCLE)
     means = declared_means(mean_peak, recorders, alone, columns, k)
-    half_width = None
-    if len(maps) > 1:
-        volumes = np.array([worn_volume(joint, depth) for depth in maps])
-        # The wear that is applied may differ from the mean of the maps.
-        change = volume - float(np.average(volumes, weights=wear.weights))
-        half_width = half_width_of_runs(wear.series(volumes)) or 0.0
-        half_width = math.hypot(half_width, change)
     step_error = None
     if coarser is not None:
         step_error = STEP_SAFETY * abs(worn_volume(joint, coarser) - volume)
     deepest = wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2))
     closed_time = means["closed_time"].mean
-    error = float(map_errors(maps[:, np.newaxis], wear.weights)[0])
+    (map_error,) = map_errors(maps[:, np.newaxis], wear.weights)
+    wear_peaks = {}
+    if not (wear.is_frozen or is_corner):
+        wear_peaks = wear_peaks_of(joint, k, wear)
+    load_distance = mean_over_cycles(recorders, alone, "load_distance", k)
     return JointStatistics(
         peak_force=largest_value(recorders, "force_max", k),
         peak_force_per_cycle=mean_peak(recorders, alone, "force_max", k).positive,
@@ -204,14 +216,29 @@ def _joint_statistics(
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
         contact_time_fraction=closed_time / mean_cycle_time(recorders, alone),
-        load_distance_per_cycle=mean_over_cycles(
-            recorders, alone, "load_distance", k
-        ).positive,
-        wear_volume=Estimate.symmetric(volume, half_width, len(maps)).positive,
+        load_distance_per_cycle=load_distance.positive,
+        wear_volume=_wear_volume(joint, volume, maps, wear),
         wear_volume_step_error=step_error,
-        wear_map_error=error if math.isfinite(error) else None,
+        wear_map_error=float(map_error) if math.isfinite(map_error) else None,
         wear_depth_max_by_replicate=tuple(deepest.tolist()),
-        wear_peaks={} if wear.is_frozen or is_corner else wear_peaks_of(joint, k, wear),
+        wear_peaks=wear_peaks,
         bumps=bumps,
         means=means,
     )
+
+
+def _wear_volume(
+    joint: ClearanceJoint, volume: float, maps: Array, wear: StageWear
+) -> Estimate:
+    """Return a worn volume, m^3, with the interval of the volumes of the maps.
+
+    ``maps`` are the samples of the depth of the joint, (samples, 2, bins), m.
+    """
+    half_width = None
+    if len(maps) > 1:
+        volumes = np.array([worn_volume(joint, depth) for depth in maps])
+        # The wear that is applied may differ from the mean of the maps.
+        change = volume - float(np.average(volumes, weights=wear.weights))
+        half_width = half_width_of_runs(wear.series(volumes)) or 0.0
+        half_width = math.hypot(half_width, change)
+    return Estimate.symmetric(volume, half_width, len(maps)).positive

@@ -172,9 +172,9 @@ class _Cycles:
             return finding
         if 1.0 in plan.sections:
             recorder.note_section()
-        dose = recorder.end_cycle()
+        depth = recorder.end_cycle()
         if plan.wear is not None:
-            self._wear(plan.wear(done + 1, dose, recorder.surface_depth))
+            self._wear(plan.wear(done + 1, depth, recorder.surface_depth))
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()
         return None

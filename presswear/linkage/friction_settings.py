@@ -20,6 +20,8 @@ from presswear.tools.serialize import Checked
 # about 0.3 t / tau, with the time tau, s, in which bristles relax.
 LEAST_SLIP = 1e-8  # m; a cycle of a four-bar then takes 240,000 steps
 LEAST_RELAXATION = 1e-6  # s
+# Part by which a setting may miss a limit, which is printed in four digits
+_LIMIT_TOL = 1e-3
 
 
 def greatest_bristle_damping(
@@ -97,14 +99,14 @@ class LuGreSettings(LawSettings):
         if friction == 0.0:
             return
         highest = friction / LEAST_SLIP
-        if stiffness > 1.001 * highest:
+        if stiffness > (1.0 + _LIMIT_TOL) * highest:
             raise InputError(
                 f"bristle_stiffness = {stiffness:g} 1/m: with friction = {friction:g} allowed "
                 f"is up to {highest:.4g} 1/m, with which bristles slip at a deflection of "
                 f"{1e9 * LEAST_SLIP:g} nm; 1e5 1/m is usual"
             )
         lowest = stiffness * LEAST_RELAXATION
-        if damping < 0.999 * lowest:
+        if damping < (1.0 - _LIMIT_TOL) * lowest:
             raise InputError(
                 f"bristle_damping = {damping:g} s/m: with bristle_stiffness = {stiffness:g} 1/m "
                 f"allowed is from {lowest:.4g} s/m, with which bristles relax within "
@@ -115,17 +117,16 @@ class LuGreSettings(LawSettings):
         highest = greatest_bristle_damping(friction, static, self.stribeck_speed)
         if damping > highest:
             speed = written(self.stribeck_speed, "m/s")
+            allowed = (1.0 - _LIMIT_TOL) * highest
             raise InputError(
                 f"bristle_damping = {damping:g} s/m: with friction = "
                 f"{friction:g}, static_friction = {static:g} and "
-                f"stribeck_speed = {speed} allowed is up to {0.999 * highest:.4g} s/m; "
+                f"stribeck_speed = {speed} allowed is up to {allowed:.4g} s/m; "
                 "more drives the sliding and creates energy"
             )
 
 
-WITH_SETTINGS: Mapping[str, type[LawSettings]] = {
-    kind.law: kind for kind in (LuGreSettings,)
-}
+WITH_SETTINGS: Mapping[str, type[LawSettings]] = {LuGreSettings.law: LuGreSettings}
 """Settings by the name of their law."""
 
 WITHOUT_SETTINGS: Mapping[str, str] = {

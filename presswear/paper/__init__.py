@@ -30,7 +30,7 @@ def run_paper(
     Returns
     -------
     tuple of str and Path
-        Answer in a few sentences, and path of the report.
+        Result of the comparison in a few sentences, and path of the report.
     """
     scenes = make_scenes(engine, quick)
     started = time.perf_counter()
@@ -39,18 +39,15 @@ def run_paper(
     def show(name: str, fraction: float, words: str) -> None:
         if fraction == 1.0 and name not in ended:
             ended.add(name)
-            left = (
-                (time.perf_counter() - started)
-                * (len(scenes) / len(ended) - 1.0)
-                / 60.0
-            )
+            elapsed = (time.perf_counter() - started) / 60.0  # min
+            remaining = elapsed * (len(scenes) / len(ended) - 1.0)
             count = f"{len(ended)} of {len(scenes)}"
             print(
-                f"{count}: {run_label(name)}: {words}; about {left:.1f} min left",
+                f"{count}: {run_label(name)}: {words}; about {remaining:.1f} min left",
                 flush=True,
             )
 
-    # The longest runs first: at the end no process waits long for another one.
+    # The longest runs start first, so that no process waits long for the last run.
     ordered = sorted(scenes, key=lambda name: not name.startswith(LONGEST))
     results = pw.run_scenes(
         {name: scenes[name] for name in ordered}, folder, jobs=jobs, on_progress=show

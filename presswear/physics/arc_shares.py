@@ -7,7 +7,16 @@ import numpy as np
 
 from presswear.physics.foundation import integrate_overlap
 from presswear.physics.overlap import Cubic, Place, node_at, overlap_between
-from presswear.physics.worn_map import ARC_END, ARC_PLACE, ARC_START, bin_of
+from presswear.physics.worn_map import (
+    ARC_COUNT,
+    ARC_END,
+    ARC_PLACE,
+    ARC_START,
+    PLACE_LAG,
+    PLACE_X,
+    PLACE_Y,
+    bin_of,
+)
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
@@ -16,25 +25,24 @@ from presswear.tools.compile import Records, compiled, inlined
 def count_arcs(surfaces: Array, joint: Records, place: Place, angle: float) -> int:
     """Return the number of arcs of overlap, whose ends are in the surfaces.
 
-    The integrals are computed, as by ``integrate_overlap``, if those before had another
-    place.
+    ``integrate_overlap`` is called if its last call was at another place.
     """
     last = surfaces[ARC_PLACE]
     is_same = (
-        last[0] == place.dx
-        and last[1] == place.dy
-        and last[2] == place.lag + place.offset
+        last[PLACE_X] == place.dx
+        and last[PLACE_Y] == place.dy
+        and last[PLACE_LAG] == place.lag + place.offset
     )
     if not is_same:
         integrate_overlap(surfaces, joint, place, angle)
-    return int(last[3])
+    return int(last[ARC_COUNT])
 
 
 @inlined
 def area_at(p: Cubic, x: float) -> float:
     """Return the integral of a polynomial from 0."""
-    rest = (1 / 3) * p.a2 + x * ((1 / 4) * p.a3 + x * (1 / 5) * p.a4)
-    return x * (p.a0 + x * ((1 / 2) * p.a1 + x * rest))
+    higher_terms = (1 / 3) * p.a2 + x * ((1 / 4) * p.a3 + x * (1 / 5) * p.a4)
+    return x * (p.a0 + x * ((1 / 2) * p.a1 + x * higher_terms))
 
 
 class Edge(NamedTuple):
@@ -99,14 +107,17 @@ def share_arc(
 
 @inlined
 def round_area(eccentricity: float, clearance: float, x: float) -> float:
-    """Return the integral of the overlap of a round pin from the direction of e to x, m rad."""
+    """Return the integral of the overlap of a round pin from the direction of e to x, m rad.
+
+    It is e sin x - c x = (e - c) x + e (sin x - x), which does not cancel at small x.
+    """
     y = x * x
-    if y < 0.25:  # the difference of sine and x would cancel
+    if y < 0.25:  # power series of the sine up to x^11
         series = 1 / 5040 - y * (1 / 362880 - y * (1 / 39916800))
-        short = -x * y * (1 / 6 - y * (1 / 120 - y * series))
+        sine_minus_x = -x * y * (1 / 6 - y * (1 / 120 - y * series))
     else:
-        short = math.sin(x) - x
-    return (eccentricity - clearance) * x + eccentricity * short
+        sine_minus_x = math.sin(x) - x
+    return (eccentricity - clearance) * x + eccentricity * sine_minus_x
 
 
 @compiled

@@ -70,39 +70,9 @@ def evaluate_constraints(
     phi = constraints.phi
     phi_t = constraints.phi_t
     gamma = constraints.gamma
-    jacobian = constraints.jacobian
     for row in range(constraints.records.shape[0]):
         c = constraints.records[row]
-        nx = c.normal_x
-        ny = c.normal_y
-        if c.rotates:
-            nx, ny = lever(c.second, c.normal_x, c.normal_y, q)
-        gap_x = gap_y = rate_x = rate_y = centripetal_x = centripetal_y = 0.0
-        for b, x, y, sign in ((c.first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
-            px, py = lever(b, x, y, q)
-            if b >= 0:
-                spin = v[b + 2]
-                rate_x += sign * (v[b] - spin * py)
-                rate_y += sign * (v[b + 1] + spin * px)
-                centripetal_x += sign * (spin * spin * px)
-                centripetal_y += sign * (spin * spin * py)
-                jacobian[row, b] = sign * nx
-                jacobian[row, b + 1] = sign * ny
-                jacobian[row, b + 2] = sign * (px * ny - py * nx)
-                px += q[b]
-                py += q[b + 1]
-            gap_x += sign * px
-            gap_y += sign * py
-        phi[row] = gap_x * nx + gap_y * ny
-        phi_t[row] = rate_x * nx + rate_y * ny
-        gamma[row] = centripetal_x * nx + centripetal_y * ny
-        if c.rotates:
-            spin = v[c.second + 2]
-            tangential_gap = gap_y * nx - gap_x * ny
-            phi_t[row] += spin * tangential_gap
-            jacobian[row, c.second + 2] += tangential_gap
-            # Turning of the direction: centripetal and Coriolis terms
-            gamma[row] += spin * (spin * phi[row] - 2.0 * (rate_y * nx - rate_x * ny))
+        evaluate_distance(constraints, row, q, v)
         if c.is_angle:
             evaluate_angle(constraints, row, q, v)
         if c.drive >= 0 and not c.geared:
@@ -112,6 +82,47 @@ def evaluate_constraints(
             phi[row] -= angle
             phi_t[row] -= speed
             gamma[row] += acceleration
+
+
+@inlined
+def evaluate_distance(
+    constraints: ConstraintSystem, row: int, q: Array, v: Array
+) -> None:
+    """Evaluate a row as the distance of two points along a direction, (nx, ny)."""
+    jacobian = constraints.jacobian
+    c = constraints.records[row]
+    nx = c.normal_x
+    ny = c.normal_y
+    if c.rotates:
+        nx, ny = lever(c.second, c.normal_x, c.normal_y, q)
+    gap_x = gap_y = rate_x = rate_y = centripetal_x = centripetal_y = 0.0
+    for b, x, y, sign in ((c.first, c.x1, c.y1, 1.0), (c.second, c.x2, c.y2, -1.0)):
+        px, py = lever(b, x, y, q)
+        if b >= 0:
+            spin = v[b + 2]
+            rate_x += sign * (v[b] - spin * py)
+            rate_y += sign * (v[b + 1] + spin * px)
+            centripetal_x += sign * (spin * spin * px)
+            centripetal_y += sign * (spin * spin * py)
+            jacobian[row, b] = sign * nx
+            jacobian[row, b + 1] = sign * ny
+            jacobian[row, b + 2] = sign * (px * ny - py * nx)
+            px += q[b]
+            py += q[b + 1]
+        gap_x += sign * px
+        gap_y += sign * py
+    phi = gap_x * nx + gap_y * ny
+    constraints.phi[row] = phi
+    constraints.phi_t[row] = rate_x * nx + rate_y * ny
+    constraints.gamma[row] = centripetal_x * nx + centripetal_y * ny
+    if c.rotates:
+        spin = v[c.second + 2]
+        tangential_gap = gap_y * nx - gap_x * ny
+        tangential_rate = rate_y * nx - rate_x * ny
+        constraints.phi_t[row] += spin * tangential_gap
+        jacobian[row, c.second + 2] += tangential_gap
+        # Turning of the direction: centripetal and Coriolis terms
+        constraints.gamma[row] += spin * (spin * phi - 2.0 * tangential_rate)
 
 
 @inlined

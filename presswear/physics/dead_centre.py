@@ -12,8 +12,11 @@ from presswear.tools.arrays import Array
 # A motion that stays at the bottom for at least this part of a cycle dwells. Its bottom
 # dead centre has no instant.
 DWELL = 0.02
-# Least rise between two minima of a motion, relative to the stroke
-DEPTH = 1e-9
+# Least rise between two minima of a motion, and least stroke, relative to the stroke and
+# to the size of the linkage; above the round-off of the assembly
+LEAST_RISE = 1e-9
+# Largest difference of places that count as equal, relative to the size of the linkage
+_EQUAL = 1e-12
 _STEPS = 60  # largest number of steps of Newton's method and of bisection
 
 
@@ -57,10 +60,10 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     place = _places(ideal)
     period = ideal.period
     nodes = place.size
-    if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
+    if float(np.ptp(place)) < LEAST_RISE * ideal.rows.size:
         return None
     time, height = _lowest(ideal, _first_lowest(ideal, place), nodes, 1.0)
-    top, negative = _lowest(ideal, _first_lowest(ideal, -place), nodes, -1.0)
+    top, negative_height = _lowest(ideal, _first_lowest(ideal, -place), nodes, -1.0)
     top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
@@ -74,13 +77,13 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     shift = period * math.ceil(last * step / period - 1.0)
     window_places = place[np.arange(first, last + 1) % nodes]
     minima = []
-    for k in _minima(window_places, DEPTH * range_of_place):
+    for k in _minima(window_places, LEAST_RISE * range_of_place):
         minimum_time, minimum_height = _lowest(ideal, first + k, nodes, 1.0)
         minima.append((minimum_time - shift, minimum_height))
     return Bottom(
         time=time - shift,
         height=height,
-        stroke=-negative - height,
+        stroke=-negative_height - height,
         top=top - shift,
         window=(first * step - shift, last * step - shift),
         period=period,
@@ -111,7 +114,7 @@ def _places(ideal: IdealMotion) -> Array:
 
 def _first_lowest(ideal: IdealMotion, place: Array) -> int:
     """Return the node of the lowest place, the first of several equal places."""
-    return int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
+    return int((place < place.min() + _EQUAL * ideal.rows.size).argmax())
 
 
 def _minima(place: Array, depth: float) -> list[int]:
@@ -150,6 +153,7 @@ def _lowest(
     time = node * step
 
     def motion_at(time: float) -> list[float]:
+        """Return place, velocity and acceleration of the output point, times the sign."""
         # The time can be negative. The motion is evaluated in the second cycle.
         instant = np.array([linkage.run_up_time + period + time])
         return list(map(float, sign * ideal.at(instant).output(linkage)[0]))
@@ -160,9 +164,13 @@ def _lowest(
             low = time
         else:
             high = time
-        new = time - speed / acceleration if acceleration > 0.0 else low
-        new = new if low <= new <= high else 0.5 * (low + high)
+        new = low
+        if acceleration > 0.0:
+            new = time - speed / acceleration
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
         if abs(new - time) < 1e-15 * period:
             break
         time = new
-    return time, motion_at(time)[0]
+    place, _, _ = motion_at(time)
+    return time, place

@@ -15,9 +15,9 @@ from presswear.tools.arrays import Array
 class Tableau(NamedTuple):
     """Coefficients of an embedded method with ``n`` stages and one at the end of the step."""
 
-    a: Array  # (n, n)
-    b: Array  # (n,)
-    c: Array  # (n,)
+    a: Array  # coefficients of the stages, (n, n)
+    b: Array  # weights of the stages, (n,)
+    c: Array  # times of the stages over the step, (n,)
     error: Array  # weights of the error estimate, (n + 1,)
     # weights of the second error estimate of DOP853, which has a lower order, (n + 1,)
     second_error: Array
@@ -35,7 +35,7 @@ def _lower(count: int, entries: tuple[float, ...]) -> Array:
 
 
 DOPRI5 = Tableau(
-    _lower(
+    a=_lower(
         6,
         (
             *(1 / 5, 3 / 40, 9 / 40, 44 / 45, -56 / 15, 32 / 9),
@@ -43,14 +43,14 @@ DOPRI5 = Tableau(
             *(9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
         ),
     ),
-    np.array([35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]),
-    np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1]),
-    np.array(
+    b=np.array([35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]),
+    c=np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1]),
+    error=np.array(
         [-71 / 57600, 0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40]
     ),
-    np.zeros(7),
-    -1.0 / 5.0,
-    False,
+    second_error=np.zeros(7),
+    exponent=-1.0 / 5.0,
+    ends_at_corners=False,
 )
 """Order 5 with an estimate of order 4."""
 
@@ -139,12 +139,12 @@ _E3 = (
 )
 
 DOP853 = Tableau(
-    _lower(12, _A),
-    np.array(_B),
-    np.array(_C),
-    np.array(_E5),
-    np.array(_E3),
-    -1.0 / 8.0,
-    True,
+    a=_lower(12, _A),
+    b=np.array(_B),
+    c=np.array(_C),
+    error=np.array(_E5),
+    second_error=np.array(_E3),
+    exponent=-1.0 / 8.0,
+    ends_at_corners=True,
 )
 """Order 8 with estimates of orders 5 and 3."""

@@ -35,6 +35,7 @@ from presswear.physics.overlap import (
     with_part,
 )
 from presswear.physics.worn_map import (
+    ARC_COUNT,
     ARC_END,
     ARC_PLACE,
     ARC_START,
@@ -43,6 +44,9 @@ from presswear.physics.worn_map import (
     CUBE,
     LEAST,
     PIN,
+    PLACE_LAG,
+    PLACE_X,
+    PLACE_Y,
     SINE,
     cell_of,
     depth_at,
@@ -303,10 +307,10 @@ def integrate_overlap(
         sums = integrate_cells(surfaces, place, first, last)
     else:
         sums = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
-    surfaces[ARC_PLACE, 0] = place.dx
-    surfaces[ARC_PLACE, 1] = place.dy
-    surfaces[ARC_PLACE, 2] = place.lag + place.offset
-    surfaces[ARC_PLACE, 3] = sums.arcs
+    surfaces[ARC_PLACE, PLACE_X] = place.dx
+    surfaces[ARC_PLACE, PLACE_Y] = place.dy
+    surfaces[ARC_PLACE, PLACE_LAG] = place.lag + place.offset
+    surfaces[ARC_PLACE, ARC_COUNT] = sums.arcs
     # Ratio of the means of cosine and sine over a cell to the means of their cubics
     scale = 1.0 + (1 / 720) * place.width**4
     sums = ArcIntegrals(

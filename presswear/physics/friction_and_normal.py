@@ -139,8 +139,8 @@ def polynomial(coefficients: tuple[float, ...], x: float) -> float:
     # less time than a long chain.
     square = x * x
     last = len(coefficients) - 1
-    even = coefficients[last] + 0.0 * x
-    odd = coefficients[last - 1] + 0.0 * x
+    even = coefficients[last]
+    odd = coefficients[last - 1]
     for i in range(1, last // 2):
         even = even * square + coefficients[last - 2 * i]
         odd = odd * square + coefficients[last - 2 * i - 1]
@@ -160,11 +160,15 @@ def round_foundation(
     here, because the differences in F and U lose their digits at small u.
     """
     reach = max(penetration, 0.0)
-    plain = stiffness * reach * math.sqrt(reach * clearance / (clearance + reach))
+    # K delta sqrt(delta c / e)
+    small_angle_force = (
+        stiffness * reach * math.sqrt(reach * clearance / (clearance + reach))
+    )
     scale = math.sqrt(2.0) * clearance
     x = (reach - scale) / (reach + scale)
-    force = plain * polynomial(ROUND_FORCE, x)
-    return force, 0.4 * reach * plain * polynomial(ROUND_ENERGY, x)
+    force = small_angle_force * polynomial(ROUND_FORCE, x)
+    energy = 0.4 * reach * small_angle_force * polynomial(ROUND_ENERGY, x)
+    return force, energy
 
 
 # Elastic forces of NORMAL_PARAMETERS by name, or the number of a law in the kernels
@@ -181,7 +185,8 @@ def elastic_at(law: Records, penetration: float) -> float:
     if law.address == INLINE:
         return elastic_force(penetration, law.stiffness, law.exponent)
     if law.address == ROUND_FOUNDATION:
-        return round_foundation(penetration, law.stiffness, law.clearance)[0]
+        force, _ = round_foundation(penetration, law.stiffness, law.clearance)
+        return force
     if penetration <= 0.0:
         return 0.0
     numbers = (law.stiffness, law.exponent, law.damping, law.clearance)

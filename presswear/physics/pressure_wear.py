@@ -3,8 +3,8 @@
     dh = K_d p (p / p_ref)^(m - 1) ds,   p = F_n nu / (b R),
 
 where nu is the overlap at an angle over the integral of the overlap, 1/rad. The engines
-integrate the dose D = integral of F_n (F_n / (b R w p_ref))^(m - 1) ds over time, where
-w is the width of the arc of round surfaces. At the end of a step the depth of a bin of
+compute the integral D of F_n (F_n / (b R w p_ref))^(m - 1) ds over the sliding distance,
+where w is the width of the arc of round surfaces. At the end of a step the depth of a bin of
 width dtheta grows by
 
     K_d / (b R) D w^(m - 1) (integral of nu^m over the bin) / dtheta.
@@ -55,10 +55,10 @@ def deposit_by_pressure(
     joint: Records,
     surfaces: Array,
     contact: Records,
-    dose: float,
+    wear_integral: float,
     shares: Array,
 ) -> None:
-    """Add the wear of a dose, N m, to the bins in which the surfaces overlap.
+    """Add the wear of an integral D, N m, to the bins in which the surfaces overlap.
 
     ``depth`` are the wear maps of bearing and pin, m, shape (2, n). ``shares`` is
     working space of the same shape; it is zero before and after the call.
@@ -76,7 +76,7 @@ def deposit_by_pressure(
             overlap_integral = share_worn(
                 joint, surfaces, contact, zero, relative_angle, shares
             )
-    scale = joint.wear_coefficient * dose / bin_area
+    scale = joint.wear_coefficient * wear_integral / bin_area
     normal = math.atan2(contact.normal_y, contact.normal_x) - zero
     for side in range(2):
         share = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share

@@ -41,7 +41,12 @@ def wall_profile(
 
 @compiled
 def deposit_on_wall(
-    depth: Array, k: int, joint: Records, contact: Records, dose: float, h: float
+    depth: Array,
+    k: int,
+    joint: Records,
+    contact: Records,
+    load_distance: float,
+    h: float,
 ) -> None:
     """Add the wear of a load distance F_n ds, N m, of corner ``k`` to its wall.
 
@@ -51,7 +56,7 @@ def deposit_on_wall(
     """
     end = (contact.place - joint.wall_start) / joint.wall_bin
     start = end - joint.wall_sense * contact.sliding * h / joint.wall_bin
-    depth_sum = joint.wear_coefficient * dose / (joint.width * joint.wall_bin)
+    depth_sum = joint.wear_coefficient * load_distance / (joint.width * joint.wall_bin)
     spread_along(depth[k, 0], start, end, depth_sum)
     spread_along(depth[joint.wall_partner, 0], start, end, depth_sum)
 

@@ -50,13 +50,13 @@ def contact_area(
 
 @compiled
 def deposit_in_bins(
-    depth: Array, joint: Records, contact: Records, pressure_dose: float, h: float
+    depth: Array, joint: Records, contact: Records, pressure_distance: float, h: float
 ) -> None:
-    """Add the wear of a dose p ds, N/m, to the depths of both surfaces, shape (2, m).
+    """Add the wear of an integral p ds, N/m, to the depths of both surfaces, shape (2, m).
 
     It is distributed over the bins that the contact crosses in a step of length ``h``, s.
     """
-    depth_sum = joint.wear_coefficient * pressure_dose
+    depth_sum = joint.wear_coefficient * pressure_distance
     turns = joint.map_turns
     direction = direction_of(contact)
     ends = (
@@ -95,7 +95,7 @@ def deposit_over_arc(
     load_distance: float,
     shares: Array,
 ) -> tuple[float, float]:
-    """Add the wear of a dose F_n ds, N m, to the bins in which the surfaces overlap.
+    """Add the wear of a load distance F_n ds, N m, to the bins in which the surfaces overlap.
 
     Return start and end of the arc in which they lie, in the map of the bearing, rad.
     ``depth`` are the wear maps of bearing and pin, m, shape (2, n). ``shares`` is

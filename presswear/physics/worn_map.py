@@ -23,6 +23,9 @@ SINE = 11
 # Working space of ``foundation``: the places where arcs of overlap start and end, in
 # cells, and the place of the pin for which they are and their number.
 ARC_START, ARC_END, ARC_PLACE, ROWS = range(12, 16)
+# Columns of the row ARC_PLACE: eccentricity in the frame of the map, m; lag of the pin's
+# map, in cells; number of arcs
+PLACE_X, PLACE_Y, PLACE_LAG, ARC_COUNT = range(4)
 SLOPE = 1
 SQUARE = 2
 CUBE = 3

@@ -25,7 +25,7 @@ class BearingJoints:
         return tuple(name for name in self.mechanism.allowed_joints if name in words)
 
     def bearing(self, joint: str) -> Bearing:
-        """Return the bearing of a joint; of the corner of a slide that of its guide."""
+        """Return the bearing of a joint; the corner of a slide has the bearing of its guide."""
         for guide in self.loose_guides:
             if joint.removeprefix(f"{guide.name} ") in CORNERS:
                 joint = guide.name
@@ -51,7 +51,7 @@ class BearingJoints:
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
-        """Names of the joints with clearance; of a guide those of its four corners."""
+        """Names of the joints with clearance; a guide has the names of its four corners."""
         guides = (guide.name for guide in self.loose_guides)
         corners = (f"{guide} {corner}" for guide in guides for corner in CORNERS)
         return (*self.loose_pins, *corners)

@@ -110,7 +110,7 @@ def _flywheel_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
 def _guide_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the tilt of each slide in a guide with clearance, if there is no work."""
     if scene.process is not None:
-        return []  # the tilt is beside its limit
+        return []  # a table of limits shows the tilt beside its limit
     return [
         measured("Tilt of the slide", tilt.working.scaled(1e6), "µm/m", f"In {name}.")
         for name, tilt in guide_tilts(scene, stage).items()
@@ -160,7 +160,9 @@ def _film_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     film = films[joint]
     roughness = numbers.quantity_text(film.roughness, "m")
     text = f"At joint {joint}, in the last recorded cycle; the roughness of both surfaces is "
-    text += f"{roughness}. Full film for {numbers.percent(film.time_shares[0])} of the cycle."
+    text += (
+        f"{roughness}. Full film for {numbers.percent(film.full_share)} of the cycle."
+    )
     value = numbers.quantity_text(thinnest[joint], "m")
     single = Estimate(thinnest[joint])
     return [KeyNumber("Least oil film", value, "", text, estimate=single)]

@@ -23,6 +23,7 @@ from presswear.results.guide_tilt import ALLOWED_TILT, LEAST_ALLOWED_TILT, STATE
 from presswear.results.motor_load import ALLOWED_DROP, RECOVERED
 from presswear.results.result import Result
 from presswear.results.strokes import PHASES, SNAP_THROUGH_S
+from presswear.scene.scene import Scene
 from presswear.show import page
 from presswear.show.figures.style import TEMPLATES, maps_turn
 from presswear.show.page import Row, Table
@@ -33,20 +34,53 @@ _TABLES = TEMPLATES.from_string(
     (files(__package__) / "templates/tables.toml").read_text("utf-8")
 )
 HARMONICS = (1, 2, 3)  # orders of the crank whose amplitudes are listed
+# Values of ``tables.toml`` that are the same for every result
+_CONSTANTS: Record = {
+    "states": STATES,
+    "walls": WALLS,
+    "allowed_tilt": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
+    "allowed_reverse": ALLOWED_REVERSE,
+    "allowed_drop": ALLOWED_DROP,
+    "recovered": RECOVERED,
+    "statics": statics,
+    "phases": PHASES,
+    "snap_through_s": SNAP_THROUGH_S,
+    "energy_bound": ENERGY_BOUND,
+    "residual": RESIDUAL,
+    "orders": HARMONICS,
+    "modes": MODES,
+    "means": with_mean(CYCLE),
+    "joint_means": with_mean((*JOINT_CYCLE, *FILM_CYCLE)),
+}
 
 
 def filled_tables(result: Result, **names: Any) -> Record:
     """Return ``tables.toml`` filled with the names of a result, and with ``names``."""
     scene = result.scene
+    linkage = scene.linkage()
+    # Maps that are fixed in space have one angle for both surfaces.
+    sides = {"both": "bearing + pin"}
+    if maps_turn(result):
+        sides = {side: side for side in SIDES}
+    content = {
+        **_CONSTANTS,
+        **_names_of_parts(scene),
+        "sides": sides,
+        "leader": linkage.leader,
+        "pull": statics.pull_of(linkage),
+    }
+    return _parsed(_TABLES.render(content | names))
+
+
+def _names_of_parts(scene: Scene) -> Record:
+    """Return a scene and the names of its joints, drives, frames and guides."""
     mechanism = scene.mechanism.linkage()  # with ideal joints
     linkage = scene.linkage()  # with the bearings of the scene
-    # Maps that are fixed in space have one angle for both surfaces.
-    sides = (
-        {side: side for side in SIDES}
-        if maps_turn(result)
-        else {"both": "bearing + pin"}
-    )
-    content = {
+    motors = []
+    for drive in mechanism.drives:
+        if drive.motor is not None and drive.motor.has_slip:
+            motors.append(drive.body)
+    return {
         "scene": scene,
         "linkage": mechanism,
         "joints": scene.loose_pins,
@@ -56,36 +90,13 @@ def filled_tables(result: Result, **names: Any) -> Record:
         "frames": [guide.name for guide in linkage.elastic_guides],
         "elastic_pins": [pin.name for pin in linkage.elastic_pins],
         "guides": [guide.name for guide in scene.loose_guides],
-        "states": STATES,
-        "walls": WALLS,
         "wall_bins": {
             corner.guide.name: corner.wall.bin_length
             for corner in linkage.corners
             if corner.wall is not None
         },
-        "allowed_tilt": f"{1e6 * LEAST_ALLOWED_TILT:.0f} to {1e6 * ALLOWED_TILT:.0f}",
-        "allowed_reverse": ALLOWED_REVERSE,
-        "leader": linkage.leader,
-        "motors": [
-            drive.body
-            for drive in mechanism.drives
-            if drive.motor is not None and drive.motor.has_slip
-        ],
-        "allowed_drop": ALLOWED_DROP,
-        "recovered": RECOVERED,
-        "pull": statics.pull_of(linkage),
-        "statics": statics,
-        "phases": PHASES,
-        "snap_through_s": SNAP_THROUGH_S,
-        "energy_bound": ENERGY_BOUND,
-        "residual": RESIDUAL,
-        "orders": HARMONICS,
-        "sides": sides,
-        "modes": MODES,
-        "means": with_mean(CYCLE),
-        "joint_means": with_mean((*JOINT_CYCLE, *FILM_CYCLE)),
+        "motors": motors,
     }
-    return _parsed(_TABLES.render(content | names))
 
 
 _parsed = lru_cache(maxsize=8)(tomllib.loads)
@@ -100,10 +111,9 @@ def result_table(
 ) -> Table | None:
     """Return a table of ``tables.toml`` with a column per record."""
     content = filled_tables(result, **names)
-    rows = {
-        heading: [_in_words(result, Row(*row)) for row in lines]
-        for heading, lines in content[name].items()
-    }
+    rows = {}
+    for heading, lines in content[name].items():
+        rows[heading] = [_in_words(result, Row(*row)) for row in lines]
     columns = [record["name"] for record in records]
     corner = in_words_of(result.scene, content["corners"].get(name, ""))
     return page.column_table(corner, columns, records, rows, numeric)
@@ -124,6 +134,8 @@ def line_table(
 ) -> Table:
     """Return a table of ``tables.toml`` with a line per record."""
     columns = [Row(*row) for row in filled_tables(result, **names)["columns"][name]]
-    lines = (tuple(column.text(record) for column in columns) for record in records)
-    heads = (column.head for column in columns)
+    lines = []
+    for record in records:
+        lines.append(tuple(column.text(record) for column in columns))
+    heads = [column.head for column in columns]
     return page.plain_table(heads, lines, numeric)

@@ -1,7 +1,7 @@
-"""Elements of arrays at constant places, as in written equations, in a few instructions.
+"""Elements of arrays at constant indices, as in written equations, in a few instructions.
 
-Numba writes 20 for each, which find the place from the end of the array and the strides
-of all axes, and which the compiler then takes out again.
+Numba writes 20 instructions for each element, which find its address from the end of the
+array and the strides of all axes. The compiler removes most of them, which takes time.
 """
 
 from typing import Any
@@ -15,6 +15,7 @@ _DATA = 4  # place of the address of the first item in an array
 
 
 def _is_simple(context: Any, array: Any, index: Any) -> bool:
+    """Return whether the address is that of the data plus the index."""
     is_checked = context.enable_boundscheck
     return array.ndim == 1 and array.layout == "C" and not is_checked and index >= 0
 
@@ -28,7 +29,7 @@ def _read(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     array, index = arguments
     kind = signature.args[0]
     if not _is_simple(context, kind, index):
-        raise NotImplementedError  # numba does it as ever
+        raise NotImplementedError  # numba then uses its general code
     return load_item(context, builder, kind, _place(builder, array, index))
 
 

@@ -13,7 +13,9 @@ from presswear.tools.units import UNITS, WRITTEN_IN
 
 _SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
 _POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
-_SEPARATED = {  # forms of numbers that are refused, and what becomes of their signs
+# Forms of numbers that are refused, by the advice in the message, and the table of characters
+# that corrects them
+_SEPARATED = {
     "use no separator of thousands": (
         r"\d{1,3}([,'’]\d{3})+(\.\d*)?",
         str.maketrans("", "", ",'’"),
@@ -43,15 +45,15 @@ def plain_number(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Unit, range with its ends (not the lower if ``open_low``), origin and meaning."""
+    """Number of a user: unit, allowed range, origin and meaning."""
 
     unit: str = ""
     low: float = -math.inf
     high: float = math.inf
-    origin: str = ""
-    text: str = ""
-    open_low: bool = False
-    whole: bool = False
+    origin: str = ""  # source of the default value
+    text: str = ""  # meaning, in a help text
+    open_low: bool = False  # the lower end is not allowed
+    whole: bool = False  # the number is an integer
     size: float = 1.0  # size of the unit, SI
 
     def with_unit(self, value: str) -> str:
@@ -65,7 +67,8 @@ class Quantity:
 
     def typeset(self, value: float) -> str:
         """Return a value as ``written`` does, with powers as signs: ``1.2·10⁻⁶ mm³/(N m)``."""
-        (text,), unit = self.texts(value)
+        texts, unit = self.texts(value)
+        (text,) = texts
         return f"{text} {unit}".rstrip()
 
     def texts(self, *values: Any) -> tuple[list[str], str]:
@@ -89,18 +92,26 @@ class Quantity:
 
     def in_unit(self, unit: str, size: float) -> "Quantity":
         """Return the quantity in a unit of a size, SI."""
-        low, high = (float(f"{end / size:.12g}") for end in (self.low, self.high))
+        low = _twelve_digits(self.low / size)
+        high = _twelve_digits(self.high / size)
         return replace(self, unit=unit, low=low, high=high, size=size)
 
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""
         if math.isinf(self.high) and math.isinf(self.low):
-            return self.with_unit(f"any finite number{' in' if self.unit else ''}")
+            return (
+                f"any finite number in {self.unit}"
+                if self.unit
+                else "any finite number"
+            )
         low = _six_digits(self.low, ROUND_CEILING)
         if math.isinf(self.high):
-            return self.with_unit(f"{'above' if self.open_low else 'at least'} {low}")
-        first = f"above {low} up to" if self.open_low else f"{low} to"
-        return self.with_unit(f"{first} {_six_digits(self.high, ROUND_FLOOR)}")
+            bound = "above" if self.open_low else "at least"
+            return self.with_unit(f"{bound} {low}")
+        high = _six_digits(self.high, ROUND_FLOOR)
+        if self.open_low:
+            return self.with_unit(f"above {low} up to {high}")
+        return self.with_unit(f"{low} to {high}")
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
@@ -131,6 +142,11 @@ class Quantity:
 def written(value: float, unit: str) -> str:
     """Return an SI value in the unit in which engineers write it, in up to six digits."""
     return Quantity(unit).written(value)
+
+
+def _twelve_digits(value: float) -> float:
+    """Return a converted number without the round-off of its conversion."""
+    return float(f"{value:.12g}")
 
 
 def _six_digits(value: float, rounding: str) -> str:
@@ -183,7 +199,7 @@ def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
         meaning.check(name, number)
     except InputError:
         if meaning.unit:  # with the allowed range in the unit of the text
-            meaning.in_unit(symbol, size).check(name, float(f"{number / size:.12g}"))
+            meaning.in_unit(symbol, size).check(name, _twelve_digits(number / size))
         raise
     return number
 

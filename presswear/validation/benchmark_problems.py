@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,7 +51,16 @@ SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
 # Cycles of the ideal mechanism; over whole cycles errors of periodic motion cancel
 CYCLES = 1.25
 GAP = 1e-5  # m, free flight before the impact
-PARTS = 10  # parts of a run with clearance; its recorded series is so much finer
+PARTS = 10  # sections of a run with clearance, each with a full recorded series
+# Names of the errors of a run with clearance
+_CLEARANCE_ERRORS = (
+    "slider (m)",
+    "touchdowns (s)",
+    "slider velocity (m/s)",
+    "closing speeds, relative",
+    "peak forces, relative",
+    "energy residual / exchanged",
+)
 
 
 @dataclass(frozen=True)
@@ -122,21 +132,23 @@ def dae_methods(
     methods = []
     controlled: tuple[Integrator, ...] = ("dop853", "dopri5")
     for name in controlled:
-        values = {
-            *tolerances,
-            *([default.tolerance] if default.integrator == name else []),
-        }
+        values = set(tolerances)
+        if default.integrator == name:
+            values.add(default.tolerance)
         for value in sorted(values, reverse=True):
             engine = replace(default, integrator=name, integration_tolerance=value)
             methods.append(
                 Method(engine, name.upper(), TOLERANCE, value, engine == default)
             )
-    values = {*steps, *([default.step] if default.integrator == "rk4" else [])}
-    engines = [replace(default, integrator="rk4", equal_step=value) for value in values]
-    engines = [
-        engine for engine in engines if not math.isclose(engine.step, PAPER.step)
-    ]
-    for engine in sorted([*engines, PAPER], key=lambda settings: -settings.step):
+    values = set(steps)
+    if default.integrator == "rk4":
+        values.add(default.step)
+    engines = [PAPER]
+    for value in values:
+        engine = replace(default, integrator="rk4", equal_step=value)
+        if not math.isclose(engine.step, PAPER.step):
+            engines.append(engine)
+    for engine in sorted(engines, key=lambda settings: -settings.step):
         is_default = (
             default.integrator == engine.integrator and engine.step == default.step
         )
@@ -194,8 +206,9 @@ def contact_methods(
         methods.append(Method(ExudynJoints(1, 1, free_step=step), EQUAL, STEP, step))
     tree = numerics.tree.for_cycle(period)
     tolerances = {*extent.tree_tolerances, tree.tolerance}
-    has_tree = not isinstance(branches_of(linkage), str)
-    for value in sorted(tolerances, reverse=True) if has_tree else ():
+    if isinstance(branches_of(linkage), str):  # no open tree
+        tolerances = set()
+    for value in sorted(tolerances, reverse=True):
         engine = replace(tree, tree_tolerance=value)
         methods.append(Method(engine, "DOPRI5", TOLERANCE, value, engine == tree))
     dae = replace(numerics.dae, free_step=longest)
@@ -204,9 +217,8 @@ def contact_methods(
 
 def constraint_error(linkage: Linkage, run: Run) -> float:
     """Return the largest violation of a position constraint at the end of a run, m or rad."""
-    phi = constraints_of(linkage).evaluate(
-        run.time, run.end.position, run.end.velocity
-    )[0]
+    constraints = constraints_of(linkage)
+    phi, *_ = constraints.evaluate(run.time, run.end.position, run.end.velocity)
     return float(np.abs(phi).max())
 
 
@@ -240,7 +252,8 @@ def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Pro
 
 
 def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
-    """Return Andrews' squeezer; the reference is the solution of the IVP test set.
+    """Return Andrews' squeezer; the reference is the solution of the IVP test set
+    (Mazzia and Magherini).
 
     The uncertainty of the printed values is their distance from a solution at tolerance
     1e-13.
@@ -285,7 +298,7 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
     bodies = impact.linkage.bodies
     guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in bodies)
     linkage = replace(impact.linkage, joints=guides)
-    start.position[3] = impact.clearance - GAP
+    start.position[references.SHAFT_X] = impact.clearance - GAP
     restitution = delivered_restitution(impact.damping)
     contact_time, uncertainty = impact.duration()
     kinetic = 0.5 * bodies[1].mass * impact.speed**2
@@ -293,21 +306,10 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
     numerics = scene.numerics.resolved("trajectory")
 
     def errors(run: Run) -> Sequence[float]:
-        contacts = cases.contacts_of(run)
-        count = contacts["touchdown"].size
-        if count != 1:
-            raise RunFailed(f"expected one contact, found {count}")
-        # No force acts after the contact, so that its end follows from the final state.
-        gap = run.end.position[3] - run.end.position[0] - impact.clearance
-        rate = run.end.velocity[3] - run.end.velocity[0]
-        if not (gap < 0.0 and rate < 0.0):
-            raise RunFailed(
-                "the shaft is still in contact, or has passed through the ring"
-            )
-        time = run.time - gap / rate - contacts["touchdown"][0]
+        computed = _time_and_restitution(impact, run)
         return [
-            abs(-contacts["release_speed"][0] / impact.speed - restitution),
-            abs(time - contact_time),
+            abs(computed.restitution - restitution),
+            abs(computed.contact_time - contact_time),
             abs(float(run.diagnostics["energy_residual_J"])) / kinetic,
         ]
 
@@ -323,6 +325,33 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
         Plan(duration, 1, 1, torques=False),
         contact_methods(extent, numerics, scene.mechanism.period, duration, linkage),
         errors,
+    )
+
+
+class _Impact(NamedTuple):
+    """Result of the free impact in a run."""
+
+    restitution: float
+    contact_time: float  # s
+
+
+def _time_and_restitution(impact: references.Impact, run: Run) -> _Impact:
+    """Return contact time and restitution; RunFailed unless there is one complete contact."""
+    contacts = cases.contacts_of(run)
+    count = contacts["touchdown"].size
+    if count != 1:
+        raise RunFailed(f"expected one contact, found {count}")
+    # No force acts after the contact, so that its end follows from the final state.
+    ring, shaft = references.RING_X, references.SHAFT_X
+    gap = run.end.position[shaft] - run.end.position[ring] - impact.clearance
+    rate = run.end.velocity[shaft] - run.end.velocity[ring]
+    if not (gap < 0.0 and rate < 0.0):
+        raise RunFailed("the shaft is still in contact, or has passed through the ring")
+    (touchdown,) = contacts["touchdown"]
+    (release_speed,) = contacts["release_speed"]
+    return _Impact(
+        restitution=-release_speed / impact.speed,
+        contact_time=run.time - gap / rate - touchdown,
     )
 
 
@@ -345,21 +374,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
         cases.finished(engine.for_cycle(period).simulate(linkage, start, plan))
         for engine in (TIGHT, second)
     )
-    names = (
-        "slider (m)",
-        "touchdowns (s)",
-        "slider velocity (m/s)",
-        "closing speeds, relative",
-        "peak forces, relative",
-        "energy residual / exchanged",
-    )
     first = crosscheck.touchdowns_of(exact)[: crosscheck.FIRST_TOUCHDOWNS]
-
-    def slider_at_end(run: Run) -> Array:
-        q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
-        return Motion(np.array([run.time]), q, v, np.zeros_like(v)).output(linkage)[
-            0, :2
-        ]
 
     def errors(run: Run) -> Sequence[float]:
         differences = crosscheck.touchdown_differences(
@@ -369,16 +384,27 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
         times, speeds, forces = differences.max(axis=0, initial=0.0)
-        position, velocity = np.abs(slider_at_end(run) - slider_at_end(exact))
-        numbers = position, times, velocity, speeds, forces, cases.missing_energy(run)
+        position, velocity = np.abs(
+            _slider_at_end(linkage, run) - _slider_at_end(linkage, exact)
+        )
+        energy = cases.missing_energy(run)
+        numbers = (position, times, velocity, speeds, forces, energy)
         return [float(number) for number in numbers]
 
     # Energy is conserved exactly, so that the residual needs no reference.
-    quantities = dict(zip(names, [*errors(check)[:-1], 0.0], strict=True))
+    quantities = dict(zip(_CLEARANCE_ERRORS, [*errors(check)[:-1], 0.0], strict=True))
     numerics = scene.numerics.resolved("trajectory")
     methods = contact_methods(extent, numerics, period, period / LEAST_STEPS, linkage)
     name = f"scene {scene.name}, {end:.3g} s"
     return Problem(name, quantities, linkage, start, plan, methods, errors)
+
+
+def _slider_at_end(linkage: Linkage, run: Run) -> Array:
+    """Return position, m, and velocity, m/s, of the output point at the end of a run."""
+    q = run.end.position[np.newaxis]
+    v = run.end.velocity[np.newaxis]
+    motion = Motion(np.array([run.time]), q, v, np.zeros_like(v))
+    return motion.output(linkage)[0, :2]
 
 
 # Each gets a scene, an extent, and a function to report progress.

@@ -78,6 +78,10 @@ REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
 EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}
 
 
+# Indices of the x of ring and shaft in the position of ``Impact.linkage``
+RING_X, SHAFT_X = 0, 3
+
+
 @dataclass(frozen=True)
 class Impact:
     """Central impact of a free shaft on its free ring."""

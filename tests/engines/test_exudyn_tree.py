@@ -84,7 +84,7 @@ def test_errors_fall_with_the_tolerance():
 
 
 @pytest.mark.parametrize(("slip", "error"), [("sliding", 2e-6), ("angle", 1e-3)])
-def test_doses_and_peaks_agree(slip: Slip, error):
+def test_wear_and_peaks_agree(slip: Slip, error):
     """By angle, slip has a kink wherever the pin turns back, which costs both engines digits."""
     scene = wear_times()
     scene = replace(scene, conventions=replace(scene.conventions, slip=slip))

@@ -203,10 +203,12 @@ def test_a_wall_that_turns_wears_where_the_block_presses(engine: Engine, within)
     left, right = walls_of(linkage, run.recorder.maps.sampled)["slot"]
     assert not left.any()
     phase = TURN * DURATION
-    dose = 0.5 * MASS * (TURN * FIRST) ** 2 * (math.sinh(2.0 * phase) - 2.0 * phase)
-    dose += MASS * TURN**2 * C * FIRST * (math.cosh(phase) - 1.0)
+    load_distance = (
+        0.5 * MASS * (TURN * FIRST) ** 2 * (math.sinh(2.0 * phase) - 2.0 * phase)
+    )
+    load_distance += MASS * TURN**2 * C * FIRST * (math.cosh(phase) - 1.0)
     volume = wall_volume(linkage.corners[0], right)
-    assert volume == pytest.approx(WALL.coefficient * dose, rel=1e-4)
+    assert volume == pytest.approx(WALL.coefficient * load_distance, rel=1e-4)
     place = bin_centres_of(WALL)
     last = FIRST * math.cosh(phase)
     half = 0.6 * WALL.bin_length

@@ -9,7 +9,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import CONTACT, note_foundation, note_radial
-from presswear.physics.equations.layout import DOSE_COUNT
+from presswear.physics.equations.layout import WEAR_INTEGRAL_COUNT
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
     elastic_of,
@@ -62,7 +62,7 @@ class Forces:
         self.force = packed.weight.copy()
         self.supplied = self.contact_loss = self.friction_loss = self.made = 0.0
         self.contacts = np.zeros(len(packed.joints), CONTACT)
-        self.doses = np.zeros((len(packed.joints), DOSE_COUNT))
+        self.wear_rates = np.zeros((len(packed.joints), WEAR_INTEGRAL_COUNT))
         self.states = list[float]()
         self.state_rates = list[float]()
 
@@ -233,6 +233,6 @@ class Forces:
         width = joint["width"]
         radii = contact.bearing_arm - half, contact.pin_arm + half
         area = contact_area(contact.penetration, contact.eccentricity, *radii, width)
-        self.doses[k, 0] = normal * slip
+        self.wear_rates[k, 0] = normal * slip
         if not joint["over_arc"]:
-            self.doses[k, 1] = normal * slip / area
+            self.wear_rates[k, 1] = normal * slip / area

@@ -29,7 +29,7 @@ from presswear.physics.curve_following import motion_of
 from presswear.physics.equations import body_forces
 from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import END, function_of, model_of
-from presswear.physics.equations.layout import DOSE_COUNT
+from presswear.physics.equations.layout import WEAR_INTEGRAL_COUNT
 from presswear.physics.equations.writer import Equations, write_equations
 from presswear.physics.ideal import Motion
 from presswear.physics.load_transitions import place_loads
@@ -293,9 +293,11 @@ def test_equations_agree_with_multipliers(name, seed):
     found = expected.found
     layout = subject.equations.layout
     close(out[layout.first_state : layout.first_energy], np.array(found.state_rates))
-    energies = out[layout.first_energy : layout.first_dose]
-    doses = out[layout.first_dose : layout.first_torque].reshape(-1, DOSE_COUNT)
-    for kind, reference in zip(doses.T, found.doses.T, strict=True):
+    energies = out[layout.first_energy : layout.first_wear_integral]
+    wear_rates = out[layout.first_wear_integral : layout.first_torque].reshape(
+        -1, WEAR_INTEGRAL_COUNT
+    )
+    for kind, reference in zip(wear_rates.T, found.wear_rates.T, strict=True):
         close(kind, reference)
     drives = out[layout.first_torque :].reshape(-1, 4)
     powers = expected.torques * expected.speeds

@@ -38,12 +38,12 @@ def _law(power: float, distribution: Any = "arc") -> WearLaw:
 
 
 def _worn_in_a_second(pair: Pair, count: int) -> Array:
-    """Return the depths that the rate of the dose gives in a second, shape (2, count), m."""
+    """Return the depths that the rate of the integral gives in a second, shape (2, count), m."""
     depth, shares = np.zeros((2, 2, count))
     record = pair.packed.joints[0]
     surfaces = pair.packed.surfaces[0]
-    dose = pair.wear_rates()[1]
-    deposit_by_pressure(depth, record, surfaces, pair.contact(), dose, shares)
+    rate = pair.wear_rates()[1]
+    deposit_by_pressure(depth, record, surfaces, pair.contact(), rate, shares)
     assert not shares.any()
     return depth
 
@@ -127,10 +127,10 @@ def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power):
 def test_one_bin_wears_by_the_mean_pressure(power):
     pair = placed(replace(JOINT, wear=_law(power, "bin")), 1e-5, 0.8, rates=SLIDING)
     archard = placed(replace(JOINT, wear=_law(1.0, "bin")), 1e-5, 0.8, rates=SLIDING)
-    work, pressure_dose = archard.wear_rates()
+    work, pressure_distance = archard.wear_rates()
     sliding = abs(archard.contact().sliding)
-    pressure = pressure_dose / sliding
-    expected = pressure_dose * (pressure / REFERENCE) ** (power - 1.0)
+    pressure = pressure_distance / sliding
+    expected = pressure_distance * (pressure / REFERENCE) ** (power - 1.0)
     assert pair.wear_rates() == pytest.approx((work, expected), rel=1e-12)
 
 

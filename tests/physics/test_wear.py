@@ -67,7 +67,7 @@ def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
         (3.0, 40.0, {8: 1.0}),  # more than a turn: where it ends
     ],
 )
-def test_a_dose_is_spread_over_the_bins_that_are_crossed(start, end, expected):
+def test_a_load_distance_is_spread_over_the_bins_that_are_crossed(start, end, expected):
     """Angles in bins of a map of sixteen."""
     depth = np.zeros(16)
     width = TURN / 16

@@ -4,13 +4,13 @@ from presswear.engines.dae.runge_kutta import SPARE, START, rates
 from presswear.physics.constraints import ConstraintSystem, project
 from presswear.physics.contact import copy_contacts
 from presswear.physics.equations.layout import (
-    DOSE_COUNT,
     POWER,
     POWER_SQUARE,
     PRESSURE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
+    WEAR_INTEGRAL_COUNT,
     WORK,
 )
 from presswear.physics.step_length import contact_step
@@ -123,7 +123,7 @@ def finish_step(
     system = run.system
     state = run.control[0]
     copy_contacts(run.records.contacts, system.contacts)
-    empty_doses(address, t)
+    take_wear_integrals(address, t)
     empty_drives(address)
     observe(run.observer, t, h)
     state.time = t
@@ -137,7 +137,7 @@ def finish_step(
 
 
 @compiled
-def empty_doses(address: PackedArguments, t: float) -> None:
+def take_wear_integrals(address: PackedArguments, t: float) -> None:
     """Move the integrals of wear from the state vector into the account of each joint.
 
     They begin at zero in each step, so that they never lose digits.
@@ -146,7 +146,7 @@ def empty_doses(address: PackedArguments, t: float) -> None:
     records = run.records
     y = run.motion.y
     for k in range(run.system.contacts.shape[0]):
-        base = run.system.layout.first_dose + DOSE_COUNT * k
+        base = run.system.layout.first_wear_integral + WEAR_INTEGRAL_COUNT * k
         records.wear_integrals[k].work = y[base + WORK]
         records.wear_integrals[k].pressure = y[base + PRESSURE]
         y[base + WORK] = 0.0

@@ -138,7 +138,7 @@ def evaluate_constrained(
     packed = system.packed
     layout = system.layout
     n = layout.coordinates
-    energies = out[layout.first_energy : layout.first_dose]
+    energies = out[layout.first_energy : layout.first_wear_integral]
     # Without friction in contacts and without motors the forces do not fill these rates.
     energies[FRICTION_LOSS] = 0.0
     energies[DRIVE_WORK] = 0.0
@@ -202,8 +202,8 @@ def solve_multipliers(
     for row in range(constraints.records.shape[0]):
         drive = constraints.records[row].drive
         if drive >= 0 and not constraints.records[row].geared:
-            velocity = drive_motion(constraints.motions[drive], t)[1]
-            power -= constraints.multipliers[row] * velocity
+            _, speed, _ = drive_motion(constraints.motions[drive], t)
+            power -= constraints.multipliers[row] * speed
     for i in range(out.shape[0]):
         out[i] *= constraints.inverse_mass[i]
     return power, heat

@@ -201,7 +201,7 @@ class _Solver:
             begin_motion(self.model.prescribed, 0.0, start.position)
         self.y = self._state_vector(start)
         layout = self.equations.layout
-        self.energies = self.y[layout.first_energy : layout.first_dose]
+        self.energies = self.y[layout.first_energy : layout.first_wear_integral]
         slopes = np.zeros((DOP853.b.size + 2, layout.size))
         self.steps = Motion(self.y, np.zeros(layout.size), slopes)
         self.control = self._control(resolution_of(linkage, start))

@@ -155,7 +155,7 @@ def mean_error(run: Integration, weights: Array) -> float:
     slopes = run.motion.slopes
     position = 1.0 / (tolerance * POSITION_SCALE)
     errors = slopes[SPARE]
-    checked = layout.first_dose if system.has_abrupt else layout.first_energy
+    checked = layout.first_wear_integral if system.has_abrupt else layout.first_energy
     weighted_sum(errors, slopes, weights, run.last + 1, checked)
     total = 0.0
     count = float(layout.first_energy)

@@ -31,7 +31,6 @@ from presswear.physics.contact import copy_contacts
 from presswear.physics.drive_motion import drive_motion, step_to_break
 from presswear.physics.equations.function import ACCELERATIONS, END, FORCE, RATES
 from presswear.physics.equations.layout import (
-    DOSE_COUNT,
     DRIVE_EXCHANGE,
     DRIVE_WORK,
     FRICTION_LOSS,
@@ -39,6 +38,7 @@ from presswear.physics.equations.layout import (
     PRESSURE,
     TORQUE,
     TORQUE_INTEGRALS,
+    WEAR_INTEGRAL_COUNT,
     WORK,
 )
 from presswear.physics.event_time import time_to_event
@@ -272,21 +272,21 @@ def sum_step(
     powers = records.powers
     for i in range(energies.shape[0]):
         energies[i] += 0.5 * h * powers[i]
-    copy_to(powers, body_state.rates[layout.first_energy : layout.first_dose])
+    copy_to(powers, body_state.rates[layout.first_energy : layout.first_wear_integral])
     powers[DRIVE_WORK] = power
     powers[DRIVE_EXCHANGE] = abs(power)
     powers[FRICTION_LOSS] += note_friction(body_state.friction, body_state.v)
     for i in range(energies.shape[0]):
         energies[i] += 0.5 * h * powers[i]
     for k in range(records.memory.shape[0]):
-        doses = body_state.rates[layout.first_dose + DOSE_COUNT * k :]
+        rates = body_state.rates[layout.first_wear_integral + WEAR_INTEGRAL_COUNT * k :]
         integrals = records.wear_integrals[k]
         duration = min(h, t - records.memory[k].touchdown_time)
         half = 0.5 * duration if records.contacts[k].penetration > 0.0 else 0.0
-        integrals.work = half * (integrals.work_rate + doses[WORK])
-        integrals.pressure = half * (integrals.pressure_rate + doses[PRESSURE])
-        integrals.work_rate = doses[WORK]
-        integrals.pressure_rate = doses[PRESSURE]
+        integrals.work = half * (integrals.work_rate + rates[WORK])
+        integrals.pressure = half * (integrals.pressure_rate + rates[PRESSURE])
+        integrals.work_rate = rates[WORK]
+        integrals.pressure_rate = rates[PRESSURE]
 
 
 @compiled

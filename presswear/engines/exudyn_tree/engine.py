@@ -11,7 +11,7 @@ touchdowns and separations.
 import time as clock
 from array import array
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,14 +47,12 @@ from presswear.tools.packing import bind, pack_arguments
 
 exu = exudyn_module()
 
-SHORTEST_STEP = 1e-13  # s
-FIRST_STEP = 1e-7  # s
-# Largest number of calls for forces without an accepted step, which is that of a thousand
-# repeated steps. Thirty repetitions reach the shortest step, which Exudyn would repeat
+SHORTEST_STEP = 1e-13  # s; Exudyn shortens steps no further
+FIRST_STEP = 1e-7  # s; length of the first step of a run
+# Largest number of calls for forces without an accepted step: a thousand repeated steps of
+# seven stages. Thirty repetitions reach the shortest step, which Exudyn would repeat
 # without end.
 MOST_CALLS = 7000
-# Names of Exudyn's arrays with the state from which it continues
-_INITIAL = ("ODE2Coordinates", "ODE2Coordinates_t")
 
 
 def prepare(
@@ -77,7 +75,7 @@ def prepare(
         advance=tree.advance,
         state=tree.motion,
         ledger=tree.ledger,
-        update_contacts=tree.place,
+        update_contacts=tree.update_contacts,
         arrays=tree.arrays(),
         sums=tree.solver.sums,
         diagnostics=tree.diagnostics,
@@ -111,25 +109,20 @@ class _Tree:
         assert isinstance(equations, Equations)
         self.chain = equations.chain
         states = initial_states(equations.states, start.position)
-        # Exudyn reads the numbers one by one, which is faster from an array of Python's
-        # standard library than from numpy.
-        self.force = array("d", bytes(8 * self.chain.size))
-        self.state_rates = np.zeros(states.size)
-        self.container = exu.SystemContainer()
-        self.system = self.container.AddSystem()
-        add_tree(self.system, self.chain, start, self.stage_forces)
-        if states.size:
-            _add_states(self.system, states, self.stage_states)
-        self.system.Assemble()
+        self._build_system(start, states)
         self.model = model_of(
             linkage, equations, packed, np.zeros(joints), self.records.contacts
         )
         begin_motion(self.model.prescribed, 0.0, start.position)
-        self.live, live = self._live_arrays(states.size)
+        live = self._live_arrays()
+        # Arrays of the state from which a solve continues, by their names in Exudyn
+        self.initial_state = {"ODE2Coordinates": live.x, "ODE2Coordinates_t": live.u}
+        if states.size:
+            self.initial_state["ODE1Coordinates"] = live.states
         self.tree = _tree_system(equations, self.model, live, self.records)
         self.tree.pace["longest"] = settings.longest(plan.cycle)
         self.tree.pace["parts"] = settings.impact_steps
-        self.tree.start[:] = live[:2]
+        self.tree.start[:] = live.x, live.u
         self.tree.start_states[:] = states
         accept = self._bind_kernels()
         self.solver = self._prepare_solver(plan, recorder, accept)
@@ -149,22 +142,32 @@ class _Tree:
             self._states = bind(stage_states, packed_rates)
         return bind(accept_tree_step, packed_run)
 
-    def _live_arrays(self, states: int) -> tuple[dict[str, Array], tuple[Array, ...]]:
-        """Return Exudyn's live arrays.
+    def _build_system(self, start: Start, states: Array) -> None:
+        """Build and assemble Exudyn's system, with the initial states of interactions, m."""
+        # Exudyn reads the numbers one by one, which is faster from an array of Python's
+        # standard library than from numpy.
+        self.force = array("d", bytes(8 * self.chain.size))
+        self.state_rates = np.zeros(states.size)
+        self.container = exu.SystemContainer()
+        self.system = self.container.AddSystem()
+        add_tree(self.system, self.chain, start, self.stage_forces)
+        if states.size:
+            _add_states(self.system, states, self.stage_states)
+        self.system.Assemble()
 
-        The first result are the arrays of the state from which a solve continues, by
-        name; the second are all arrays that kernels use.
-        """
+    def _live_arrays(self) -> "_LiveArrays":
+        """Return the arrays that Exudyn and the kernels share."""
         data = self.system.systemData
-        initial = {name: getattr(data, f"Get{name}")(copy=False) for name in _INITIAL}
-        accelerations = data.GetODE2Coordinates_tt(copy=False)
-        x, u = (initial[name] for name in _INITIAL)
-        live_states = np.zeros(0)
-        if states:
-            live_states = initial["ODE1Coordinates"] = data.GetODE1Coordinates(
-                copy=False
-            )
-        return initial, (x, u, accelerations, live_states, np.frombuffer(self.force))
+        states = np.zeros(0)
+        if self.state_rates.size:
+            states = data.GetODE1Coordinates(copy=False)
+        return _LiveArrays(
+            x=data.GetODE2Coordinates(copy=False),
+            u=data.GetODE2Coordinates_t(copy=False),
+            u_t=data.GetODE2Coordinates_tt(copy=False),
+            states=states,
+            force=np.frombuffer(self.force),
+        )
 
     def _prepare_solver(
         self, plan: Plan, recorder: Recorder, accept: Callable[[float], float]
@@ -206,7 +209,7 @@ class _Tree:
 
     def advance(self, end: float) -> Finding | None:
         """Integrate up to a time, s."""
-        return self.solver.run(self.system, self.live, end)
+        return self.solver.run(self.system, self.initial_state, end)
 
     def motion(self) -> tuple[float, Array, Array]:
         """Return time, s, coordinates and rates of all bodies.
@@ -217,7 +220,7 @@ class _Tree:
             self._fill_start(self.solver.time)
         return self.solver.time, self.tree.q.copy(), self.tree.v.copy()
 
-    def place(self) -> None:
+    def update_contacts(self) -> None:
         """Fill the contacts of the present state."""
         self._fill_start(self.solver.time)
 
@@ -226,6 +229,7 @@ class _Tree:
         return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
+        """Return the stored energy, J."""
         records = self.records
         q = self.tree.q
         v = self.tree.v
@@ -236,19 +240,20 @@ class _Tree:
         """Return the live arrays that hold the state between two cycles."""
         names = ("expected", "pace", "start", "start_states")
         return {
-            **{name: np.asarray(array) for name, array in self.live.items()},
+            **self.initial_state,
             **{name: getattr(self.tree, name) for name in names},
             "state": self.model.bodies,
             "prescribed": self.model.prescribed.work,
         }
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """Return sentences on the model and on its solver, counts and times."""
-        pace, sums = self.tree.pace[0], self.solver.sums
+        """Return texts on the model and on its solver, counts and times."""
+        (pace,) = self.tree.pace
+        sums = self.solver.sums
         names = listed([link.body.name for link in self.chain.free])
-        words = f"open tree of {self.chain.size} coordinates ({names})"
+        model = f"open tree of {self.chain.size} coordinates ({names})"
         return {
-            "model": described(self.linkage, words, prescribed_of(self.linkage)),
+            "model": described(self.linkage, model, prescribed_of(self.linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {self.settings.tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
@@ -278,28 +283,29 @@ def _add_states(system: Any, initial: Array, rates: Callable[..., Any]) -> None:
     add(system, "Object", "GenericODE1", nodeNumbers=[node], rhsUserFunction=rates)
 
 
-def _tree_system(
-    equations: Equations, model: Model, live: tuple[Array, ...], records: RecorderState
-) -> TreeSystem:
-    """Pack a tree for the kernels.
+class _LiveArrays(NamedTuple):
+    """Arrays that Exudyn and the kernels share, so that nothing is copied in a stage."""
 
-    ``live`` are Exudyn's coordinates, rates, accelerations and states of interactions,
-    and the forces that it is handed.
-    """
+    x: Array  # coordinates, (coordinates,)
+    u: Array  # rates of the coordinates
+    u_t: Array  # accelerations
+    states: Array  # states of interactions, m, (states,)
+    force: Array  # forces on the coordinates, which a stage returns to Exudyn
+
+
+def _tree_system(
+    equations: Equations, model: Model, live: _LiveArrays, records: RecorderState
+) -> TreeSystem:
+    """Pack a tree for the kernels."""
     layout = equations.layout
     width = layout.size + layout.coordinates  # with the forces on the coordinates
     pace = np.zeros(1, PACE)
     pace["shortest"] = SHORTEST_STEP
     pace["reach"] = pace["limit"] = FIRST_STEP
-    x, u, u_t, states, force = live
     return TreeSystem(
         written(equations, model),
         observer=step_observer(records, *model.bodies[:3]),
-        x=x,
-        u=u,
-        u_t=u_t,
-        states=states,
-        force=force,
+        **live._asdict(),
         expected=model.onset,
         pace=pace,
         q=model.bodies[0],
@@ -323,6 +329,7 @@ def _remedy(settings: ExudynTree) -> str:
 
 
 def _solver_settings(accuracy: ExudynTree, longest: float) -> Any:
+    """Return Exudyn's settings for a tolerance and a longest step, s."""
     settings = settings_of(longest, SHORTEST_STEP)
     integration = settings.timeIntegration
     integration.automaticStepSize = True

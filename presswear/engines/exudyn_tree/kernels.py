@@ -22,13 +22,13 @@ from presswear.physics.equations.function import (
     fill,
 )
 from presswear.physics.equations.layout import (
-    DOSE_COUNT,
     POWER,
     POWER_SQUARE,
     PRESSURE,
     TORQUE,
     TORQUE_INTEGRALS,
     TORQUE_SQUARE,
+    WEAR_INTEGRAL_COUNT,
     WORK,
     Layout,
 )
@@ -304,11 +304,11 @@ def add_rates(
     layout = system.layout
     for k in range(records.energies.shape[0]):
         records.energies[k] += weight * rates[layout.first_energy + k]
-    i = layout.first_dose
+    i = layout.first_wear_integral
     for k in range(records.memory.shape[0]):
         records.wear_integrals[k].work += weight * rates[i + WORK]
         records.wear_integrals[k].pressure += weight * rates[i + PRESSURE]
-        i += DOSE_COUNT
+        i += WEAR_INTEGRAL_COUNT
     for k in range(records.drives.shape[0]):
         drive = records.drives[k]
         drive.torque_integral += weight * rates[i + TORQUE]

@@ -5,7 +5,7 @@ import numpy as np
 from presswear.linkage.linkage import Linkage
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import END, FORCE, function_of, model_of
-from presswear.physics.equations.layout import DOSE_COUNT
+from presswear.physics.equations.layout import WEAR_INTEGRAL_COUNT
 from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
@@ -19,9 +19,9 @@ class BodyForces:
     ----------
     contacts : ndarray of CONTACT
         Contacts of the state evaluated last, with their forces.
-    energies, doses : ndarray
+    energies, wear_rates : ndarray
         Powers in that state, W, in the order of ``layout.ENERGIES``; rates of wear of
-        the joints, shape (joints, DOSE_COUNT).
+        the joints, shape (joints, WEAR_INTEGRAL_COUNT).
     states : ndarray
         States of interactions that the next evaluation takes, m.
     """
@@ -41,10 +41,10 @@ class BodyForces:
         self._y = np.zeros(layout.size)
         self._rates = np.zeros(layout.size)
         self.states = self._y[layout.first_state : layout.first_energy]
-        self.energies = self._rates[layout.first_energy : layout.first_dose]
-        self.doses = self._rates[layout.first_dose : layout.first_torque].reshape(
-            count, DOSE_COUNT
-        )
+        self.energies = self._rates[layout.first_energy : layout.first_wear_integral]
+        self.wear_rates = self._rates[
+            layout.first_wear_integral : layout.first_torque
+        ].reshape(count, WEAR_INTEGRAL_COUNT)
 
     def __call__(self, t: float, q: Array, v: Array) -> Array:
         """Return forces and moments on the bodies, N and N m, shape (3 bodies,)."""

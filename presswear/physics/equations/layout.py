@@ -2,7 +2,7 @@
 
 First come the coordinates, then their rates, then the states of interactions, such as
 the deflection of bristles. Integrals over time are last: the energies of the ledger,
-two doses of wear of each clearance joint, and four integrals of each drive.
+two wear integrals of each clearance joint, and four integrals of each drive.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,11 +22,11 @@ ENERGIES = (
     "created",  # created by normal forces that have no potential
 )
 DRIVE_WORK, DRIVE_EXCHANGE, LOAD_WORK, CONTACT_LOSS, FRICTION_LOSS, CREATED = range(6)
-# Doses of wear of a joint: integrals of F_n ds, N m, and of p ds, N/m, with the normal force
+# Wear integrals of a joint: integrals of F_n ds, N m, and of p ds, N/m, with the normal force
 # F_n, the pressure p and the sliding distance s
-DOSES = ("work", "pressure")
+WEAR_INTEGRAL_NAMES = ("work", "pressure")
 WORK, PRESSURE = range(2)
-DOSE_COUNT = len(DOSES)
+WEAR_INTEGRAL_COUNT = len(WEAR_INTEGRAL_NAMES)
 # Integrals of a drive over time: torque, its square, power, its square; SI units
 TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE, TORQUE_INTEGRALS = range(5)
 
@@ -57,7 +57,7 @@ class Layout(NamedTuple):
     coordinates: int  # number of coordinates, and also of their rates
     first_state: int  # index of the first state of an interaction
     first_energy: int
-    first_dose: int
+    first_wear_integral: int
     first_torque: int  # index of the first integral of a drive
     size: int  # length of the state vector
 
@@ -66,9 +66,9 @@ def layout_of(coordinates: int, states: int, joints: int, drives: int) -> Layout
     """Return the layout from the numbers of coordinates, states, joints and drives."""
     first_state = 2 * coordinates
     first_energy = first_state + states
-    first_dose = first_energy + len(ENERGIES)
-    first_torque = first_dose + DOSE_COUNT * joints
+    first_wear_integral = first_energy + len(ENERGIES)
+    first_torque = first_wear_integral + WEAR_INTEGRAL_COUNT * joints
     size = first_torque + TORQUE_INTEGRALS * drives
     return Layout(
-        coordinates, first_state, first_energy, first_dose, first_torque, size
+        coordinates, first_state, first_energy, first_wear_integral, first_torque, size
     )

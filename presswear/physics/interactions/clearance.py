@@ -88,7 +88,7 @@ class ClearanceContact:
         return 0.0
 
     def write(self, page: Page) -> None:
-        """Write the contact, its forces on both bodies, its powers and doses of wear."""
+        """Write the contact, its forces on both bodies, its powers and rates of wear."""
         ContactText(page, self.joint, self.record, self.number).write()
 
 
@@ -155,7 +155,7 @@ class ContactText(MotionText):
         self.bearing.moments.append(self.name("bearing_moment"))
 
     def _results(self) -> list[str]:
-        """Return the variables that are zero in an open joint; declare powers and doses."""
+        """Return the variables that are zero in an open joint; declare powers and rates."""
         powers = ["contact_loss"]
         if self.joint.friction.coefficient > 0.0:
             powers.append("friction_loss")
@@ -163,7 +163,7 @@ class ContactText(MotionText):
             powers.append("created")
         for energy in powers:
             self.page.add_power(energy, self.name(energy))
-        rates = self.wear.declare_doses() if self.wears else []
+        rates = self.wear.declare_rates() if self.wears else []
         return [self.name(word) for word in (*_FORCES, *powers, *rates)]
 
     def _write_contact(self, onset: str) -> None:

@@ -351,7 +351,7 @@ class _OilText(JointText):
         sliding = self.let("sliding", product(radius, spin))
         rough = self.name("rough")
         if joint.wear is not None:
-            self.page.set_dose(self.number, "work", f"{rough} * abs({sliding})")
+            self.page.set_wear_rate(self.number, "work", f"{rough} * abs({sliding})")
         if joint.friction.coefficient == 0.0:
             self.text.write(f"{self.name('friction')} = {ZERO}")
             return f"-{shear}", product(shear, spin)

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Protocol, Self
 from presswear.linkage.linkage import Linkage
 from presswear.physics.equations.chain import Chain
 from presswear.physics.equations.layout import (
-    DOSES,
     ENERGIES,
     TORQUE_INTEGRALS,
+    WEAR_INTEGRAL_NAMES,
     Layout,
     State,
     layout_of,
@@ -32,8 +32,8 @@ class Page:
     powers: dict[str, list[str]] = field(
         default_factory=lambda: {name: [] for name in ENERGIES}
     )
-    # expression of the rate of a wear dose, by number of the joint and name in DOSES
-    doses: dict[tuple[int, str], str] = field(default_factory=dict)
+    # expression of a rate, by number of the joint and name in WEAR_INTEGRAL_NAMES
+    wear_rates: dict[tuple[int, str], str] = field(default_factory=dict)
     # expressions of torque and power of a motor, by the number of its drive
     torques: dict[int, tuple[str, str]] = field(default_factory=dict)
 
@@ -46,9 +46,9 @@ class Page:
         """Add a power, W, to one of ENERGIES."""
         self.powers[energy].append(expression)
 
-    def set_dose(self, joint: int, dose: str, expression: str) -> None:
-        """Set the rate of a wear dose of a joint; ``dose`` is a name in DOSES."""
-        self.doses[joint, dose] = expression
+    def set_wear_rate(self, joint: int, integral: str, expression: str) -> None:
+        """Set the rate of an integral in WEAR_INTEGRAL_NAMES of a joint."""
+        self.wear_rates[joint, integral] = expression
 
     def set_torque(self, drive: int, torque: str, power: str) -> None:
         """Set the torque of a motor, N m, and its power, W, by the number of its drive."""
@@ -70,7 +70,7 @@ class Page:
     @property
     def has_rates(self) -> bool:
         """True if there is a rate to write."""
-        return bool(self.doses or self.torques) or any(self.powers.values())
+        return bool(self.wear_rates or self.torques) or any(self.powers.values())
 
     def write_rates(self) -> None:
         """Write the rates of all integrals; an energy without powers has the rate zero."""
@@ -78,8 +78,9 @@ class Page:
         for i, powers in enumerate(self.powers.values()):
             if powers:
                 self.text.write(f"out[{layout.first_energy + i}] = {total(*powers)}")
-        for (joint, dose), rate in self.doses.items():
-            index = layout.first_dose + len(DOSES) * joint + DOSES.index(dose)
+        for (joint, integral), rate in self.wear_rates.items():
+            first = layout.first_wear_integral + len(WEAR_INTEGRAL_NAMES) * joint
+            index = first + WEAR_INTEGRAL_NAMES.index(integral)
             self.text.write(f"out[{index}] = {rate}")
         for drive, (torque, power) in self.torques.items():
             write_torque(self.text, layout, drive, torque, power)
@@ -115,7 +116,7 @@ class Interaction(Protocol):
         ...
 
     def write(self, page: Page) -> None:
-        """Write forces and moments on the bodies; declare states, powers and doses of wear.
+        """Write forces and moments on the bodies; declare states, powers and rates of wear.
 
         Rates of integrals are only needed at level RATES, recorded quantities only at
         level END.

@@ -23,19 +23,19 @@ class WearText:
         self.text = motion.text
         self.uses_pressure = uses_pressure
 
-    def declare_doses(self) -> list[str]:
-        """Declare the doses of wear of the joint; return the words of their variables."""
+    def declare_rates(self) -> list[str]:
+        """Declare the wear integrals of the joint; return the words of their variables."""
         motion = self.motion
         words = ["wear_work"]
-        motion.page.set_dose(motion.number, "work", motion.name("wear_work"))
+        motion.page.set_wear_rate(motion.number, "work", motion.name("wear_work"))
         if self.uses_pressure:
             words.append("wear_pressure")
             name = motion.name("wear_pressure")
-            motion.page.set_dose(motion.number, "pressure", name)
+            motion.page.set_wear_rate(motion.number, "pressure", name)
         return words
 
     def write(self, normal_force: str) -> None:
-        """Write the rates of the doses under a normal force."""
+        """Write the rates of the wear integrals under a normal force."""
         motion = self.motion
         slip = self._slip()
         work = motion.name("wear_work")
@@ -65,7 +65,7 @@ class WearText:
         clearance = motion.parameter("clearance", self.joint.clearance)
         area = f"{width} * {radius} * arc_width({depth}, {clearance})"
         pressure = f"{normal_force} / ({area})"
-        self._write_pressure_dose(work, pressure, normal_force)
+        self._write_pressure_rate(work, pressure, normal_force)
 
     def _write_bin_wear(self, work: str, normal_force: str) -> None:
         """Write the rate of pressure times slip, with the mean pressure over the chord."""
@@ -85,18 +85,18 @@ class WearText:
         else:
             area = motion.let("contact_area", area)
             pressure = f"{normal_force} / {area}"
-            self._write_pressure_dose(f"{work} / {area}", pressure, normal_force)
+            self._write_pressure_rate(f"{work} / {area}", pressure, normal_force)
 
-    def _write_pressure_dose(
-        self, dose_rate: str, pressure: str, normal_force: str
+    def _write_pressure_rate(
+        self, base_rate: str, pressure: str, normal_force: str
     ) -> None:
-        """Write the rate of a dose times (p / p_ref)^(m - 1)."""
+        """Write the rate of a wear integral with the factor (p / p_ref)^(m - 1)."""
         motion = self.motion
         law = self.joint.wear
         assert law is not None
         reference = motion.parameter("pressure_reference", law.pressure_reference)
         power = motion.parameter("pressure_power", law.pressure_exponent - 1.0)
         pressure = motion.let("pressure", pressure)
-        rate = f"{dose_rate} * ({pressure} / {reference}) ** {power}"
+        rate = f"{base_rate} * ({pressure} / {reference}) ** {power}"
         rate = f"{rate} if {normal_force} > {ZERO} else {ZERO}"
         self.text.write(f"{motion.name('wear_pressure')} = {rate}")

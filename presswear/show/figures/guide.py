@@ -1,5 +1,6 @@
 """Figures of guides with clearance: tilt of the slide, paths of its corners, wear of its walls."""
 
+from collections.abc import Sequence
 from functools import partial
 from itertools import chain, product
 
@@ -28,6 +29,7 @@ _ENDS = ("front", "back")  # ends of a slide along its guide
 _PATH_WIDTH = 0.5  # width of the line of a path, points
 # Half of the width of a panel of paths, in clearances, if no path is wider
 _EDGE = 1.35
+_ROOM = 1.06  # half of the width of a panel over the farthest place of a path
 
 
 def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
@@ -71,25 +73,11 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
     drawings = []
     for guide in result.scene.loose_guides:
         clearance = result.scene.bearing(guide.name).clearance
-        paths = [corner_paths(stage.data, guide) for stage in shown]
-        widest = max(
-            float(abs(path).max())
-            for paths_of_stage in paths
-            for path in paths_of_stage.values()
-        )
         factor, unit = unit_scale("m", clearance)
-        edge = factor * max(_EDGE * clearance, 1.06 * widest)
         sheet, (row,) = style.panels(1, 2, 3.6, sharex=True, sharey=True)
+        widest = _draw_paths(row, shown, guide, factor)
+        edge = factor * max(_EDGE * clearance, _ROOM * widest)
         for axes, end in zip(row, _ENDS, strict=True):
-            corners = [name for name in CORNERS if name.endswith(end)]
-            for stage, by_corner in zip(shown, paths, strict=True):
-                for name in corners:
-                    axes.plot(
-                        -factor * by_corner[name],  # positive to the left
-                        1e3 * stage.data.displacement,
-                        color=stage.pen.colour,
-                        linewidth=_PATH_WIDTH,
-                    )
             for sign in (-1.0, 1.0):
                 axes.axvline(sign * factor * clearance, **_WALL.line_style)
             axes.set_title(f"{end} corners")
@@ -109,21 +97,47 @@ def corner_trajectories(result: Result, moving: Shown) -> list[Drawing]:
     return drawings
 
 
+def _draw_paths(
+    panels: Sequence[Axes], shown: Shown, guide: Guide, factor: float
+) -> float:
+    """Draw the paths of the corners at each end of a slide; return the farthest place, m.
+
+    ``factor`` is the unit of the drawing over metres.
+    """
+    widest = 0.0
+    for stage in shown:
+        paths = corner_paths(stage.data, guide)
+        for name in CORNERS:
+            path = paths[name]
+            widest = max(widest, float(abs(path).max()))
+            for axes, end in zip(panels, _ENDS, strict=True):
+                if name.endswith(end):
+                    axes.plot(
+                        -factor * path,  # positive to the left
+                        1e3 * stage.data.displacement,
+                        color=stage.pen.colour,
+                        linewidth=_PATH_WIDTH,
+                    )
+    return widest
+
+
 def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
     """Draw wear rate and depth of both walls of each guide along its length."""
     stages = [stage for stage in shown if stage.data.statistics.walls]
-    names = list(
-        dict.fromkeys(chain(*(stage.data.statistics.walls for stage in stages)))
-    )
+    walls_of_stages = [stage.data.statistics.walls for stage in stages]
+    names = list(dict.fromkeys(chain(*walls_of_stages)))
     if not names:
         return []
-    is_worn = any(
-        stage.data.wall_depth(name)[1].any() for stage in stages for name in names
-    )
+    worn_depths = []
+    for stage, name in product(stages, names):
+        _, depth = stage.data.wall_depth(name)
+        worn_depths.append(depth)
+    is_worn = any(depth.any() for depth in worn_depths)
     quantities = _WALL_QUANTITIES if is_worn else _WALL_QUANTITIES[:1]
-    parts = list(product(names, quantities))
-    sheet, panels, _ = style.panel_list(len(parts), 2.4, 1)
-    for axes, (name, (method, factor, label)) in zip(panels, parts, strict=True):
+    pairs = list(product(names, quantities))
+    sheet, panels, _ = style.panel_list(len(pairs), 2.4, 1)
+    for axes, (name, quantity) in zip(panels, pairs, strict=True):
+        method, factor, label = quantity
         for stage in stages:
             place, depths = method(stage.data, name)
             _draw_walls(axes, stage.pen, place, factor * depths)
@@ -139,7 +153,7 @@ def wall_wear(result: Result, shown: Shown) -> list[Drawing]:
 
 
 def _draw_walls(axes: Axes, pen: Pen, place: Array, depths: Array) -> None:
-    """Draw numbers of the bins of both walls over their places, m."""
+    """Draw the depths in the bins of both walls, (2, bins), over their places, m."""
     for side, depth in zip(WALLS, depths, strict=True):
         axes.step(
             1e3 * place,

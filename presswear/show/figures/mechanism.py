@@ -44,8 +44,8 @@ _SLIMMEST = 0.6  # width over height, at least
 class _Label(NamedTuple):
     text: str
     place: Array  # (2,), m
-    gap: float  # from the place, points
-    direction: Array  # from the place, (2,)
+    gap: float  # distance of the text from the place, points
+    direction: Array  # direction from the place to the text, (2,)
     style: dict[str, Any]  # style of the text
 
 
@@ -57,57 +57,16 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     # A full cycle after the run-up.
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
     position = scene.ideal.at(times).position
-
-    def moving(point: Attachment) -> Array:
-        return points_of(linkage, position, point)[:, :2]
-
-    ends = [
-        (joint.name, end)
-        for joint in linkage.revolutes
-        for end in (joint.first, joint.second)
-    ]
-    paths = {name: moving(end) for name, end in ends}
-    origins = {
-        body.name: moving(Attachment(body.name, 0.0, 0.0)) for body in linkage.bodies
-    }
-    hung = [moving(end) for spring in linkage.springs for end in spring.ends]
-    edges_of_slides = [
-        moving(end) for guide in linkage.guides for end in slide_corners(guide)
-    ]
-    everything = np.vstack(
-        [*paths.values(), *origins.values(), *hung, *edges_of_slides]
-    )
-    size = float(np.hypot(*np.ptp(everything, axis=0)))
-    low = everything.min(axis=0) - _MARGIN * size
-    high = everything.max(axis=0) + _MARGIN * size
+    paths = _paths_of_joints(linkage, position)
+    low, high, size = _limits(linkage, position, paths)
     wide, tall = high - low
-    # Labels of an upright mechanism need room on both sides.
-    room = max(_SLIMMEST * tall - wide, 0.0)
-    low[0] -= 0.5 * room
-    high[0] += 0.5 * room
-    wide += room
     rows = math.ceil(len(linkage.bodies) / _LEGEND_COLUMNS)
     edges = _EDGES[1] + _LEGEND_ROW * rows
     height = (style.WIDTH - _EDGES[0]) * tall / wide + edges
     height = min(max(height, _HEIGHTS[0]), _HEIGHTS[1])
     sheet, ((axes,),) = style.panels(1, 1, height)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    for path in paths.values():
-        axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
-    output = linkage.output
-    place = moving(Attachment(output.body, output.x, output.y))[0]
-    tip = place + 0.14 * size * direction_at(output.direction)
-    _arrow(axes, place, tip, "black", 1.6)
-    joints = {name: path[0] for name, path in paths.items()}
-    labels = _draw_joints(axes, scene, ends, joints, size)
-    hinges: dict[str, Array] = {}  # first joint of each body, (2,), m
-    for name, end in ends:
-        hinges.setdefault(end.body, paths[name][0])
-    _draw_drives(axes, linkage, position[:1], hinges, size)
-    for k in range(len(linkage.bodies)):
-        _draw_body(axes, linkage, k, position[:1], size)
-        _draw_slots(axes, linkage, k, position, size)
-    labels += _draw_guides_and_forces(axes, linkage, position[:1], size)
+    labels = _draw_parts(axes, scene, position, paths, size)
     scale = 72.0 * (height - edges) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
     low[0] = boxes[:, 0, 0].min(initial=low[0])
@@ -129,6 +88,86 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         clearance=_common_clearance(scene),
     )
     return drawing
+
+
+def _path(linkage: Linkage, position: Array, point: Attachment) -> Array:
+    """Return the path of a point from positions, (n, 3 bodies); shape (n, 2), m."""
+    return points_of(linkage, position, point)[:, :2]
+
+
+def _ends_of_joints(linkage: Linkage) -> list[tuple[str, Attachment]]:
+    """Return the name of a pin joint and one of its ends, for all ends."""
+    ends = []
+    for joint in linkage.revolutes:
+        ends += [(joint.name, joint.first), (joint.name, joint.second)]
+    return ends
+
+
+def _paths_of_joints(linkage: Linkage, position: Array) -> dict[str, Array]:
+    """Return the paths of the pin joints by name, (n, 2), m."""
+    ends = _ends_of_joints(linkage)
+    return {name: _path(linkage, position, end) for name, end in ends}
+
+
+def _limits(
+    linkage: Linkage, position: Array, paths: Mapping[str, Array]
+) -> tuple[Array, Array, float]:
+    """Return the lower left and upper right corner of the axes, (2,), and the size, m.
+
+    The size is the diagonal of the rectangle around everything that moves.
+    """
+    points = [Attachment(body.name, 0.0, 0.0) for body in linkage.bodies]
+    for spring in linkage.springs:
+        points += spring.ends
+    for guide in linkage.guides:
+        points += slide_corners(guide)
+    other_paths = [_path(linkage, position, point) for point in points]
+    everything = np.vstack([*paths.values(), *other_paths])
+    size = float(np.hypot(*np.ptp(everything, axis=0)))
+    low = everything.min(axis=0) - _MARGIN * size
+    high = everything.max(axis=0) + _MARGIN * size
+    wide, tall = high - low
+    # Labels of an upright mechanism need room on both sides.
+    room = max(_SLIMMEST * tall - wide, 0.0)
+    low[0] -= 0.5 * room
+    high[0] += 0.5 * room
+    return low, high, size
+
+
+def _draw_parts(
+    axes: Axes,
+    scene: Scene,
+    position: Array,
+    paths: Mapping[str, Array],
+    size: float,
+) -> list[_Label]:
+    """Draw all parts of the mechanism and return their labels.
+
+    ``position`` has the shape (n, 3 bodies). Its first row is the drawn position, the
+    others give the travel of the blocks in slots.
+    """
+    linkage = scene.base_linkage
+    drawn = position[:1]
+    for path in paths.values():
+        axes.plot(*path[1:].T, color=style.MUTED, linewidth=0.5, zorder=1)
+    output = linkage.output
+    (place,) = _path(linkage, drawn, Attachment(output.body, output.x, output.y))
+    tip = place + 0.14 * size * direction_at(output.direction)
+    _arrow(axes, place, tip, "black", 1.6)
+    ends = _ends_of_joints(linkage)
+    joints = {name: path[0] for name, path in paths.items()}
+    labels = _draw_joints(axes, scene, ends, joints, size)
+    hinges: dict[str, Array] = {}  # first joint of each body, (2,), m
+    for name, end in ends:
+        hinges.setdefault(end.body, joints[name])
+    _draw_drives(axes, linkage, drawn, hinges, size)
+    for k in range(len(linkage.bodies)):
+        _draw_body(axes, linkage, k, drawn, size)
+        _draw_slots(axes, linkage, k, position, size)
+    _draw_guides(axes, linkage, drawn, size)
+    labels += _draw_springs(axes, linkage, drawn)
+    _draw_loads(axes, linkage, drawn, size)
+    return labels
 
 
 def _draw_drives(
@@ -195,8 +234,9 @@ def _free_direction(lines: Sequence[Array]) -> Array:
 def _common_clearance(scene: Scene) -> float | None:
     """Return the clearance of all joints if many have the same, m: the caption states it."""
     sizes = {scene.bearing(name).clearance for name in scene.loose_pins}
-    many = len(scene.loose_pins) > _MANY_LABELS
-    return sizes.pop() if many and len(sizes) == 1 else None
+    if len(scene.loose_pins) <= _MANY_LABELS or len(sizes) > 1:
+        return None
+    return sizes.pop()
 
 
 def _draw_joints(
@@ -212,6 +252,7 @@ def _draw_joints(
         groups.setdefault(tuple(np.round(place / (0.01 * size))), []).append(name)
     labels = []
     output = scene.base_linkage.output
+    has_common_clearance = _common_clearance(scene) is not None
     for names in groups.values():
         place = places[names[0]]
         loose = [name for name in names if name in scene.loose_pins]
@@ -225,7 +266,9 @@ def _draw_joints(
             *place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6
         )
         lines = [", ".join(names)]
-        for name in loose if _common_clearance(scene) is None else ():
+        for name in loose:
+            if has_common_clearance:
+                break
             of_joint = f" of {name}" if len(names) > 1 else ""
             lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
         gap = 9.0 if loose else 7.0
@@ -274,12 +317,8 @@ def _draw_slots(
     colour = colour_of(number)
     for guide in slots_of(linkage, name):
         corners = slot_outline(linkage, position, guide, _BAR * size)
-        outline = np.array(
-            [
-                points_of(linkage, position[:1], Attachment(name, x, y))[0, :2]
-                for x, y in corners.tolist()
-            ]
-        )
+        points = [Attachment(name, x, y) for x, y in corners.tolist()]
+        outline = np.vstack([_path(linkage, position[:1], point) for point in points])
         axes.add_patch(
             Polygon(
                 outline, facecolor="none", edgecolor=colour, linewidth=1.0, zorder=3
@@ -297,63 +336,59 @@ def _legend_text(linkage: Linkage, body: str) -> str:
     return f"{body}, {abs(speeds[0]) * 30.0 / math.pi:.4g} rpm"
 
 
-def _draw_guides_and_forces(
-    axes: Axes, linkage: Linkage, position: Array, size: float
-) -> list[_Label]:
-    """Draw guides as dashed lines, springs as zigzags and loads as red arrows."""
-    labels = []
-
-    def at(point: Attachment) -> Array:
-        return points_of(linkage, position, point)[0, :2]
-
+def _draw_guides(axes: Axes, linkage: Linkage, position: Array, size: float) -> None:
+    """Draw fixed guides as dashed lines, with their walls."""
     for guide in linkage.guides:
         if guide.is_moving:
             continue
-        ends = np.outer([-0.25 * size, 0.25 * size], direction_at(guide.direction))
-        line = at(Attachment(guide.body, 0.0, 0.0)) + ends
+        along = direction_at(guide.direction)
+        ends = np.outer([-0.25 * size, 0.25 * size], along)
+        line = _path(linkage, position, Attachment(guide.body, 0.0, 0.0)) + ends
         axes.plot(
             *line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0
         )
         if guide.length is not None and guide.width is not None:
-            half = 0.5 * guide.width * across(direction_at(guide.direction))
+            half = 0.5 * guide.width * across(along)
             for wall in (line - half, line + half):
                 axes.plot(*wall.T, color="0.3", linewidth=1.6, zorder=0)
+
+
+def _draw_springs(axes: Axes, linkage: Linkage, position: Array) -> list[_Label]:
+    """Draw springs as zigzags; return their labels."""
+    labels = []
+    fraction = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
+    is_wound = np.abs(fraction - 0.5) < 0.4
+    swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * fraction) * is_wound
     for spring in linkage.springs:
-        first, second = map(at, spring.ends)
-        part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
-        swing = (
-            0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
-        )
-        line = (
-            first
-            + np.outer(part, second - first)
-            - np.outer(swing, across(second - first))
-        )
+        first, second = (_path(linkage, position, end)[0] for end in spring.ends)
+        normal = across(second - first)
+        line = first + np.outer(fraction, second - first) - np.outer(swing, normal)
         axes.plot(*line.T, color=style.MUTED, linewidth=1.0, zorder=2)
         middle = 0.5 * (first + second)
-        normal = across(second - first)
         labels.append(_Label(spring.name, middle, 9.0, normal, {"color": style.MUTED}))
+    return labels
+
+
+def _draw_loads(axes: Axes, linkage: Linkage, position: Array, size: float) -> None:
+    """Draw forces as red arrows to their points, moments as bent arrows."""
     for load in linkage.loads:
-        place = at(
-            load.attachment
-            if isinstance(load, Force)
-            else Attachment(load.body, 0.0, 0.0)
-        )
+        point = Attachment(load.body, 0.0, 0.0)
         direction = None
         moment = 1.0
         if isinstance(load, Force):
+            point = load.attachment
             direction = load.direction
             moment = 0.0
         elif isinstance(load, Load):
-            direction = math.atan2(load.y, load.x) if load.x or load.y else None
             moment = load.moment
-        if direction is not None:  # an arrow to the point; a moment is a bent arrow
-            _arrow(
-                axes, place - 0.19 * size * direction_at(direction), place, _LOAD, 1.4
-            )
+            if load.x or load.y:
+                direction = math.atan2(load.y, load.x)
+        (place,) = _path(linkage, position, point)
+        if direction is not None:
+            start = place - 0.19 * size * direction_at(direction)
+            _arrow(axes, start, place, _LOAD, 1.4)
         if moment:
             _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
-    return labels
 
 
 def _arrow(

@@ -1,9 +1,9 @@
 """Figures of motion: response, forces, paths of the pin centres, tonnage and drives."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -33,6 +33,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.numbers import quantity_text, readable, unit_scale
 
 _MEANS_PER_CYCLE = 50  # intervals over which the acceleration is averaged
+_ROUND_OFF = 1e-6  # of a time, over a cycle
 _BEYOND = 0.02  # part of a cycle that may lie beyond the times that are shown
 _FEW_JOINTS = 3  # joints up to which the path of a pin has a wide panel
 _REACH = 1.3  # greatest height shown, relative to that at which the work is touched
@@ -55,7 +56,8 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     scene = result.scene
     shown, window = sampled(result, moving)
     has_means = bool(scene.clearance_joints)
-    # deviation, displacement, velocity, acceleration of each stage, its means
+    # Relative heights of the panels: deviation, displacement, velocity, acceleration of
+    # each stage, means of the acceleration
     heights = [1.25, 1.25, 1.0] + [0.95] * len(shown)
     if has_means:
         heights.append(1.25)
@@ -65,15 +67,14 @@ def response(result: Result, moving: Shown) -> list[Drawing]:
     place, velocity, acceleration = scene.ideal_slider(time, closed=False).T
     marks = _draw_deviation(column[0], result, shown, moving, window)
     IDEAL.draw(column[0], time, 0.0 * time)
-    curves = {
-        "displacement\n(m)": ([stage.data.displacement for stage in shown], place),
-        "velocity\n(m/s)": ([stage.data.velocity for stage in shown], velocity),
-    }
-    for axes, (label, (lines, ideal)) in zip(column[1:3], curves.items(), strict=True):
-        for stage, values in zip(shown, lines, strict=True):
-            stage.pen.draw(axes, stage.data.time, values, linewidth=0.9)
-        IDEAL.draw(axes, time, ideal)
-        axes.set_ylabel(label)
+    for stage in shown:
+        data = stage.data
+        stage.pen.draw(column[1], data.time, data.displacement, linewidth=0.9)
+        stage.pen.draw(column[2], data.time, data.velocity, linewidth=0.9)
+    IDEAL.draw(column[1], time, place)
+    IDEAL.draw(column[2], time, velocity)
+    column[1].set_ylabel("displacement\n(m)")
+    column[2].set_ylabel("velocity\n(m/s)")
     jagged = column[3 : 3 + len(shown)]
     _draw_accelerations(jagged, shown, window, (time, acceleration))
     interval = window.period / _MEANS_PER_CYCLE if has_means else None
@@ -195,12 +196,18 @@ def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     for axes in lowest:
         window.label([axes])
     window.label(panels, zones)
-    tops = dict.fromkeys(result.scene.loose_pins, 0.0)
-    for zone, (joint, _) in zip(zones, places, strict=False):
-        tops[joint] = max(tops[joint], zone.get_ylim()[1])
-    for zone, (joint, _) in zip(zones, places, strict=False):
-        zone.set_ylim(0.0, tops[joint])
+    _share_limits(zones, [joint for joint, _ in places])
     return style.finished("force", sheet, window=window, stages=shown)
+
+
+def _share_limits(zones: Sequence[Axes], joints: Sequence[str]) -> None:
+    """Give the enlarged panels of a joint, one for each stage, the same upper limit."""
+    tops = dict.fromkeys(joints, 0.0)
+    for axes, joint in zip(zones, joints, strict=False):
+        _, top = axes.get_ylim()
+        tops[joint] = max(tops[joint], top)
+    for axes, joint in zip(zones, joints, strict=False):
+        axes.set_ylim(0.0, tops[joint])
 
 
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
@@ -210,17 +217,19 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     if not shown or not scene.has_deviations:
         return []
     strokes = [bottom_errors(scene, stage.data) for stage in shown]
-    heights = np.concatenate([rows for replicates in strokes for _, rows in replicates])
-    factor, unit = unit_scale("m", float(np.abs(heights).max(initial=0.0)))
+    heights = [errors for _, errors in chain(*strokes)]
+    largest = float(np.abs(np.concatenate(heights)).max(initial=0.0))
+    factor, unit = unit_scale("m", largest)
     sheet, (row,) = style.panels(1, len(shown), 2.6, sharey=True)
     for axes, stage, replicates in zip(row, shown, strokes, strict=True):
-        for number, rows in replicates:
+        for number, errors in replicates:
             stage.pen.draw(
-                axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0
+                axes, number, factor * errors, linewidth=0.7, marker=".", markersize=3.0
             )
         error = stage.data.bdc.error.scaled(factor)
-        low = error.mean if error.low is None else error.low
-        high = error.mean if error.high is None else error.high
+        low, high = error.mean, error.mean
+        if error.low is not None and error.high is not None:
+            low, high = error.low, error.high
         axes.axhspan(low, high, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
         axes.axvspan(
             0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0
@@ -254,12 +263,11 @@ def centre_trajectory(result: Result, moving: Shown) -> list[Drawing]:
         return np.hstack([path, limit])
 
     sheet, circle = pin_panels(result, shown, draw)
-    is_worn = any(
-        np.any(maps.depth(side) > 0.0)
-        for stage in shown
-        for maps in stage.data.joints.values()
-        for side in SIDES
-    )
+    worn_depths = []
+    for stage in shown:
+        for maps in stage.data.joints.values():
+            worn_depths += [maps.depth(side) for side in SIDES]
+    is_worn = any(np.any(depth > 0.0) for depth in worn_depths)
     pens = [circle, _LIMIT] if is_bounded else [circle]
     return style.finished(
         "path", sheet, pens, window=window, is_open=is_worn and not is_bounded
@@ -317,35 +325,49 @@ def force_over_stroke(result: Result, moving: Shown) -> list[Drawing]:
     reach = _REACH * process.height
     factor, unit = unit_scale("m", reach)
     count = 1 + len(joints)
-    side_by_side = 2 if count > 3 else 1
-    sheet, column, lowest = style.panel_list(count, 1.7, side_by_side, sharex=True)
+    columns = 2 if count > 3 else 1
+    sheet, panels, lowest = style.panel_list(count, 1.7, columns, sharex=True)
     for stage in shown:
         height = height_of(scene, stage.data)
         force = process_force(scene, stage.data)
         assert force is not None, "the scene has a process"
-        maps = (stage.data.joints[name] for name in joints)
-        series = [force, *(np.hypot(*joint.force.T) for joint in maps)]
+        joint_results = [stage.data.joints[name] for name in joints]
+        series = [force, *(np.hypot(*joint.force.T) for joint in joint_results)]
         for stroke in sampled_strokes(scene, stage.data):
             # Above the reach nothing presses on the work.
             inside = height <= reach
             inside &= stage.data.clock >= stroke.start
             inside &= stage.data.clock < stroke.end
             heights = factor * height[inside]
-            for axes, values in zip(column, series, strict=True):
+            for axes, values in zip(panels, series, strict=True):
                 stage.pen.draw(axes, heights, values[inside], linewidth=0.7)
     if isinstance(process, Coining):
         depth = np.array([0.0, process.height])
         curve = process.stiffness * depth
     else:
         depth, curve = np.array(process.curve).T
-    IDEAL.draw(column[0], factor * (process.height - depth), curve)
+    IDEAL.draw(panels[0], factor * (process.height - depth), curve)
     places = ["of the work", *(f"at {name}" for name in joints)]
-    for axes, place in zip(column, places, strict=True):
+    for axes, place in zip(panels, places, strict=True):
         style.label_values(axes, f"force {place}", "N")
-    column[-1].set_xlim(factor * reach, 0.0)
+    panels[-1].set_xlim(factor * reach, 0.0)
     for axes in lowest:
         axes.set_xlabel(f"height over bottom dead centre ({unit})")
     return style.finished("tonnage", sheet, _pens(shown), scene=scene)
+
+
+def _quantities_of_drives(
+    drives: Sequence[str], linear: Collection[str]
+) -> list[tuple[str, str, str, str]]:
+    """Return drive, field of its curves, label and unit of each panel."""
+    panels = []
+    for drive in drives:
+        if drive in linear:
+            panels.append((drive, "torque", "force", "N"))
+        else:
+            panels.append((drive, "torque", "torque", "N m"))
+        panels.append((drive, "power", "power", "W"))
+    return panels
 
 
 def drive_work(result: Result, moving: Shown) -> list[Drawing]:
@@ -360,20 +382,14 @@ def drive_work(result: Result, moving: Shown) -> list[Drawing]:
         return []
     shown, window = sampled(result, moving)
     linear = linear_bodies(scene.base_linkage.drives)
-    places = []  # drive, field of its curves, label and unit
-    for drive in drives:
-        if drive in linear:
-            places.append((drive, "torque", "force", "N"))
-        else:
-            places.append((drive, "torque", "torque", "N m"))
-        places.append((drive, "power", "power", "W"))
+    places = _quantities_of_drives(drives, linear)
     height = 0.8 + min(1.7 * len(places), style.TALLEST - 0.8)
     sheet, panels, zones = window.rows(len(places), height)
     curves = [curves_of(scene, stage.data) for stage in shown]
     ideal, _ = ideal_curves(scene)
-    # whole cycles, from the one in which the window starts
-    first = np.floor((window.start - window.run_up) / window.period + 1e-6)
-    last = np.ceil((window.end - window.run_up) / window.period - 1e-6)
+    # Cycles of the window, from the cycle in which it starts; round-off adds none.
+    first = np.floor((window.start - window.run_up) / window.period + _ROUND_OFF)
+    last = np.ceil((window.end - window.run_up) / window.period - _ROUND_OFF)
     for axes, (drive, name, label, unit) in zip(panels, places, strict=True):
         cycle = ideal[drive].time - scene.run_up - window.period
         starts = window.run_up + window.period * np.arange(first, last)

@@ -30,6 +30,7 @@ _SURFACES = {
 }
 _MAX_OUTLINES = 4  # joints whose worn surfaces are drawn, each in a figure
 _DRAWN_DEPTH = 0.25  # largest wear depth in an outline, relative to the bearing radius
+LEAST_MILLION = 2e5  # cycles from which on they are counted by the million
 _MATERIAL = "0.91"  # colour
 _NEW = Pen("no wear", style.REFERENCE, "dotted", 0.8)
 # Left, bottom, width and height in inches, because the scales of the profiles follow
@@ -47,7 +48,9 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the cumulative wear depth over angle at each clearance joint."""
     joints = [name for name in result.scene.loose_pins if _wears(name, shown)]
     turns = style.maps_turn(result)
-    places = list(product(joints, [(side,) for side in SIDES] if turns else [SIDES]))
+    # Maps that turn with the bodies have a panel for each side.
+    panel_sides = [(side,) for side in SIDES] if turns else [SIDES]
+    places = list(product(joints, panel_sides))
     curves = [_depth_curves(result, shown, *place) for place in places]
     # By label: every panel may lack a line that another has.
     pens = {pen.label: pen for lines in curves for pen, _ in lines}
@@ -101,6 +104,7 @@ def _depth_curves(
 
 
 def _draw_depth(axes: Axes, angle: Array, curves: list[tuple[Pen, Array]]) -> None:
+    """Draw depths, m, over the angle, rad, from the place at which the turn is cut open."""
     peaks = [style.MICRONS * float(depth.max()) for _, depth in curves]
     start = seam(angle, [depth for _, depth in curves])
     since = (np.degrees(angle) - start) % 360.0
@@ -135,9 +139,6 @@ def seam(angle: Array, depths: list[Array]) -> float:
     return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
 
 
-LEAST_MILLION = 2e5  # cycles that are counted by the million
-
-
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     """Draw the deepest wear of each surface over the represented cycles, if wear went in steps.
 
@@ -149,7 +150,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         return []
     steps = [step for stage in result.stages for step in stage.wear_steps]
     cycles, unit = _cycles_at_ends(steps)
-    # steps before each stage, and all of them
+    # Numbers of steps before each stage, and of all steps
     counts = (len(stage.wear_steps) for stage in result.stages)
     steps_before = list(accumulate(counts, initial=0))
     first = steps_before[stages[0].index]
@@ -159,29 +160,16 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         if stage.wear_steps:
             end = cycles[steps_before[stage.index + 1]]
             updates.append((end, result.stage_name(stage.index + 1)))
-    named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
     marker = "." if last - first < _MARKED_STEPS else ""
+    shown_cycles = cycles[first : last + 1]
     sheet, panels, _ = style.panel_list(len(joints), 2.3)
     for axes, joint in zip(panels, joints, strict=True):
         for side, pen in _SURFACES.items():
             depths = [float(result.stages[0].joints[joint].depth(side).max())]
             depths += [step.max_depth[joint][side] for step in steps]
             depth = style.MICRONS * np.array(depths[first : last + 1])
-            pen.draw(
-                axes, cycles[first : last + 1], depth, marker=marker, markersize=4.0
-            )
-        for end, _ in updates:
-            axes.axvline(end, color=style.MUTED, linewidth=0.6)
-        for end, name in named:
-            axes.text(
-                end,
-                1.02,
-                name,
-                transform=axes.get_xaxis_transform(),
-                ha="right",
-                va="bottom",
-                color=style.MUTED,
-            )
+            pen.draw(axes, shown_cycles, depth, marker=marker, markersize=4.0)
+        _mark_updates(axes, updates)
         axes.set_xlim(cycles[first], None)
         axes.set_ylim(0.0, None)
         axes.set_xlabel(f"represented cycles ({unit})")
@@ -192,60 +180,70 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     return style.finished("growth", sheet, pens, _RIGHT, turns=turns)
 
 
+def _mark_updates(axes: Axes, updates: Sequence[tuple[float, str]]) -> None:
+    """Draw a line at the end of each wear update; name all of a few updates, or the last."""
+    for end, _ in updates:
+        axes.axvline(end, color=style.MUTED, linewidth=0.6)
+    named = updates if len(updates) <= _NAMED_UPDATES else updates[-1:]
+    for end, name in named:
+        axes.text(
+            end,
+            1.02,
+            name,
+            transform=axes.get_xaxis_transform(),
+            ha="right",
+            va="bottom",
+            color=style.MUTED,
+        )
+
+
 def _cycles_at_ends(steps: Sequence[WearStep]) -> tuple[list[float], str]:
     """Return the represented cycles at the start and after each step, and their unit."""
-    whole = sum(step.cycles_per_update for step in steps)
-    unit = "million" if whole >= LEAST_MILLION else "thousand"
+    total = sum(step.cycles_per_update for step in steps)
+    unit = "million" if total >= LEAST_MILLION else "thousand"
     factor = unit_factor("million") * (1.0 if unit == "million" else 1e3)
     sizes = (factor * step.cycles_per_update for step in steps)
     return list(accumulate(sizes, initial=0.0)), unit
 
 
 class _View(NamedTuple):
-    """Enlarged part of a surface: middle and half width, rad, and radius of the new surface, m.
-
-    The radial scale is relative to the scale along the surface; the span is radial, in
-    m.
-    """
+    """Enlarged part of a surface."""
 
     side: str
-    centre: float
-    half: float
-    radius: float
-    scale: float
-    span: float
+    centre: float  # middle of the part, rad
+    half: float  # half width of the part, rad
+    radius: float  # radius of the new surface, m
+    scale: float  # radial scale over the scale along the surface
+    span: float  # radial height of the drawing, m
 
 
 def worn_surfaces(result: Result, shown: Shown) -> list[Drawing]:
     """Draw outline and enlargement of pin and bearing of the joints that are worn most."""
     joints = result.scene.loose_pins
     last = shown[-1].data.joints
-    depths = {
-        name: max(float(last[name].depth(side).max()) for side in SIDES)
-        for name in joints
-    }
-    deepest = sorted(joints, key=lambda name: depths[name], reverse=True)[
-        :_MAX_OUTLINES
-    ]
+    depths = {name: _deepest(last[name]) for name in joints}
+    by_depth = sorted(joints, key=lambda name: depths[name], reverse=True)
+    most_worn = by_depth[:_MAX_OUTLINES]
     drawings = []
-    for joint in (name for name in joints if name in deepest):
-        maps = [(stage, stage.data.joints[joint]) for stage in shown]
-        worn = [
-            s
-            for s, joint in maps
-            if any(np.any(joint.depth(side) > 0.0) for side in SIDES)
-        ]
-        if worn:
+    for joint in joints:
+        worn = [stage for stage in shown if _deepest(stage.data.joints[joint]) > 0.0]
+        if joint in most_worn and worn:
             drawings.append(worn_surface(result, joint, worn))
     return drawings
+
+
+def _deepest(maps: JointResult) -> float:
+    """Return the largest depth of both surfaces of a joint, m."""
+    return max(float(maps.depth(side).max()) for side in SIDES)
 
 
 def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
     """Draw the outline and enlargement of one joint; the material of the last stage is grey."""
     bearing = result.scene.bearing(joint)
     worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
-    views = _views(result, joint, worn[-1][1])
-    deepest = max(float(maps.depth(side).max()) for _, maps in worn for side in SIDES)
+    _, last_maps = worn[-1]
+    views = _views(result, joint, last_maps)
+    deepest = max(_deepest(maps) for _, maps in worn)
     factor = max(1.0, style.round_down(_DRAWN_DEPTH * bearing.bearing_radius / deepest))
     scale = "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
     sheet = Sheet(figsize=(style.WIDTH, _HEIGHT))
@@ -269,7 +267,7 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
     sheet.text(middle, 0.15 / size[1], text, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
     turns = style.maps_turn(result)
-    return style.finished(
+    (drawing,) = style.finished(
         "surface",
         sheet,
         pens,
@@ -279,54 +277,54 @@ def worn_surface(result: Result, joint: str, stages: Shown) -> Drawing:
         scale=scale,
         clearance=bearing.clearance,
         deepest=deepest,
-    )[0]
+    )
+    return drawing
 
 
 def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
     """Return the part of each surface to enlarge; the same part of both in fixed directions."""
     depth = {side: maps.depth(side) for side in SIDES}
-    turn = style.maps_turn(result)
+    turns = style.maps_turn(result)
     bearing = result.scene.bearing(joint)
     radii = (bearing.bearing_radius, bearing.bearing_radius - bearing.clearance)
     views = []
     for side, radius in zip(SIDES, radii, strict=True):
-        worn = depth[side] if turn else depth["bearing"] + depth["pin"]
-        deepest = max(float(depth[s].max()) for s in ((side,) if turn else SIDES))
+        worn = depth[side] if turns else depth["bearing"] + depth["pin"]
+        deepest = float(depth[side].max()) if turns else _deepest(maps)
         centre = float(maps.angle[int(worn.argmax())])
         # The half width holds all depths above a tenth of the deepest.
         away = np.abs((maps.angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
         reach = math.degrees(float(away[worn >= 0.1 * worn.max()].max()))
         half = math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
         _, _, width, height = _PROFILES[side]
-        # with equal scales
-        spans = 2.0 * half * np.array([radius, min(radii)]) * height / width
-        # The smaller surface sets the scale, because rounding could separate two equal
-        # views.
-        scale = (
-            style.round_down(max(1.0, spans[1] / (1.12 * deepest)))
-            if deepest > 0.0
-            else 1.0
-        )
-        views.append(_View(side, centre, half, radius, scale, spans[0] / scale))
+        # Radial heights with equal scales. The smaller surface sets the scale, because
+        # rounding could separate two equal views.
+        span = 2.0 * half * radius * height / width
+        smaller_span = 2.0 * half * min(radii) * height / width
+        scale = 1.0
+        if deepest > 0.0:
+            scale = style.round_down(max(1.0, smaller_span / (1.12 * deepest)))
+        views.append(_View(side, centre, half, radius, scale, span / scale))
     return views
 
 
 def _draw_outline(
     axes: PolarAxes, worn: list[Worn], factor: float, views: list[_View]
 ) -> None:
-    bearing = views[0]
+    """Draw both surfaces over the full turn; wear is enlarged by ``factor``."""
+    bearing, _ = views
     rim = (1.0 + 1.2 * _DRAWN_DEPTH) * bearing.radius
     around = np.linspace(0.0, 2.0 * math.pi, 361)
-    angle = worn[-1][1].angle
+    _, last_maps = worn[-1]
+    angle = last_maps.angle
     closed = np.append(angle, angle[0] + 2.0 * math.pi)
     for view in views:
         is_bearing = view is bearing
         for pen, maps in worn:
             depth = maps.depth(view.side)
-            surface = view.radius + _OUTWARDS[view.side] * factor * np.append(
-                depth, depth[0]
-            )
-            if maps is worn[-1][1]:
+            closed_depth = np.append(depth, depth[0])
+            surface = view.radius + _OUTWARDS[view.side] * factor * closed_depth
+            if maps is last_maps:
                 edge = rim if is_bearing else 0.0
                 axes.fill_between(closed, surface, edge, color=_MATERIAL, linewidth=0.0)
             pen.draw(axes, closed, surface, linewidth=1.0)
@@ -348,13 +346,15 @@ def _draw_outline(
 
 
 def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
+    """Draw the enlarged part of a surface, the depth over the angle."""
+    _, last_maps = worn[-1]
     angle = np.linspace(view.centre - view.half, view.centre + view.half, 1200)
     degrees = np.degrees(angle)
     outwards = style.MICRONS * _OUTWARDS[view.side]
     far_edge = outwards * view.span
     for pen, maps in worn:
         position = outwards * Surface(maps.depth(view.side))(angle)
-        if maps is worn[-1][1]:
+        if maps is last_maps:
             axes.fill_between(
                 degrees, position, far_edge, color=_MATERIAL, linewidth=0.0
             )

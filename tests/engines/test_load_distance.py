@@ -1,4 +1,4 @@
-"""The dose of wear, integral of F_n ds, of one impact against its impulse."""
+"""The load distance, integral of F_n ds, of one impact against its impulse."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ SPIN = 30.0
 
 
 @pytest.mark.parametrize(("engine", "error"), [("exudyn", 3e-4), ("dae", 1e-8)])
-def test_dose_is_impulse_times_sliding(engine, error):
+def test_load_distance_is_impulse_times_sliding(engine, error):
     """Exudyn sums by steps, to (pi / 64)^2 / 12 = 2e-4 at the 64 steps that it makes."""
     impact = references.Impact(0.9)
     velocity = impact.start.velocity.copy()
