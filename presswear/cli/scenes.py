@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,7 +24,9 @@ from presswear.tools.quantities import Quantity, parse_quantity
 
 CHOICES = {"scene": SCENES, "engine": ENGINES, "conventions": CONVENTIONS}
 SHELLS = ("bash", "zsh")
-_REST = "laws of contact, friction, oil and wear, conventions, engines, recording"
+_MORE_SETTINGS = (
+    "laws of contact, friction, oil and wear, conventions, engines, recording"
+)
 
 
 def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
@@ -45,9 +46,9 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         lines = (f"{setting.key:{width}} {setting.described()}" for setting in settings)
         print_lines(console, f"{title}:", *lines, "")
     if not arguments.all:
-        every = settings_in_groups(scene, every=True)
-        rest = sum(map(len, every.values())) - sum(map(len, groups.values()))
-        print_lines(console, f"{rest} more with --all: {_REST}")
+        all_groups = settings_in_groups(scene, every=True)
+        count = sum(map(len, all_groups.values())) - len(keys)
+        print_lines(console, f"{count} more with --all: {_MORE_SETTINGS}")
     return 0
 
 
@@ -82,9 +83,7 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
             _equations_of(scene), highlight=False, markup=False, soft_wrap=True
         )
         return 0
-    time = parse_quantity(
-        "--at", arguments.at, Quantity("s", -math.inf, math.inf, "", "")
-    )
+    time = parse_quantity("--at", arguments.at, Quantity("s"))
     file = arguments.out or Path(f"{scene.name}.png")
     check_ending(file, ".png", option="--out")
     from presswear.show.figures import save

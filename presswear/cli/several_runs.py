@@ -19,8 +19,8 @@ def several_runs(
 ) -> Iterator[tuple[Callable[[str, float, str], None], ProgressBar]]:
     """Show the progress of several runs in a folder; yield a function for ``run_scenes``.
 
-    Without a terminal it is a line now and then. The time left is at least that of each
-    run that has started.
+    Without a terminal a line is printed every ``LINE_INTERVAL``. The time left is at least
+    the time left of each run that has started.
     """
     shares: dict[str, float] = {}
     starts: dict[str, float] = {}
@@ -41,17 +41,19 @@ def several_runs(
             starts.setdefault(run, now)
             finished = sum(share == 1.0 for share in shares.values())
             text = f"{name}: {finished} of {count} finished"
-            whole = sum(shares.values()) / count
-            shown = max(shown, whole)
-            for each, done in shares.items():
-                if done >= terminal.MIN_SHARE and now > starts[each]:
-                    left = (now - starts[each]) * (1.0 - done) / done
-                    whole = min(whole, (now - started) / (now - started + left))
-            bar.update(task, description=text, completed=shown, share=whole)
+            expected = sum(shares.values()) / count
+            shown = max(shown, expected)
+            for name_of_run, completed in shares.items():
+                elapsed = now - starts[name_of_run]
+                if completed >= terminal.MIN_SHARE and elapsed > 0.0:
+                    remaining = elapsed * (1.0 - completed) / completed
+                    total = now - started + remaining
+                    expected = min(expected, (now - started) / total)
+            bar.update(task, description=text, completed=shown, share=expected)
             if bar.disable and now > printed + LINE_INTERVAL:
                 printed = now
-                remaining = terminal.time_left(bar.tasks[task])
-                line = f"{text}, {100.0 * shown:.0f} % {remaining}".rstrip()
+                time_left = terminal.time_left(bar.tasks[task])
+                line = f"{text}, {100.0 * shown:.0f} % {time_left}".rstrip()
                 terminal.print_lines(console, line)
             if share == 1.0:
                 terminal.print_lines(console, f"finished {run}: {words}")

@@ -31,10 +31,10 @@ class WallMap:
 class GuideCorner(ClearanceJoint):
     """Corner of a slide in a guide with clearance, which touches one of the two walls.
 
-    ``pin`` is the corner and ``bearing`` the point beside the guide's at half the width
-    of the slide. The clearance lies between this point and the wall. The pin radius is
-    half the width. The surface of the bearing is that of the wall, over the bins of its
-    map; both corners on a side share it. The slide does not wear.
+    ``pin`` is the corner. ``bearing`` is a point on the guide's body, half the width of
+    the slide beside the guide's line. The clearance lies between this point and the
+    wall. The pin radius is half the width. The surface of the bearing is the wall, over
+    the bins of its map; both corners on a side share it. The slide does not wear.
     """
 
     guide: Guide = field(kw_only=True)
@@ -108,16 +108,18 @@ def corner_ends(
 ) -> tuple[Attachment, Attachment]:
     """Return the point beside which a corner of a slide stands, and the corner.
 
-    The point is on the frame, or on the body that carries the walls.
+    ``along`` and ``side`` are a value of ``CORNERS``. The point is on the frame, or on the
+    body that carries the walls.
     """
     assert guide.length is not None
     assert guide.width is not None
-    c = math.cos(guide.direction)
-    s = math.sin(guide.direction)
-    across = 0.5 * side * guide.width
-    beside = Attachment(guide.on, guide.x - s * across, guide.y + c * across)
-    turn = guide.direction - guide.angle
-    c = math.cos(turn)
-    s = math.sin(turn)
+    y = 0.5 * side * guide.width
+    cosine = math.cos(guide.direction)
+    sine = math.sin(guide.direction)
+    beside = Attachment(guide.on, guide.x - sine * y, guide.y + cosine * y)
     x = 0.5 * along * guide.length
-    return beside, Attachment(guide.body, c * x - s * across, s * x + c * across)
+    turn = guide.direction - guide.angle
+    cosine = math.cos(turn)
+    sine = math.sin(turn)
+    corner = Attachment(guide.body, cosine * x - sine * y, sine * x + cosine * y)
+    return beside, corner

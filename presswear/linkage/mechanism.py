@@ -33,7 +33,7 @@ LITERATURE = "literature, from memory"
 RIGHT = -1.0
 LEFT = 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
-_OF_BAR = "length", "mass", "inertia"
+_BAR_NUMBERS = "length", "mass", "inertia"
 DEFAULT_OF_ROD = "; default: that of a thin rod"
 # length of a rod over its crank; with equal lengths the rod does not determine on
 # which side of the crank the slider is
@@ -50,15 +50,14 @@ def number_field(
 length_field = partial(number_field, "m", MIN_LINK, MAX_LINK)
 mass_field = partial(number_field, "kg", 1e-6, 1e4)
 inertia_field = partial(number_field, "kg m^2", 1e-9, 1e4)
-paper_length, paper_mass, paper_inertia = (
-    partial(make, "paper") for make in (length_field, mass_field, inertia_field)
-)
-literature_length, literature_mass = (
-    partial(make, LITERATURE) for make in (length_field, mass_field)
-)
-chosen_length, chosen_mass, chosen_inertia = (
-    partial(make, "chosen") for make in (length_field, mass_field, inertia_field)
-)
+paper_length = partial(length_field, "paper")
+paper_mass = partial(mass_field, "paper")
+paper_inertia = partial(inertia_field, "paper")
+literature_length = partial(length_field, LITERATURE)
+literature_mass = partial(mass_field, LITERATURE)
+chosen_length = partial(length_field, "chosen")
+chosen_mass = partial(mass_field, "chosen")
+chosen_inertia = partial(inertia_field, "chosen")
 chosen_speed = partial(number_field, "rad/s", MIN_SPEED, 5000.0, "chosen")
 frame_mass_field = partial(
     number_field,
@@ -110,7 +109,7 @@ class _Crown(NamedTuple):
 
 
 class Mechanism(Checked, ABC):
-    """Driven mechanism, a data class of its quantities, with ideal joints."""
+    """Driven mechanism with ideal joints; subclasses are data classes of its quantities."""
 
     kind: ClassVar[str]  # name of the mechanism in a stored scene
     allowed_joints: ClassVar[tuple[str, ...]]  # joints that may have clearance
@@ -144,7 +143,7 @@ class Mechanism(Checked, ABC):
     def _crown(self, direction: float, pivots: Mapping[str, Place]) -> _Crown:
         """Return the crown of an elastic frame that moves along a direction, rad.
 
-        ``pivots`` are the places of joints on the frame, m.
+        ``pivots`` are the points of the frame at which joints are, by joint, m.
         """
         if self.frame_stiffness is None or self.frame_mass is None:
             return _Crown((), (), pivots)
@@ -162,9 +161,9 @@ class Mechanism(Checked, ABC):
         return _Crown((crown,), (guide,), ends)
 
     def _slide_inertia(self, mass: float) -> float:
-        """Return the inertia of a slide, kg m^2, which matters with clearance in its guide only."""
+        """Return the inertia of a slide, kg m^2."""
         if self.guide_length is None or self.guide_width is None:
-            return 1.0
+            return 1.0  # has no effect: without clearance in its guide the slide cannot turn
         return mass * (self.guide_length**2 + self.guide_width**2) / 12.0
 
     @property
@@ -175,9 +174,12 @@ class Mechanism(Checked, ABC):
     @property
     def unread(self) -> tuple[str, ...]:
         """Settings without effect: those of a rigid frame, and the torque limit of a motor."""
-        rigid = self.frame_stiffness is None
-        frame = ("frame_mass", "frame_damping") if rigid else ()
-        return (*frame, *(("torque_limit",) if self.motor else ()))
+        unread: list[str] = []
+        if self.frame_stiffness is None:
+            unread += ["frame_mass", "frame_damping"]
+        if self.motor:
+            unread.append("torque_limit")
+        return tuple(unread)
 
     def _drive(self, crank: str, start: float = 0.0) -> Drive:
         """Return the drive of the only driven crank, from an angle, rad."""
@@ -213,7 +215,7 @@ def bars_of(mechanism: Mechanism, *names: str) -> list[Body]:
     bars = []
     for name in names:
         prefix = name.split()[0]
-        numbers = [getattr(mechanism, f"{prefix}_{number}") for number in _OF_BAR]
+        numbers = [getattr(mechanism, f"{prefix}_{number}") for number in _BAR_NUMBERS]
         bars.append(Bar(name, *numbers))
     return bars
 

@@ -20,7 +20,7 @@ from presswear.linkage.points import GROUND, Attachment
 class Branch(NamedTuple):
     """Body of an open tree."""
 
-    joint: Joint | None  # to the parent; None for a body that no ideal joint holds
+    joint: Joint | None  # joint to the parent; None if no ideal joint holds the body
     before: Attachment  # end of the joint on the parent
     end: Attachment  # end of the joint on the body itself
     # position in the tree; -1 for the frame or a body with prescribed motion
@@ -38,7 +38,8 @@ class Branch(NamedTuple):
         """Angle of the line of a guided body in the axes of its parent, rad."""
         assert isinstance(self.joint, Guide)
         is_slide = self.end.body == self.joint.body
-        return self.joint.direction - (0.0 if is_slide else self.joint.angle)
+        direction = self.joint.direction
+        return direction if is_slide else direction - self.joint.angle
 
 
 def bodies_of(joint: Joint) -> set[str]:
@@ -73,15 +74,15 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     assigned: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
     for row in rows:
         _assign(row, assigned, set())
-    free = {name for name, rows in assigned.items() if len(rows) < 3}
+    free = {name for name, body_rows in assigned.items() if len(body_rows) < 3}
     while True:
-        more = set[str]()
-        for name, rows in assigned.items():
-            if name not in free and any(row & free for row in rows):
-                more.add(name)
-        if not more:
+        newly_free = set[str]()
+        for name, body_rows in assigned.items():
+            if name not in free and any(row & free for row in body_rows):
+                newly_free.add(name)
+        if not newly_free:
             return frozenset(assigned.keys() - free)
-        free |= more
+        free |= newly_free
 
 
 def _assign(
@@ -108,9 +109,9 @@ def _tree_of(
 ) -> tuple[list[Branch], list[Joint], list[Joint]]:
     """Return a tree that grows from roots joint by joint, parents before children.
 
-    If no joint of the tree is left, the first of ``bodies`` that is not in it is added
-    without a joint. Behind the tree are the joints that close a loop of it, and the
-    joints that have no body of the tree.
+    If no joint of the tree remains, the first of ``bodies`` that is not in it is added
+    without a joint. The second list has the joints that close a loop of the tree, the
+    third the joints that have no body of the tree.
     """
     branches = list[Branch]()
     closing = list[Joint]()
@@ -159,7 +160,9 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
         if not bodies_of_drive(linkage, drive) <= prescribed:
             return _on_free_body(drive)
     branches = free_branches(linkage)
-    for branch in branches if isinstance(branches, tuple) else ():
+    if isinstance(branches, str):
+        return branches
+    for branch in branches:
         if isinstance(branch.joint, Guide) and branch.before.body in prescribed:
             return (
                 f"{branch.joint.name} is on {branch.before.body}, whose motion drives "

@@ -48,16 +48,17 @@ def joint_text(place: Place) -> str:
     return f"joint {place.joint}, {SETTINGS[place.setting].label}"
 
 
-def comparison_text(part: Comparison) -> str:
+def comparison_text(comparison: Comparison) -> str:
     """Return both sides of a comparison, in words."""
-    first, second = part.under[0], part.over[0]
-    stage = stage_text(second, part.quantity)
+    first = comparison.under[0]
+    second = comparison.over[0]
+    stage = stage_text(second, comparison.quantity)
     names = [SETTINGS[place.setting].short for place in (first, second)]
     if first.setting != second.setting:
         change = f"{' → '.join(names)}, {stage}"
     else:
-        change = f"{names[1]}, {stage_text(first, part.quantity)} → {stage}"
-    if len(part.over) > 1:
+        change = f"{names[1]}, {stage_text(first, comparison.quantity)} → {stage}"
+    if len(comparison.over) > 1:
         return f"{change}, growth at A over growth at C"
     if first.joint != second.joint:
         return (
@@ -66,19 +67,20 @@ def comparison_text(part: Comparison) -> str:
     return f"joint {second.joint}, {change}" if second.joint else change
 
 
-def detail(evidence: Evidence, part: Comparison) -> str:
+def detail(evidence: Evidence, comparison: Comparison) -> str:
     """Return our value of a comparison on the standard geometry, the printed one, the verdict."""
-    ours = compared(evidence, BASE, part)
-    row = QUANTITIES[part.quantity]
-    if part.is_difference:
+    ours = compared(evidence, BASE, comparison)
+    row = QUANTITIES[comparison.quantity]
+    if comparison.is_difference:
         ours_text = f"{text_of(ours, row.unit)} {row.unit}"
     else:
         ours_text = f"×{text_of(ours)}"
-    text = f"{row.label}, {comparison_text(part)}: {ours_text}"
-    if part.printed is not None and part.is_difference:
-        printed = readable(unit_factor(row.unit) * part.printed)
+    text = f"{row.label}, {comparison_text(comparison)}: {ours_text}"
+    if comparison.printed is not None and comparison.is_difference:
+        printed = readable(unit_factor(row.unit) * comparison.printed)
         text += f"; printed {printed} {row.unit}"
-    elif part.printed is not None:
-        text += f"; printed ×{readable(part.printed)}"
-    wide = compared(evidence, BASE, part, COMPARISONS)
-    return f"{text}; {verdicts.verdict(wide, part)}"
+    elif comparison.printed is not None:
+        text += f"; printed ×{readable(comparison.printed)}"
+    # The verdict is by an interval that holds for all comparisons together.
+    of_all = compared(evidence, BASE, comparison, COMPARISONS)
+    return f"{text}; {verdicts.verdict(of_all, comparison)}"

@@ -1,12 +1,14 @@
 """Drives that make a point follow a curve, by inverse kinematics."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
+from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanism import Mechanism
 from presswear.linkage.motion_pieces import MAX_PIECES, MIN_PIECE
@@ -39,29 +41,14 @@ def followed(linkage: Linkage) -> Linkage:
     AssemblyError
         If a point cannot follow its curve, or not with the specified mean speed.
     """
-    following = []
-    for k, drive in enumerate(linkage.drives):
-        if drive.follow is not None:
-            following.append(k)
+    following = [drive for drive in linkage.drives if drive.follow is not None]
     if not following:
         return linkage
     period = linkage.period
     inverse = ideal_motion(replace(linkage, run_up=0), period)
-    base = 2.0 * math.pi / period
-    for drive in (linkage.drives[k] for k in following):
-        place = linkage.index(drive.body)
-        angle = (inverse.position[-1] - inverse.position[0])[place, 2]
-        speed = base * round(angle / (2.0 * math.pi))
-        if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
-            raise AssemblyError(
-                f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
-                f"a mean speed of {speed:g} rad/s"
-            )
-    rows = inverse.rows
+    _check_speeds(following, inverse)
     breaks = _breaks(linkage, period)
-    curves = [motion_of_row(linkage.drives[k], inverse.times)[0] for k in following]
-    stroke = np.ptp(curves, axis=1).max() or rows.size
-    allowed = max(FOLLOWED * stroke, ROUND_OFF * rows.size)
+    allowed = _allowed_error(following, inverse)
     error = math.inf
     # A break adds up to one piece.
     for pieces in (*_PIECES[:-1], _PIECES[-1] - len(breaks), MAX_PIECES - len(breaks)):
@@ -72,7 +59,7 @@ def followed(linkage: Linkage) -> Linkage:
         error = _greatest_error(result, inverse, nodes)
         if error <= allowed:
             return result
-    name = linkage.drives[following[0]].name
+    name = following[0].name
     if math.isinf(error):
         raise AssemblyError(
             f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
@@ -82,6 +69,32 @@ def followed(linkage: Linkage) -> Linkage:
         f"{name}: with {MAX_PIECES} pieces its point is {error:.3g} m off the curve; allowed is "
         f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
     )
+
+
+def _check_speeds(following: Sequence[Drive], inverse: IdealMotion) -> None:
+    """Raise AssemblyError if a drive does not have the mean speed of its curve."""
+    base = 2.0 * math.pi / inverse.period
+    start, end = inverse.position[[0, -1]]
+    for drive in following:
+        body = inverse.rows.linkage.index(drive.body)
+        angle = end[body, 2] - start[body, 2]
+        speed = base * round(angle / (2.0 * math.pi))
+        if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
+            raise AssemblyError(
+                f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
+                f"a mean speed of {speed:g} rad/s"
+            )
+
+
+def _allowed_error(following: Sequence[Drive], inverse: IdealMotion) -> float:
+    """Return the allowed distance of points from their curves, m."""
+    strokes = []
+    for drive in following:
+        curve, *_ = motion_of_row(drive, inverse.times)
+        strokes.append(float(np.ptp(curve)))
+    size = inverse.rows.size
+    stroke = max(strokes) or size
+    return max(FOLLOWED * stroke, ROUND_OFF * size)
 
 
 def _nodes_of(breaks: Array, period: float, pieces: int) -> Array:
@@ -117,10 +130,10 @@ def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
     drives = list(linkage.drives)
     for k, drive in enumerate(linkage.drives):
         if drive.follow is not None:
-            place = 3 * linkage.index(drive.body) + 2
-            deviation = motion.position[:, place] - drive.speed * nodes
-            rate = (motion.velocity[:, place] - drive.speed) / base
-            curvature = motion.acceleration[:, place] / base**2
+            angle = 3 * linkage.index(drive.body) + 2  # column of the angle
+            deviation = motion.position[:, angle] - drive.speed * nodes
+            rate = (motion.velocity[:, angle] - drive.speed) / base
+            curvature = motion.acceleration[:, angle] / base**2
             table = np.column_stack([base * nodes, deviation, rate, curvature])
             drives[k] = replace(
                 drive, frequency=base, table=table.tolist(), follow=None

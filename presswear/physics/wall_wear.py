@@ -18,6 +18,8 @@ from presswear.physics.worn_map import BEARING, depth_at
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
+_BEARING_SIDE = 0  # index of the bearing in the maps of a joint
+
 
 @inlined
 def wall_profile(
@@ -33,7 +35,8 @@ def wall_profile(
     length = joint.wall_bin
     position = (along - joint.wall_start) / length - 0.5
     if not 0.0 <= position < bins - 1.0:
-        return surfaces[BEARING, 0 if position < 0.0 else bins - 1], 0.0, 0.0
+        end = 0 if position < 0.0 else bins - 1
+        return surfaces[BEARING, end], 0.0, 0.0
     node = int(position)
     depth, slope, curvature = depth_at(surfaces, BEARING, node, position - node)
     return depth, slope / length, curvature / (length * length)
@@ -141,5 +144,5 @@ def walls_of(linkage: Linkage, maps: Array) -> dict[str, Array]:
     walls = {}
     for name, by_side in corners.items():
         left_and_right = [by_side[1.0], by_side[-1.0]]
-        walls[name] = maps[..., left_and_right, 0, :WALL_BINS]
+        walls[name] = maps[..., left_and_right, _BEARING_SIDE, :WALL_BINS]
     return walls

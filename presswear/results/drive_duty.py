@@ -69,18 +69,18 @@ def duties_of(
         Duration of the cycle, s.
     """
     duties = {}
-    for body, item in numbers.items():
-        supplied = item["work_given"]
-        returned = item["work_returned"]
+    for body, columns in numbers.items():
+        supplied = columns["work_given"]
+        returned = columns["work_returned"]
         torque = Duty(
-            mean=item["torque_integral"] / period,
-            rms=math.sqrt(item["torque_square_integral"] / period),
-            peak=item["torque_peak"],
+            mean=columns["torque_integral"] / period,
+            rms=math.sqrt(columns["torque_square_integral"] / period),
+            peak=columns["torque_peak"],
         )
         power = Duty(
             mean=(supplied - returned) / period,
-            rms=math.sqrt(item["power_square_integral"] / period),
-            peak=item["power_peak"],
+            rms=math.sqrt(columns["power_square_integral"] / period),
+            peak=columns["power_peak"],
         )
         duties[body] = DriveDuty(torque, power, supplied, returned)
     return duties
@@ -109,8 +109,8 @@ def _coordinate(linkage: Linkage, drive: Drive, motion: Motion) -> tuple[Array, 
     """Return angle and angular velocity of a driven body, or distance and speed along a guide."""
     if isinstance(drive, LinearDrive):
         return _along(linkage, linkage.guide_of(drive), motion)
-    angle = 3 * linkage.index(drive.body) + 2
-    return motion.position[:, angle], motion.velocity[:, angle]
+    column = 3 * linkage.index(drive.body) + 2
+    return motion.position[:, column], motion.velocity[:, column]
 
 
 def _along(linkage: Linkage, guide: Guide, motion: Motion) -> tuple[Array, Array]:

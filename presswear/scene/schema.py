@@ -33,18 +33,23 @@ Node = dict[str, Any]
 def scene_schema() -> Node:
     """Return the schema of a scene file, draft 7.
 
-    A number with a unit is a text, whose range only its description states. Tables of
-    a mechanism of bodies are not described.
+    A number with a unit is a text. Only its description states its range. Tables of a
+    mechanism of bodies are not described.
     """
     scene = Scene()
     bearing = _properties(settings_in(Bearing()))
-    mechanisms = {kind: _fields(class_()) for kind, class_ in MECHANISMS.items()}
-    every = bearing | _properties(settings_in(scene))
+    mechanisms = {}
+    for kind, mechanism in MECHANISMS.items():
+        mechanisms[kind] = _fields(mechanism())
+    all_settings = bearing | _properties(settings_in(scene))
     for properties in mechanisms.values():
-        every |= properties
-    parts = {"process": PROCESSES, "life": LIVES, SERVO: SERVOS}
-    described = {name: _part(kinds) for name, kinds in parts.items()}
-    described[MOTOR] = _table(_fields(Motor(torque=0.0)))
+        all_settings |= properties
+    tables = {
+        "process": _table_of_kinds(PROCESSES),
+        "life": _table_of_kinds(LIVES),
+        SERVO: _table_of_kinds(SERVOS),
+        MOTOR: _table(_fields(Motor(torque=0.0))),
+    }
     of_bodies = {"type": "object", "required": ["bodies"]}
     kinds = [_kind(kind, properties) for kind, properties in mechanisms.items()]
     schema: Node = {
@@ -55,15 +60,17 @@ def scene_schema() -> Node:
         "properties": {
             "title": {"type": "string", "description": "title of the report"},
             "mechanism": {"anyOf": [*kinds, of_bodies, {"enum": [*mechanisms]}]},
-            "bearings": _table(bearing | {"joints": every["joints"]}, _table(bearing)),
+            "bearings": _table(
+                bearing | {"joints": all_settings["joints"]}, _table(bearing)
+            ),
             "limits": _table({key: bearing[key] for key in _LIMITS}),
-            "settings": _table(every, _table(bearing)),
+            "settings": _table(all_settings, _table(bearing)),
             "surfaces": {
                 "type": "string",
                 "description": "file of measured surfaces, .csv",
             },
             "sweep": _ANY | {"description": "values that presswear sweep varies"},
-            **described,
+            **tables,
         },
     }
     definitions: dict[str, Node] = {}
@@ -99,11 +106,11 @@ def _kind(kind: str, properties: Mapping[str, Node]) -> Node:
     return table | {"required": ["kind"]}
 
 
-def _part(kinds: Mapping[str, Any]) -> Node:
-    """Return the table of a part of one of some kinds."""
+def _table_of_kinds(kinds: Mapping[str, Any]) -> Node:
+    """Return the table of a part of a scene that can have several kinds."""
     tables = []
-    for kind, class_ in kinds.items():
-        tables.append(_table({"kind": {"const": kind}, **_fields(class_())}))
+    for kind, data_class in kinds.items():
+        tables.append(_table({"kind": {"const": kind}, **_fields(data_class())}))
     return {"anyOf": tables}
 
 
@@ -111,12 +118,12 @@ def _fields(owner: Any) -> dict[str, Node]:
     return _properties(settings_in(owner))
 
 
-def _table(properties: Mapping[str, Node], others: Node | None = None) -> Node:
-    """Return a table of some keys; ``others`` are tables under any other name, of joints."""
+def _table(properties: Mapping[str, Node], of_joints: Node | None = None) -> Node:
+    """Return a table of some keys; ``of_joints`` are tables under the names of joints."""
     return {
         "type": "object",
         "properties": dict(properties),
-        "additionalProperties": others or False,
+        "additionalProperties": of_joints or False,
     }
 
 
@@ -131,9 +138,10 @@ def _properties(settings: Iterable[Setting]) -> dict[str, Node]:
         for key in ("clearance", "diametral_clearance"):
             pattern = values[key]["pattern"]
             values[key]["pattern"] = f"{pattern}|^\\s*{_FIT}\\s*$"
-    return values | {
-        symbol: values[name] for symbol, name in SYMBOLS.items() if name in values
-    }
+    for symbol, name in SYMBOLS.items():
+        if name in values:
+            values[symbol] = values[name]
+    return values
 
 
 def _value(meaning: Quantity | Choice, value: Any) -> Node:
@@ -143,7 +151,8 @@ def _value(meaning: Quantity | Choice, value: Any) -> Node:
         if meaning.several or meaning.parameters or meaning.example:
             return node | {"type": ["string", "array", "object"]}
         return node | {"enum": [*meaning.words]}
-    limits = meaning.in_unit_of(meaning.low if value is None else value).range_text()
+    typical = meaning.low if value is None else value
+    limits = meaning.in_unit_of(typical).range_text()
     remarks = f"{limits}; {meaning.origin}" if meaning.origin else limits
     default = NONE if value is None else meaning.written(value)
     node = {"description": f"{meaning.text} ({remarks})", "default": default}

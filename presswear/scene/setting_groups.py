@@ -1,4 +1,4 @@
-"""Settings in groups, and those that a user changes first."""
+"""Settings in groups, and the settings that a user changes first."""
 
 from presswear.scene.bearing import NOT_COMMON
 from presswear.scene.scene import Scene
@@ -40,34 +40,32 @@ def settings_in_groups(scene: Scene, every: bool = False) -> dict[str, list[Sett
 
     They are those that a user changes first, or with ``every`` all of them.
     """
-    parts = {
+    owners = {
         "Mechanism": scene.mechanism,
         "Bearings": scene.bearings,
         "Conventions": scene.conventions,
         "Engines": scene.numerics,
         "Recording": scene.recording,
     }
-    title_of = {
-        setting.key: title
-        for title, part in parts.items()
-        for setting in settings_in(part)
-    }
-    groups: dict[str, list[Setting]] = {
-        title: []
-        for title in ("Mechanism", "Bearings", _WORK_TITLE, _RUN_TITLE, *parts)
-    }
+    title_of = {}
+    for title, owner in owners.items():
+        for setting in settings_in(owner):
+            title_of[setting.key] = title
+    titles = ("Mechanism", "Bearings", _WORK_TITLE, _RUN_TITLE, *owners)
+    groups: dict[str, list[Setting]] = {title: [] for title in titles}
     for setting in applicable_settings_of(scene):
-        owner, _, name = setting.key.rpartition(".")
-        if name not in _FIRST and owner.partition(".")[0] in scene.bearing_joints:
-            owner = owner.partition(".")[0]  # a number of the user law of a joint
+        prefix, _, name = setting.key.rpartition(".")
+        joint, _, _ = prefix.partition(".")
+        if name not in _FIRST and joint in scene.bearing_joints:
+            prefix = joint  # a number of the user law of a joint
         title = title_of.get(setting.key, _RUN_TITLE)
         is_first = title == "Mechanism" or setting.key in _FIRST
-        if owner in scene.bearing_joints:
+        if prefix in scene.bearing_joints:
             title = "Bearings"
             is_first = name in {*_FIRST, *NOT_COMMON}
         elif setting.key == "conventions":
             title = "Conventions"
-        elif "process" in (owner, name) or "life" in (owner, name):
+        elif "process" in (prefix, name) or "life" in (prefix, name):
             title = _WORK_TITLE
             is_first = True
         if every or is_first:

@@ -100,13 +100,13 @@ def _origin(result: Result) -> str:
 
 def number_pairs(first: Result, second: Result) -> list[NumberPair]:
     """Return the key numbers of two results by name, with their ratios."""
-    ours = {number.name: number for number in key_numbers(first)}
-    theirs = {number.name: number for number in key_numbers(second)}
+    first_numbers = {number.name: number for number in key_numbers(first)}
+    second_numbers = {number.name: number for number in key_numbers(second)}
     pairs = []
-    for name in dict.fromkeys([*ours, *theirs]):
-        our = ours.get(name)
-        their = theirs.get(name)
-        pairs.append(NumberPair(name, our, their, _ratio_of(our, their)))
+    for name in dict.fromkeys([*first_numbers, *second_numbers]):
+        before = first_numbers.get(name)
+        after = second_numbers.get(name)
+        pairs.append(NumberPair(name, before, after, _ratio_of(before, after)))
     return pairs
 
 
@@ -145,10 +145,13 @@ def _verdict_on(quotient: Estimate) -> str:
 
 def limit_pairs(first: Result, second: Result) -> list[LimitPair]:
     """Return the limits of the last sound stages of two results by their names."""
-    ours = _last_limits(first)
-    theirs = _last_limits(second)
-    names = dict.fromkeys([*ours, *theirs])
-    return [LimitPair(name, ours.get(name), theirs.get(name)) for name in names]
+    first_limits = _last_limits(first)
+    second_limits = _last_limits(second)
+    names = dict.fromkeys([*first_limits, *second_limits])
+    return [
+        LimitPair(name, first_limits.get(name), second_limits.get(name))
+        for name in names
+    ]
 
 
 def _last_limits(result: Result) -> dict[str, LimitLine]:
@@ -162,20 +165,19 @@ def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
 
     A mechanism of bodies is compared as a whole.
     """
-    ours = settings_by_key(first)
-    theirs = settings_by_key(second)
-    listed = [
-        setting.key for scene in (first, second) for setting in settings_of(scene)
-    ]
+    first_settings = settings_by_key(first)
+    second_settings = settings_by_key(second)
+    listed = [setting.key for setting in [*settings_of(first), *settings_of(second)]]
     pairs = []
     for key in dict.fromkeys(listed):
-        both = ours.get(key), theirs.get(key)
+        both = first_settings.get(key), second_settings.get(key)
         meaning = next(setting.meaning for setting in both if setting)
-        values = [setting.value if setting else NOTHING for setting in both]
-        if values[0] != values[1]:
-            before, after = (_written(value, meaning) for value in values)
-            pairs.append(SettingPair(key, before, after, meaning.text))
-    return [*pairs, *_other_differences(first, second, {*ours, *theirs})]
+        before, after = (setting.value if setting else NOTHING for setting in both)
+        if before != after:
+            texts = _written(before, meaning), _written(after, meaning)
+            pairs.append(SettingPair(key, *texts, meaning.text))
+    keys = {*first_settings, *second_settings}
+    return [*pairs, *_other_differences(first, second, keys)]
 
 
 def _written(value: Any, meaning: Any) -> str:
@@ -191,21 +193,26 @@ def _other_differences(
     first: Scene, second: Scene, keys: set[str]
 ) -> list[SettingPair]:
     """Return the differences of mechanisms and surfaces that no setting states."""
-    ours = first.as_dict()
-    theirs = second.as_dict()
+    before_data = first.as_dict()
+    after_data = second.as_dict()
     pairs = []
-    names = [name for name, *_ in differences(ours["mechanism"], theirs["mechanism"])]
+    changes = differences(before_data["mechanism"], after_data["mechanism"])
+    names = [name for name, *_ in changes]
     if unlisted := [name for name in dict.fromkeys(names) if name not in keys]:
-        before, after = (scene.mechanism.linkage().name for scene in (first, second))
+        before = first.mechanism.linkage().name
+        after = second.mechanism.linkage().name
         text = f"in {', '.join(unlisted)}"
         pairs.append(SettingPair("mechanism", before, after, text))
-    if ours["surfaces"] != theirs["surfaces"]:
-        before, after = (
-            scene.origins.get("surfaces", "measured") if scene.surfaces else "round"
-            for scene in (first, second)
-        )
+    if before_data["surfaces"] != after_data["surfaces"]:
+        before = _surfaces_text(first)
+        after = _surfaces_text(second)
         pairs.append(SettingPair("surfaces", before, after, "initial surfaces"))
     return pairs
+
+
+def _surfaces_text(scene: Scene) -> str:
+    """Return the origin of the initial surfaces of a scene."""
+    return scene.origins.get("surfaces", "measured") if scene.surfaces else "round"
 
 
 def _figure_pairs(
@@ -213,13 +220,18 @@ def _figure_pairs(
 ) -> list[tuple[Illustration, Illustration]]:
     """Return the first figures that both results have, the figures of one name in order."""
     pairs: list[tuple[Illustration, Illustration]] = []
-    count = 0
+    figures = 0
     for name in FIRST:
-        ours, theirs = (_drawings(name, result) for result in (first, second))
-        count += bool(ours and theirs)
-        if count > FIRST_COUNT:
+        first_drawings = _drawings(name, first)
+        second_drawings = _drawings(name, second)
+        if not first_drawings or not second_drawings:
+            continue
+        if figures == FIRST_COUNT:
             break
-        pairs += zip(*map(page.drawn_inline, (ours, theirs)), strict=False)
+        figures += 1
+        first_pictures = page.drawn_inline(first_drawings)
+        second_pictures = page.drawn_inline(second_drawings)
+        pairs += zip(first_pictures, second_pictures, strict=False)
     return pairs
 
 

@@ -45,10 +45,10 @@ def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
 
 
 def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
-    """Return the part of a larger state that ``named`` put there; empty where there is none."""
+    """Return the part of a larger state that ``named`` added; empty if there is none."""
     start = f"{prefix}/"
     return {
-        name[len(start) :]: array
+        name.removeprefix(start): array
         for name, array in state.items()
         if name.startswith(start)
     }
@@ -82,21 +82,20 @@ def read_arrays(
 
     InputError for a file that is missing, damaged, holds anything else or more than
     ``most`` bytes, or whose digest is not the expected one. Without ``most`` they may
-    have 64 MiB or, if they are not compressed, any size. With ``most``, which may come
-    from the same stranger, bytes beyond 64 MiB may be 100 times those of the file.
+    have 64 MiB or, if they are not compressed, any size. With ``most`` they may have 64 MiB
+    and 100 times the bytes of the file, because ``most`` may be as untrusted as the file.
     """
     data = read_checked(file, expected, most or sys.maxsize)
     try:
+        allowed = max(len(data), _MOST_BYTES)
+        if most:
+            allowed = min(most, _MOST_BYTES + _MOST_RATIO * len(data))
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            unpacked = _MOST_BYTES + _MOST_RATIO * len(data)
-            _check_members(
-                archive, min(most, unpacked) if most else max(len(data), _MOST_BYTES)
-            )
+            _check_members(archive, allowed)
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
             arrays = Arrays({name: stored[name] for name in stored.files}, f"{file}")
-    # A damaged file shows as a dozen kinds of errors, none of them promised: of
-    # zipfile, zlib, struct, tokenize, ast and numpy, which evaluates a header as a
-    # literal.
+    # A damaged file causes undocumented errors of zipfile, zlib, struct, tokenize, ast and
+    # numpy, which evaluates a header as a literal.
     except Exception as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     for name, array in arrays.items():
@@ -109,12 +108,10 @@ def read_arrays(
 def _check_members(archive: zipfile.ZipFile, most: int) -> None:
     """Raise ValueError if the files in an archive have more bytes, or may have."""
     members = archive.infolist()
-    # The other methods decompress without a limit.
-    if any(
-        member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-        for member in members
-    ):
-        raise ValueError("it is not compressed by deflate")
+    for member in members:
+        # The other methods decompress without a limit.
+        if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise ValueError("it is not compressed by deflate")
     size = sum(member.file_size for member in members)
     if size > most:
         raise ValueError(

@@ -7,7 +7,7 @@ import numpy as np
 
 from presswear.analysis.final_motions import FinalMotions, FinalMotionsAt
 from presswear.analysis.settling_tables import summary
-from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen
 from presswear.tools.numbers import readable, unit_scale
@@ -48,16 +48,17 @@ def _draw_survival(axes: Axes, settled: FinalMotionsAt) -> None:
     cycles, share = settled.unsettled()
     is_shown = share > 0.0
     CURVE.draw(axes, cycles[is_shown], 100.0 * share[is_shown], drawstyle="steps-post")
-    life = settled.half_life
-    if life is not None:
+    half_life = settled.half_life
+    if half_life is not None:
         late = cycles[cycles >= STARTUP_CYCLES]
         age = late - STARTUP_CYCLES
         first = 100.0 * share[min(STARTUP_CYCLES, len(share) - 1)]
-        FIT.draw(axes, late, first * 0.5 ** (age / life.mean))
+        low, high = _ends_of(half_life)
+        FIT.draw(axes, late, first * 0.5 ** (age / half_life.mean))
         axes.fill_between(
             late,
-            first * 0.5 ** (age / (life.low or life.mean)),
-            first * 0.5 ** (age / (life.high or life.mean)),
+            first * 0.5 ** (age / low),
+            first * 0.5 ** (age / high),
             color=FIT.colour,
             alpha=_BAND,
             linewidth=0.0,
@@ -98,7 +99,7 @@ def _draw_starts(axes: Axes, result: FinalMotions, settled: FinalMotionsAt) -> s
     axes.set_ylim(-limit, limit)
     axes.set_xlabel(f"start of the pin at {joint}, x ({unit})")
     axes.set_ylabel(f"start of the pin at {joint}, y ({unit})")
-    # Above the axes, where no marker of the legend is taken for a start.
+    # Above the axes no marker of the legend is mistaken for a start.
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return joint
 
@@ -113,7 +114,7 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     colour = style.LINES[0][0]
     for settled in result.values:
         value = factor * (settled.value or 0.0)
-        _draw_life(grid[0, 0], value, settled)
+        _draw_half_life(grid[0, 0], value, settled)
         share = (settled.counted - settled.irregular) / max(settled.counted, 1)
         grid[1, 0].plot(value, 100.0 * share, "o", color=colour)
         for motion in settled.motions:
@@ -127,7 +128,8 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     grid[1, 0].set_ylim(-5.0, 105.0)
     grid[2, 0].set_yscale("log", subs=style.SUBTICKS)
     grid[2, 0].set_ylabel("peak force of the\nfinal motions (N)")
-    grid[2, 0].set_xlabel(f"{parameter.key} ({unit})" if unit else parameter.key)
+    label = f"{parameter.key} ({unit})" if unit else parameter.key
+    grid[2, 0].set_xlabel(label)
     grid[0, 0].plot(
         [], [], "^", color=colour, fillstyle="none", label="lower limit, 95 %"
     )
@@ -141,13 +143,19 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     return drawing
 
 
-def _draw_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
+def _ends_of(estimate: Estimate) -> tuple[float, float]:
+    """Return the ends of an interval; the mean if there is no interval."""
+    return estimate.low or estimate.mean, estimate.high or estimate.mean
+
+
+def _draw_half_life(axes: Axes, value: float, settled: FinalMotionsAt) -> None:
     """Draw a half-life with its interval, or an arrow from its lower limit."""
     colour = style.LINES[0][0]
-    life = settled.half_life
-    if life is not None:
-        below = life.mean - (life.low or life.mean)
-        above = (life.high or life.mean) - life.mean
-        axes.errorbar(value, life.mean, [[below], [above]], fmt="o", color=colour)
+    half_life = settled.half_life
+    if half_life is not None:
+        mean = half_life.mean
+        low, high = _ends_of(half_life)
+        errors = [[mean - low], [high - mean]]
+        axes.errorbar(value, mean, errors, fmt="o", color=colour)
     elif settled.least_half_life is not None:
         axes.plot(value, settled.least_half_life, "^", color=colour, fillstyle="none")

@@ -10,14 +10,14 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.tools.files import write_bytes
 
-# A share of the points of a curve that lie on a line to 0.2 points are left out.
+# Vertices of a curve that are nearer to a straight line than 0.2 points are left out.
 _SETTINGS = {
     **SETTINGS,
     "svg.fonttype": "none",
     "path.simplify_threshold": 0.2,
     "font.sans-serif": ["DejaVu Sans"],
 }
-# Start of a file, by which it is known as one of this program
+# Start of a file, by which this program recognizes its files
 FILE_HEAD = (
     '<svg class="presswear" xmlns="http://www.w3.org/2000/svg" '
     'xmlns:xlink="http://www.w3.org/1999/xlink" '
@@ -28,7 +28,7 @@ _DECIMALS = re.compile(r"-?\d+\.\d+")
 # Path of straight lines
 _POLYLINES = re.compile(r'\bd="(M(?: -?[\d.]+ -?[\d.]+ ?[MLz]?)+)"')
 _COMMANDS = re.compile(r"([MLz])([^MLz]*)")
-_NAMED = re.compile(r' id="(?![mp][0-9a-f]{10}")[^"]*"')  # all but markers and clips
+_NAMED = re.compile(r' id="(?![mp][0-9a-f]{10}")[^"]*"')  # except markers and clips
 _HEAD = re.compile(
     r"<svg .*?viewBox=\"([^\"]*)\"[^>]*>.*?(?=<defs>\s*<style|<g )", re.DOTALL
 )
@@ -64,10 +64,13 @@ def write_svg(svg: str, path: Path) -> Path:
 
 def _short(text: str) -> str:
     """Return an attribute with numbers to a hundredth of a point."""
-    text = _DECIMALS.sub(
-        lambda match: f"{float(match[0]):.2f}".rstrip("0").rstrip("."), text
-    )
+    text = _DECIMALS.sub(lambda match: _two_decimals(float(match[0])), text)
     return re.sub(r" ?\n", "", text)
+
+
+def _two_decimals(number: float) -> str:
+    """Return a number to a hundredth, without zeros at its end."""
+    return f"{number:.2f}".rstrip("0").rstrip(".")
 
 
 def _relative(path: str) -> str:
@@ -95,6 +98,6 @@ def _relative(path: str) -> str:
 
 
 def _hundredths(count: int) -> str:
-    """Return a number of hundredths as a decimal with what separates it from the one before."""
-    text = f"{abs(count) / 100.0:.2f}".rstrip("0").rstrip(".").removeprefix("0") or "0"
+    """Return a number of hundredths as a decimal, after the separator from the previous number."""
+    text = _two_decimals(abs(count) / 100.0).removeprefix("0") or "0"
     return f"-{text}" if count < 0 else f" {text}"

@@ -17,6 +17,9 @@ PATH_FRAMES = 60  # frames in the path of a pin centre
 CYCLE_SECONDS = 10.0  # default duration of a cycle on the screen, s
 # Largest number of pictures in a film: a quarter of an hour at 25 per second
 MAX_PICTURES = 20_000
+_FRAME_PART = 0.02  # part of a cycle that is longer than the time between two frames
+_ROUND_OFF = 1e-6  # of the time of a frame, over a cycle
+# Columns of the joints of a film
 NORMAL, TANGENTIAL, X, Y, PEAK = (
     FILM_JOINT.index(name)
     for name in ("normal", "tangential", "direction_x", "direction_y", "peak")
@@ -70,10 +73,12 @@ class Clip:
         A service life starts with its first frame, because all its cycles are samples.
         """
         if len(self.chapters) > 1:
-            return self.span[0]
+            start, _ = self.span
+            return start
         run_up = self.linkage.run_up_time
-        # The last frame is up to a frame before the end of the cycle.
-        has_two_cycles = self.span[1] - run_up >= 1.98 * self.period
+        # The last frame may be a frame before the end of the cycle.
+        _, end = self.span
+        has_two_cycles = end - run_up >= (2.0 - _FRAME_PART) * self.period
         return run_up + self.period if has_two_cycles else run_up
 
     @property
@@ -101,9 +106,10 @@ def stage_clip(result: Result, index: int) -> Clip:
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
     folder = result.path.resolve().name if result.path else scene.name
+    title = name if folder == scene.name else f"{folder}: {name}"
     depths = [max_depths(scene.linkage(stage.surfaces)) for stage in result.stages]
     return Clip(
-        title=name if folder == scene.name else f"{folder}: {name}",
+        title=title,
         chapters=(Chapter(result.stage_name(index), scene.linkage(stage.surfaces)),),
         period=scene.mechanism.period,
         max_depth=_largest(depths),
@@ -141,13 +147,15 @@ def _last_cycle(clip: Clip, number: int) -> Film:
     film = clip.film
     period = clip.period
     run_up = clip.linkage.run_up_time
-    last = int((clip.span[1] - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
+    _, end = clip.span
+    # The last frame may be two frames before the end of the cycle.
+    last = int((end - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
     if last < 0:
         raise InputError(
             f"{clip.title}, {clip.chapters[0].stage}: its film has no whole cycle"
         )
     phase = (film.time - run_up) / period - last
-    rows = (phase > -1e-6) & (phase < 1.0 - 1e-6)
+    rows = (phase > -_ROUND_OFF) & (phase < 1.0 - _ROUND_OFF)
     time = run_up + (phase[rows] + number) * period
     return Film(time, film.position[rows], film.joints[rows])
 
@@ -222,5 +230,7 @@ def snapshots(
     clips: Sequence[Clip], previous: Sequence[int], frames: Sequence[int]
 ) -> list[Snapshot]:
     """Return the state of each clip at its frame."""
-    triples = zip(clips, frames, previous, strict=True)
-    return [clip.snapshot(frame, before) for clip, frame, before in triples]
+    states = []
+    for clip, frame, previous_frame in zip(clips, frames, previous, strict=True):
+        states.append(clip.snapshot(frame, previous_frame))
+    return states
