@@ -11,10 +11,9 @@ from presswear.tools.packing import PackedArguments, unpack
 # it leaves the interval, the interval is halved.
 MAX_NEWTON_STEPS = 60
 MIN_MOVE = 1e-15  # change of a step, s, below which Newton's method ends
-EVENT_DEPTH = 1e-17  # penetration at which an event is located, m
-# Ratio of the penetration at which the touchdown of a corner of a slide is located to the
-# resolution of the coordinates. A smaller penetration is round-off.
-CORNER_EVENT = 0.125
+# Ratio of the penetration at which an event is located to the resolution of the
+# coordinates. A smaller penetration is round-off.
+EVENT_PART = 0.125
 # Penetration up to which an event counts as located if round-off prevents a smaller one, m
 DEPTH_TOL = 1e-12
 
@@ -138,9 +137,7 @@ def event_tolerances(address: PackedArguments) -> tuple[float, float, float]:
     joints = run.system.packed.joints
     if state.event >= run.system.contacts.shape[0]:
         return BEHIND, 0.5 * BEHIND, MAX_BEHIND
-    near = EVENT_DEPTH
-    if joints[state.event].is_flat:
-        near = CORNER_EVENT * state.resolution
+    near = EVENT_PART * state.resolution
     is_abrupt = is_abrupt_touchdown(joints, run.records.onset, state.event)
     aim = 2.0 * near if is_abrupt else 0.0
     return aim, near, max(DEPTH_TOL, state.resolution)
