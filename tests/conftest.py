@@ -1,5 +1,6 @@
 """Settings and a fixture shared by all tests."""
 
+import gc
 import shlex
 import signal
 from collections.abc import Callable
@@ -37,6 +38,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest files."""
     rank = {name: k for k, name in enumerate(LONGEST.split())}
     items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
+
+
+def pytest_collection_finish() -> None:
+    """Leave what is collected out of every later garbage collection."""
+    gc.freeze()
 
 
 @pytest.fixture

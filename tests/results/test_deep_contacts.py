@@ -59,8 +59,9 @@ def test_a_foundation_of_conforming_pins_is_for_deep_contacts():
     assert len(deep_contacts(given, [stage])) == 1
 
 
-@pytest.mark.parametrize("used", ["power", "liu", "foundation"])
-@pytest.mark.parametrize("part", [1e-4, 0.3, 2.0])
+@pytest.mark.parametrize(
+    ("used", "part"), [("power", 0.3), ("liu", 2.0), ("foundation", 1e-4)]
+)
 def test_peak_forces_of_the_laws_store_the_same_energy(used, part):
     """Forces and energies by quadrature of each law as printed, with K of small contacts."""
     c = 5e-5

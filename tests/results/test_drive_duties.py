@@ -77,6 +77,7 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
     for rows in counts:
         scene: Any = pw.Scene(FOUR_BAR, joints="B", wear_updates=0, engine=engine)
         settings = {"drive_torque": "on", "rows_per_cycle": rows}
+        settings |= {"steps_per_contact": 20, "free_steps": 1000}  # of exudyn-joints
         scene = changed(scene, {"cycles": 1, "replicates": 1, **settings})
         stage = pw.run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}

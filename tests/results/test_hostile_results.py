@@ -33,6 +33,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "replicates": 1,
         "wear_updates": 0,
         "engine": "dae",
+        "rows_per_cycle": 100,
     }
     pw.run(pw.scenes.wear_times(**settings, sections=1, drive_torque="on"), path)
     return path
