@@ -68,6 +68,12 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
     )
     _print_checks(console, (">difference", ">bound"), checks)
     print_lines(console, *outcome.undecided)
+    if outcome.undecided:
+        print_lines(
+            console,
+            "no verdict: the interval of the difference of both engines is too wide; more "
+            "cycles (--set cycles=N) narrow it",
+        )
     print_lines(console, f"table and figure in {folder}")
     return 0 if outcome.passed else 1
 

@@ -54,9 +54,9 @@ GAP = 1e-5  # m, free flight before the impact
 PARTS = 10  # sections of a run with clearance, each with a full recorded series
 # Names of the errors of a run with clearance
 _CLEARANCE_ERRORS = (
-    "slider (m)",
+    "output (m)",
     "touchdowns (s)",
-    "slider velocity (m/s)",
+    "output velocity (m/s)",
     "closing speeds, relative",
     "peak forces, relative",
     "energy residual / exchanged",
@@ -232,15 +232,15 @@ def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Pro
     def errors(run: Run) -> Sequence[float]:
         series = run.recorder.series
         exact = scene.ideal_slider(series("time"))[:, :2]
-        slider = np.column_stack([series("displacement"), series("velocity")])
-        return [*np.abs(slider - exact).max(axis=0), constraint_error(linkage, run)]
+        output = np.column_stack([series("displacement"), series("velocity")])
+        return [*np.abs(output - exact).max(axis=0), constraint_error(linkage, run)]
 
     return Problem(
         "ideal mechanism",
         # Round-off after 1e5 steps.
         {
-            "slider (m)": 5e-14,
-            "slider velocity (m/s)": 1e-12,
+            "output (m)": 5e-14,
+            "output velocity (m/s)": 1e-12,
             "constraints (m, rad)": 1e-12,
         },
         linkage,
@@ -385,7 +385,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
         times, speeds, forces = differences.max(axis=0, initial=0.0)
         position, velocity = np.abs(
-            _slider_at_end(linkage, run) - _slider_at_end(linkage, exact)
+            _output_at_end(linkage, run) - _output_at_end(linkage, exact)
         )
         energy = cases.missing_energy(run)
         numbers = (position, times, velocity, speeds, forces, energy)
@@ -399,7 +399,7 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     return Problem(name, quantities, linkage, start, plan, methods, errors)
 
 
-def _slider_at_end(linkage: Linkage, run: Run) -> Array:
+def _output_at_end(linkage: Linkage, run: Run) -> Array:
     """Return position, m, and velocity, m/s, of the output point at the end of a run."""
     q = run.end.position[np.newaxis]
     v = run.end.velocity[np.newaxis]

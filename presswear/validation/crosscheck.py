@@ -40,7 +40,7 @@ FIRST_TOUCHDOWNS = 10  # number of touchdowns with bounds
 CYCLES = 50  # number of cycles in the compared means, unless the scene has a number
 PARTS = 40  # parts of a run; more make the recorded series and the longest steps finer
 GRID = 2001  # common times at which series are compared
-SLIDER_BOUND = 1e-6  # m, up to the horizon
+OUTPUT_BOUND = 1e-6  # m, up to the horizon
 # Relative to the largest speed, up to the last of the first touchdowns. Later a bound
 # would judge the motion: a touchdown moved by 1e-5 s changes a velocity by much.
 VELOCITY_BOUND = 1e-3
@@ -51,7 +51,7 @@ ORDER = 2.0  # order of Exudyn's trapezoidal rule
 ORDER_BOUND = 0.3
 # Bounds of the tree up to the last of the first touchdowns
 TREE_TIME_BOUND = 1e-8  # s
-TREE_SLIDER_BOUND = 1e-8  # m
+TREE_OUTPUT_BOUND = 1e-8  # m
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
 
 
@@ -67,7 +67,7 @@ class Trajectory:
 
     time: Array  # s, shape (n,)
     # position along the recorded direction, m, and velocity, m/s; shape (n, 2)
-    slider: Array
+    output: Array
     eccentricity: Array  # m, shape (n, 2 joints)
     # see ``TOUCHDOWN``, shape (touchdowns, 4), in the order of their times
     touchdowns: Array
@@ -88,15 +88,15 @@ def touchdowns_of(run: Run) -> Array:
     return touchdowns[np.argsort(touchdowns[:, TIME], kind="stable")]
 
 
-def slider_difference(first: Trajectory, second: Trajectory) -> Array:
-    """Return the distances of two sliders at evenly spaced common times, shape (n, 3).
+def output_difference(first: Trajectory, second: Trajectory) -> Array:
+    """Return the distances of the output points of two runs, shape (n, 3).
 
-    Columns are time, s, distance, m, and difference of the velocities, m/s.
+    Columns are evenly spaced times, s, distance, m, and difference of the velocities, m/s.
     """
     time = np.linspace(0.0, min(first.time[-1], second.time[-1]), GRID)
     curves = []
     for trajectory in (first, second):
-        place, velocity = trajectory.slider.T
+        place, velocity = trajectory.output.T
         curves.append(CubicHermiteSpline(trajectory.time, place, velocity))
     distance = np.abs(curves[0](time) - curves[1](time))
     speed = np.abs(curves[0](time, 1) - curves[1](time, 1))
@@ -125,8 +125,8 @@ def touchdown_differences(reference: Array, compared: Array) -> Array:
 def divergence_time(
     first: Trajectory, second: Trajectory, distance: float
 ) -> float | None:
-    """Return the time, s, at which slider or eccentricities first differ by a distance, m."""
-    time, largest, _ = slider_difference(first, second).T
+    """Return the time, s, at which output point or eccentricities first differ by a distance, m."""
+    time, largest, _ = output_difference(first, second).T
     pairs = zip(first.eccentricity.T, second.eccentricity.T, strict=True)
     for ours, theirs in pairs:
         there = np.interp(time, second.time, theirs)
@@ -168,7 +168,7 @@ class _Runner:
             eccentricities.append(recorder.series("eccentricity_y", k))
         return Trajectory(
             time=recorder.series("time").copy(),
-            slider=np.column_stack([position, recorder.series("velocity")]),
+            output=np.column_stack([position, recorder.series("velocity")]),
             eccentricity=np.array(eccentricities).reshape(-1, position.size).T,
             touchdowns=touchdowns_of(run),
         )
@@ -206,7 +206,7 @@ class Crosscheck:
     # differences of means whose intervals are too wide for a verdict
     undecided: tuple[str, ...]
     touchdowns: Array  # touchdowns of the reference up to the horizon
-    # See `slider_difference`: the disturbed initial state, then Exudyn, coarsest first.
+    # See `output_difference`: the disturbed initial state, then Exudyn, coarsest first.
     differences: Mapping[str, Array]
     statistics: Means  # over cycles
 
@@ -281,14 +281,14 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         diverged = time is not None
         end = time or end
         label = f"in-house, start moved by {DISTURBANCE:g} m"
-        curves[label] = slider_difference(undisturbed, disturbed_motion)
+        curves[label] = output_difference(undisturbed, disturbed_motion)
     reference = runner.trajectory("dae to the horizon", precise, end)
     engines = exudyn_of(scene)
     compared = {}
     distances = {}
     for word, engine in engines.items():
         compared[word] = runner.trajectory(word, engine, end)
-        distances[word] = slider_difference(reference, compared[word])
+        distances[word] = output_difference(reference, compared[word])
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
     checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
     if len(reference.touchdowns):
@@ -337,12 +337,12 @@ def _exudyn_checks(
         touchdown_differences(first, each.touchdowns) for each in compared.values()
     ]
     time, distance, speed = distances[name].T
-    yield Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")
+    yield Check(f"{name}: output", float(distance.max()), OUTPUT_BOUND, "m")
     if len(first):
         early = time <= first[-1, TIME]
         count = f"{name}: first {len(first)}"
         times, speeds, forces = differences[-1].max(axis=0).tolist()
-        largest = float(speed[early].max() / np.abs(reference.slider[:, 1]).max())
+        largest = float(speed[early].max() / np.abs(reference.output[:, 1]).max())
         time_bound = TREE_TIME_BOUND if is_tree else TIME_BOUND
         yield Check(f"{count} touches, times", times, time_bound, "s")
         yield Check(f"{count} closing speeds", speeds, CLOSING_BOUND, "relative")
@@ -354,10 +354,10 @@ def _exudyn_checks(
             "relative",
         )
         if is_tree:
-            words = f"{name}: slider to touch {len(first)}"
-            yield Check(words, float(distance[early].max()), TREE_SLIDER_BOUND, "m")
+            words = f"{name}: output to touch {len(first)}"
+            yield Check(words, float(distance[early].max()), TREE_OUTPUT_BOUND, "m")
     if not is_tree:
-        # Without touchdowns, the distance of the slider has the order.
+        # Without touchdowns, the distance of the output has the order.
         errors = [
             distance.max() for _, distance, _ in map(np.transpose, distances.values())
         ]
@@ -376,8 +376,8 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
     # By quantity: its name in the cycles of a recorder, and the joint.
     quantities: dict[str, tuple[str, int | None]] = {
-        "greatest slider velocity": ("velocity_max", None),
-        "greatest slider acceleration": ("acceleration_max", None),
+        "greatest output velocity": ("velocity_max", None),
+        "greatest output acceleration": ("acceleration_max", None),
     }
     for k, joint in enumerate(scene.clearance_joints):
         quantities[f"peak force in {joint}"] = "force_max", k
@@ -406,7 +406,7 @@ _COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 
 @matplotlib.rc_context(style.SETTINGS)
 def draw_differences(result: Crosscheck) -> style.Drawing:
-    """Draw the distance of the slider from the reference over time, up to 1.5 horizons."""
+    """Draw the distance of the output from the reference over time, up to 1.5 horizons."""
     sheet, ((axes,),) = style.panels(1, 1, 3.6)
     end = max(float(curve[-1, 0]) for curve in result.differences.values())
     end = min(end, 1.5 * result.horizon)
@@ -419,9 +419,9 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
             time[rows], distance[rows], color=colour, linewidth=0.9, label=label
         )
     axes.axhline(
-        SLIDER_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0))
+        OUTPUT_BOUND, color=style.REFERENCE, linewidth=0.7, linestyle=(0.0, (4.0, 2.0))
     )
-    axes.text(0.0, SLIDER_BOUND, " bound", va="bottom", ha="left")
+    axes.text(0.0, OUTPUT_BOUND, " bound", va="bottom", ha="left")
     if result.diverged:
         axes.axvline(result.horizon, color=style.REFERENCE, linewidth=0.7)
         side = "left" if result.horizon < 0.7 * end else "right"
@@ -433,7 +433,7 @@ def draw_differences(result: Crosscheck) -> style.Drawing:
             va="bottom",
             ha=side,
         )
-    label = "distance of the slider from the\nin-house reference (m)"
+    label = "distance of the output from the\nin-house reference (m)"
     axes.set(xlim=(0.0, end), xlabel="time (s)", ylabel=label)
     sheet.legend(loc="outside upper center", ncols=3)
     (drawing,) = style.finished("difference", sheet)

@@ -66,7 +66,7 @@ def order(points: list[Point], quantity: str) -> float:
 
 
 def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]):
-    for quantity in ("slider (m)", "slider velocity (m/s)", "constraints (m, rad)"):
+    for quantity in ("output (m)", "output velocity (m/s)", "constraints (m, rad)"):
         assert order(family(points, 0, TRAPEZOIDAL), quantity) == pytest.approx(
             2.0, abs=0.05
         )
@@ -83,7 +83,7 @@ def test_the_uncertainty_of_the_references_is_known(points: list[Point]):
     assert 1e-10 < squeezer["angles (rad)"] < 5e-9
     assert 1e-8 < squeezer["rates (rad/s)"] < 2e-6
     press = family(points, 3)[0].problem.quantities
-    assert press["slider (m)"] < 1e-12
+    assert press["output (m)"] < 1e-12
     assert press["touchdowns (s)"] < 1e-10
     assert press["peak forces, relative"] < 1e-4
 
@@ -214,7 +214,7 @@ def test_the_command_writes_table_and_figure(
     assert len(rows) == sum(len(point.problem.quantities) for point in points)
     first = points[0]
     assert first.timing is not None
-    assert float(rows[0]["error"]) == first.errors["slider (m)"]
+    assert float(rows[0]["error"]) == first.errors["output (m)"]
     assert float(rows[0]["cpu_s"]) == min(first.timing.times)
     assert int(rows[0]["steps"]) == first.timing.steps
     assert all(row["error"] == row["cpu_s"] == "" for row in rows if row["failure"])
