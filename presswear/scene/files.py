@@ -121,7 +121,8 @@ def _comment_on(meaning: Quantity | Choice | None) -> str:
     if meaning is None:
         return ""
     if isinstance(meaning, Choice):
-        words = " | ".join(word for word in meaning.words if word != NONE)
+        allowed = meaning.allowed() if meaning.several else meaning.words
+        words = " | ".join(word for word in allowed if word != NONE)
         first = meaning.text.partition(";")[0]
         return f"{first} ({words})" if words else first
     return meaning.text

@@ -12,7 +12,7 @@ from presswear.scene.catalog import title_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import SETTINGS, WIDTH, Drawing, Sheet, wrapped
 from presswear.show.page import FirstScreen, Line, Table
-from presswear.show.report import TITLES, check_cycles, first_screen, report_tables
+from presswear.show.report import check_cycles, first_screen, report_tables, titles_of
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_whole
 
@@ -23,6 +23,7 @@ MARGIN = 0.5 * (PAGE[0] - WIDTH)
 LINE = 0.16  # inches, of text of 8 pt
 LABEL = 52  # letters of a first column
 CELL = 34  # letters of another column, at most
+BOLD = 1.2  # width of a bold letter over that of another
 
 
 def write_pdf(result: Result, also: Sequence[str] = ()) -> Path:
@@ -35,18 +36,21 @@ def write_pdf(result: Result, also: Sequence[str] = ()) -> Path:
     missing = list[str]()
     tables = report_tables(result, missing)
     screen = first_screen(result, missing)
-    title = title_of(result.scene)
     check_cycles(result, also)
     sheets = [*drawings(result), *(drawings(result, also) if also else ())]
     file = result.path / "report.pdf"
-    information = {"Title": title, "Creator": "presswear", "CreationDate": None}
+    information = {
+        "Title": title_of(result.scene),
+        "Creator": "presswear",
+        "CreationDate": None,
+    }
 
     def write(stream: Any) -> None:
         with (
             matplotlib.rc_context({**SETTINGS, **FONTS}),
             PdfPages(stream, metadata=information) as pages,
         ):
-            _write_texts(pages, title, screen, tables)
+            _write_texts(pages, result, screen, tables)
             for number, drawing in enumerate(sheets, start=1):
                 _add_figure(pages, drawing, number)
 
@@ -55,11 +59,14 @@ def write_pdf(result: Result, also: Sequence[str] = ()) -> Path:
 
 
 def _write_texts(
-    pages: PdfPages, title: str, screen: FirstScreen, tables: dict[str, Table | None]
+    pages: PdfPages,
+    result: Result,
+    screen: FirstScreen,
+    tables: dict[str, Table | None],
 ) -> None:
     """Write the pages of key numbers and tables."""
     texts = _Texts(pages)
-    texts.paragraph(title, size=14.0, weight="bold")
+    texts.paragraph(title_of(result.scene), size=14.0, weight="bold")
     texts.paragraph(f"{screen.status} {screen.made_by}")
     if screen.limits:
         rows = [
@@ -79,7 +86,7 @@ def _write_texts(
         texts.table("Key numbers", ("", "value", "95 % interval"), [("", numbers)])
     for warning in screen.warnings:
         texts.paragraph(warning)
-    for name, heading in TITLES.items():
+    for name, heading in titles_of(result.scene).items():
         table = tables.get(name)
         if table is not None and not (name == "changes" and tables.get("chosen")):
             texts.table(heading, table.head, table.groups)
@@ -131,8 +138,7 @@ class _Texts:
     ) -> None:
         """Write a table: its heading, its head, and its lines with headings of groups."""
         groups = [(name, list(lines)) for name, lines in groups]
-        every = [head, *(line for _, lines in groups for line in lines)]
-        widths = _widths(every)
+        widths = _widths(head, [line for _, lines in groups for line in lines])
         self.height -= 0.5 * LINE
         self._make_room(4.0 * LINE)
         self.paragraph(heading, size=10.0, weight="bold")
@@ -148,8 +154,9 @@ class _Texts:
     def _line(
         self, cells: Line, widths: Sequence[float], weight: str = "normal"
     ) -> None:
+        letter = BOLD if weight == "bold" else 1.0
         texts = [
-            wrapped(cell, width - 0.1)
+            wrapped(cell, (width - 0.1) / letter)
             for cell, width in zip(cells, widths, strict=True)
         ]
         height = LINE * max(text.count("\n") + 1 for text in texts)
@@ -161,12 +168,13 @@ class _Texts:
         self.height -= height
 
 
-def _widths(lines: Sequence[Line]) -> list[float]:
-    """Return the widths of columns, inches, by their longest texts."""
+def _widths(head: Line, lines: Sequence[Line]) -> list[float]:
+    """Return the widths of columns, inches, by their longest texts and bold heads."""
     letters = []
-    for k, column in enumerate(zip(*lines, strict=True)):
+    for k, (title, *column) in enumerate(zip(head, *lines, strict=True)):
         most = LABEL if k == 0 else CELL
-        letters.append(min(max(map(len, column)) + 4, most))
+        longest = max([BOLD * len(title), *map(len, column)])
+        letters.append(min(longest + 4, most))
     return [WIDTH * count / max(sum(letters), 112) for count in letters]
 
 

@@ -136,11 +136,7 @@ def _written(
     sheets += drawings(result, also) if also else []
     notify(len(sheets))
     folder = inside(path, "figures")
-    figures = []
-    for figure in page.illustrated(sheets, folder):
-        title = in_words_of(result.scene, figure.title)
-        caption = in_words_of(result.scene, figure.caption)
-        figures.append(figure._replace(title=title, caption=caption))
+    figures = page.illustrated(sheets, folder)
     remove_others(folder, [figure.file for figure in figures])
     command = ""
     if not has_all_figures:
@@ -179,12 +175,13 @@ def render_report(
     missing = list[str]()
     content: Record = {
         "result": result,
-        "titles": TITLES,
+        "titles": titles_of(scene),
         "scene": scene,
         "base": named_scene(scene),
         "stages": stages,
         "moving": moving_mechanism(result),
         "strokes": in_words_of(scene, "strokes"),
+        "bottom": in_words_of(scene, "Bottom dead centre"),
         "moves": bottom_of(scene.ideal) is not None,
         "untrusted": untrusted,
         "laws": _normal_laws(scene),
@@ -213,6 +210,11 @@ def render_report(
         figures=figures,
         **content,
     )
+
+
+def titles_of(scene: Scene) -> dict[str, str]:
+    """Return the titles of the tables by name, in the words of the linkage of a scene."""
+    return {name: in_words_of(scene, title) for name, title in TITLES.items()}
 
 
 def report_tables(result: Result, missing: list[str]) -> dict[str, Table | None]:

@@ -398,3 +398,7 @@ def test_a_slide_is_guided_where_it_is_drawn(tmp_path):
     assert second - first == pytest.approx(
         np.tile([0.73, 0.0, 0.0], 3)[np.newaxis], abs=1e-9
     )
+
+
+def test_comment_on_joints_says_that_several_may_have_clearance():
+    assert "(O | A | B | P | several together, as OABP)" in example_file("four-bar")

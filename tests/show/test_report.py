@@ -244,6 +244,12 @@ def test_a_four_bar_has_no_strokes_and_no_dead_centre():
     assert "The number of cycles is 286 per minute." in text
     assert "error of the lowest position (µm)" in text
     assert not re.search(r"(?i)\bstrokes?\b|dead centre", text)
+    captions = " ".join(
+        f"{drawing.title} {drawing.caption}"
+        for drawing in drawings(made_up(OWN_FOUR_BAR, 2))
+    )
+    assert "Lowest position" in captions
+    assert not re.search(r"(?i)\bstrokes?\b|dead centre", captions)
 
 
 def test_a_slider_crank_is_no_press_of_the_paper():

@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from itertools import chain, islice
 from pathlib import Path
@@ -37,6 +38,7 @@ from presswear.show.figures.style import (
     Stages,
 )
 from presswear.show.figures.vector import FILE_HEAD
+from presswear.show.words import in_words_of
 from presswear.tools.errors import InputError, NotStored, unknown
 from presswear.tools.files import write_whole
 
@@ -167,7 +169,17 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
             "sampled": sampled,
             "sampled pins": sampled if has_pins else (),
         }
-        return draw(result, choices[choice]) if choices[choice] else []
+        sheets = draw(result, choices[choice]) if choices[choice] else []
+    return [_in_words(result, drawing) for drawing in sheets]
+
+
+def _in_words(result: Result, drawing: Drawing) -> Drawing:
+    """Return a drawing with title and caption in the words of the linkage."""
+    return replace(
+        drawing,
+        title=in_words_of(result.scene, drawing.title),
+        caption=in_words_of(result.scene, drawing.caption),
+    )
 
 
 def plot(
