@@ -89,7 +89,7 @@ def load_size(
 ) -> float:
     """Return the size of a load, N or N m, in its present mode, at a position and speed."""
     if load.kind == SERIES:
-        total: float = load.mean
+        total: float = load["mean"]  # load.mean is a method in plain Python
         for k in range(load.count):
             phase = (k + 1) * load.frequency * t
             row = load.first + k

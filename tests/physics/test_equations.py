@@ -40,6 +40,7 @@ from presswear.tools.packing import pack_arguments
 from presswear.tools.user_function import UserFunction
 
 TIME = 0.0137  # s
+IN_CONTACT = 26  # seed with which a joint of every case is in contact
 LAW = NormalLaw(1.25e10, 1.5, 0.1425)
 RAMP = FrictionLaw(0.1)
 WEAR = WearLaw(1e-15, wear_distribution="bin")
@@ -73,7 +74,7 @@ def _motion(ideal: Linkage) -> Motion:
 class Subject:
     """Equations of a linkage with the arrays that they fill, in a state near its ideal motion."""
 
-    def __init__(self, linkage: Linkage, ideal: Linkage, seed: int = 0) -> None:
+    def __init__(self, linkage: Linkage, ideal: Linkage, seed: int) -> None:
         self.linkage = linkage
         self.packed = pack(linkage)
         self.equations = written(linkage)
@@ -85,11 +86,11 @@ class Subject:
         self.y = np.zeros(size)
         self.out = np.zeros(size)
         x, u = self.equations.chain.coordinates(motion.position[0], motion.velocity[0])
-        self.y[:n] = x + 2e-4 * generator.standard_normal(n)
+        self.y[:n] = x + 1e-3 * generator.standard_normal(n)
         self.y[n : 2 * n] = u + 0.2 * generator.standard_normal(n)
+        self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
         self.states = self.y[layout.first_state : layout.first_energy]
         self.states[:] = 1e-6 * generator.standard_normal(self.states.size)
-        self.onset = generator.choice([-1.0, 0.0, 0.2], len(self.packed.joints))
         contacts = np.zeros(len(self.packed.joints), CONTACT)
         self.model = model_of(
             linkage, self.equations, self.packed, self.onset, contacts
@@ -197,9 +198,9 @@ SPRINGS = (
 )
 LOADS = (
     pw.Load("coupler", 3.0, -2.0, 0.4),
-    pw.Force("coupler", 0.7, pw.Harmonics(10.0, 40.0, [(3.0, 4.0)]), "beat"),
+    pw.Force("coupler.head", 0.7, pw.Harmonics(10.0, 40.0, [(3.0, 4.0)]), "beat"),
     pw.Force(
-        "rocker",
+        "rocker.tail",
         -1.0,
         pw.OverPosition([(-2.0, 30.0), (2.0, -20.0)], outside="hold"),
         "table",
@@ -270,13 +271,13 @@ CASES: dict[str, tuple[Linkage, str, dict[str, Any]]] = {
 WITHIN = {name: 1e-10 for name in CASES if name.startswith("worn")}
 
 
-def subject_of(name: str, seed: int = 0) -> Subject:
+def subject_of(name: str, seed: int = IN_CONTACT) -> Subject:
     ideal, joints, laws = CASES[name]
     return Subject(loose(ideal, *joints.split(), **laws), ideal, seed)
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [4, IN_CONTACT])
 def test_equations_agree_with_multipliers(name, seed):
     subject = subject_of(name, seed)
     close = partial(near, relative=WITHIN.get(name, 1e-11))
@@ -287,6 +288,7 @@ def test_equations_agree_with_multipliers(name, seed):
     q, _, a, *_ = subject.model.bodies
     assert np.abs(expected.phi).max() < 1e-12
     assert np.abs(expected.phi_t).max() < 1e-9
+    assert seed != IN_CONTACT or subject.model.contact_records["normal"].any()
     close(a, expected.acceleration)
     close(out[:n], subject.y[n : 2 * n])
     close(out[n : 2 * n], subject.equations.chain.coordinates(q, a)[1])
@@ -331,16 +333,6 @@ def test_forces_on_all_bodies_agree_with_vectors(name, monkeypatch):
         close(forces.contacts[field], found.contacts[field])
 
 
-@pytest.mark.parametrize(
-    "name", ["press", "lugre", "loads", "user laws", "worn foundation"]
-)
-def test_compiled_equations_agree_with_plain_python(name):
-    subject = subject_of(name)
-    expected = subject.run().copy()
-    subject.out[:] = 0.0
-    near(subject.run(is_compiled=True), expected, 1e-10)
-
-
 def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
     monkeypatch,
 ):
@@ -365,7 +357,7 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
 def test_equations_run_without_compilation(tmp_path):
     """With NUMBA_DISABLE_JIT=1, so that a debugger steps into every kernel."""
     script = tmp_path / "plain.py"
-    names = ["press", "pump", "lugre", "user laws", "worn foundation"]
+    names = ["press", "loads", "lugre", "user laws", "worn foundation"]
     script.write_text(
         "import sys\nimport numpy as np\nfrom test_equations import subject_of\n"
         f"np.savez(sys.argv[1], **{{name: subject_of(name).run() for name in {names}}})\n"
