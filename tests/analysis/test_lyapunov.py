@@ -3,11 +3,9 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import presswear as pw
 from presswear.analysis import lyapunov
@@ -84,122 +82,6 @@ LINKAGE = SCENE.linkage()
 START = start_of(SCENE)
 CYCLE = SCENE.mechanism.period
 SUSTAINED = changed(SCENE, {"clearance": "20 um"})
-
-
-R = 0.8  # restitution
-
-
-class Oscillator:
-    """Oscillator x'' + x = cos(w t) with a wall at x = 0.
-
-    A motion with one landing in each period of the force is known in closed form (Shaw
-    and Holmes, J. Sound Vib. 90 (1983) 129), and so is the map of small differences:
-    that of the free motion times the saltation matrix of the landing (Mueller, Chaos,
-    Solitons and Fractals 5 (1995) 1671).
-    """
-
-    def __init__(self, w: float) -> None:
-        self.w = w
-        self.period = 2.0 * math.pi / w
-
-    def free(self, s: float) -> Array:
-        return np.array([[math.cos(s), math.sin(s)], [-math.sin(s), math.cos(s)]])
-
-    def forced(self, t: float) -> Array:
-        wave = np.array([math.cos(self.w * t), -self.w * math.sin(self.w * t)])
-        return wave / (1.0 - self.w**2)
-
-    def saltation(self, v: float, t: float) -> Array:
-        return np.array([[-R, 0.0], [(1.0 + R) * math.cos(self.w * t) / v, -R]])
-
-    def periodic(self) -> tuple[float, float, Array]:
-        """Return time and velocity of the landing, and the map of differences over a period."""
-        c = np.linalg.solve(self.free(self.period) - np.eye(2), [0.0, 1.0 + R])
-        size = 1.0 / (1.0 - self.w**2)
-        v = abs(size) / math.hypot(c[0], (R + c[1]) / self.w)
-        t = (
-            math.atan2((R + c[1]) * v / (size * self.w), -c[0] * v / size)
-            / self.w
-            % self.period
-        )
-        return t, v, self.saltation(v, t) @ self.free(self.period)
-
-    def after(self, state: Array, t: float, duration: float) -> tuple[Array, Array]:
-        """Return the state after a duration, and the map of small differences."""
-        differences = np.eye(2)
-        end = t + duration
-        while True:
-            off = state - self.forced(t)
-
-            def x(s: Any, t: float = t, off: Array = off) -> Any:
-                free = off[0] * np.cos(s) + off[1] * np.sin(s)
-                return np.cos(self.w * (t + s)) / (1.0 - self.w**2) + free
-
-            # The first instant lies above round-off.
-            grid = np.append(np.arange(1e-9, end - t, 0.02), end - t)
-            landed = np.flatnonzero(x(grid) > 0.0)
-            step = end - t
-            if landed.size:
-                k = landed[0]
-                step = brentq(x, grid[k - 1], grid[k], xtol=1e-15) if k else grid[0]
-            t = t + step
-            differences = self.free(step) @ differences
-            state = self.forced(t) + self.free(step) @ off
-            if not landed.size:
-                return state, differences
-            differences = self.saltation(state[1], t) @ differences
-            state = np.array([0.0, -R * state[1]])
-
-    def growth(
-        self, start: float, interval: float, count: int, distance: float
-    ) -> Array:
-        """Return the growth from a third of a period after a landing, at ``start`` times its v."""
-        t, v, _ = self.periodic()
-        state, _ = self.after(np.array([0.0, -R * start * v]), t, 0.35 * self.period)
-        return growth_logarithms(
-            lambda x, t: (self.after(x, t, interval)[0], t + interval),
-            state,
-            t + 0.35 * self.period,
-            count,
-            np.full(2, distance),
-        )
-
-
-@pytest.mark.parametrize("frequency", [2.6, 2.65])
-def test_periodic_oscillator_with_a_wall(frequency):
-    """The larger multiplier of the orbit, of a complex pair or real, gives the exponent."""
-    oscillator = Oscillator(frequency)
-    multipliers = np.linalg.eigvals(oscillator.periodic()[2])
-    assert np.prod(multipliers).real == pytest.approx(R**2, rel=1e-9)
-    interval = 0.9 * oscillator.period
-    growth = oscillator.growth(1.0, interval, 400, 1e-7)
-    expected = math.log(np.abs(multipliers).max()) / oscillator.period
-    assert_close(exponent_from_growth(growth, interval), expected)
-
-
-def test_pairs_grow_as_the_tangent_flow():
-    """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
-    oscillator = Oscillator(2.8)
-    count = 1500
-    period = oscillator.period
-    t, v, _ = oscillator.periodic()
-    pairs = oscillator.growth(1.001, period, count, 1e-8)
-    state = oscillator.after(np.array([0.0, -1.001 * R * v]), t, 0.35 * period)[0]
-    t = t + 0.35 * period
-    direction = np.full(2, math.sqrt(0.5))
-    tangent = np.zeros(count)
-    for k in range(count):
-        state, differences = oscillator.after(state, t, period)
-        t += period
-        direction = differences @ direction
-        size = float(np.linalg.norm(direction))
-        tangent[k] = math.log(size)
-        direction = direction / size
-    exponent, expected = (
-        exponent_from_growth(each, period) for each in (pairs, tangent)
-    )
-    assert is_chaotic(exponent)
-    assert exponent.mean == pytest.approx(expected.mean, rel=3e-3)
 
 
 def scene_exponent(scene: Scene, cycles: int) -> Estimate:

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from runs import in_all_coordinates, residual, run_scene
+from runs import residual, run_scene
 from scipy.linalg import null_space
 
 from presswear.campaign.replicates import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Start, recorder_of
-from presswear.engines.dae.dynamics import evaluate_constrained
 from presswear.engines.dae.engine import _Solver
 from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.bodies import Body
@@ -19,7 +18,6 @@ from presswear.linkage.linkage import assemble
 from presswear.linkage.points import Attachment, OutputPoint
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of, project, project_acceleration
-from presswear.physics.equations.function import END
 from presswear.physics.packed import pack
 from presswear.scene.catalog import ideal, speed_high, wear_times
 from presswear.scene.conventions import CONVENTIONS
@@ -28,35 +26,6 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
 PRESS = wear_times()
-
-
-@pytest.mark.parametrize("joints", ["none", "A", "C", "AC"])
-def test_multipliers_solve_equation_18(joints):
-    """The elimination against the dense saddle-point system."""
-    scene = replace(PRESS, joints=joints)
-    linkage = scene.linkage()
-    packed = pack(linkage)
-    constraints = constraints_of(linkage)
-    motion = scene.ideal.at(np.array([0.1]))
-    rng = np.random.default_rng(3)
-    q = motion.position[0] + 1e-3 * rng.standard_normal(18)
-    v = motion.velocity[0] + 0.1 * rng.standard_normal(18)
-    phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
-    right = gamma - 40.0 * phi_t - 400.0 * phi
-    size = constraints.rows
-    matrix = np.block(
-        [[np.diag(packed.mass), jacobian.T], [jacobian, np.zeros((size, size))]]
-    )
-    exact = np.linalg.solve(matrix, np.concatenate([packed.weight, right]))
-    # The displaced pins must not touch: no contact force enters here.
-    system = in_all_coordinates(replace(linkage, clearances=()), 20.0, 20.0)
-    y = np.zeros(system.layout.size)
-    y[:36] = *q, *v
-    out = np.zeros_like(y)
-    assert system.constraints is not None
-    evaluate_constrained(system, system.constraints, 0.1, y, out, END)
-    assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
-    assert_allclose(system.constraints.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("joints", ["none", "A", "AC"])

@@ -11,22 +11,16 @@ from hypothesis import strategies as st
 from two_bodies import (
     JOINT,
     Pair,
-    force_of,
     gap_of,
-    normal_law,
     placed,
-    turned,
     worn_joint,
 )
 
 from presswear.linkage.clearance_joint import ClearanceJoint
-from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.contact import direction_of
 from presswear.physics.friction_and_normal import (
     ONSET_SPEED_FLOOR,
-    friction_force,
-    friction_record,
 )
 from presswear.tools.arrays import Array
 
@@ -64,52 +58,6 @@ def pairs(
     )
 
 
-def _arms(pair: Pair) -> Array:
-    """Return the vectors from both mass centres to the point of contact, (2, 2), m, in numpy.
-
-    The point lies on the bearing, half the penetration beyond its worn surface.
-    """
-    joint = pair.joint
-    q = pair.q
-    bearing = q[:2] + turned(q[2], joint.bearing.x, joint.bearing.y)
-    pin = q[3:5] + turned(q[5], joint.pin.x, joint.pin.y)
-    x, y = pin - bearing
-    direction = math.atan2(y, x)
-    distance = math.hypot(x, y)
-    map_angle = direction - q[2] if joint.map_frame == "body" else direction
-    depth = float(joint.bearing_surface(np.array([map_angle]))[0])
-    penetration = max(distance - gap_of(joint, direction, q[2], q[5]), 0.0)
-    radius = joint.bearing_radius + depth + 0.5 * penetration
-    point = bearing + radius * (pin - bearing) / distance
-    return np.array([point - q[:2], point - q[3:5]])
-
-
-@given(pairs(st.floats(1e-9, 1e-4)))
-def test_force_acts_at_one_point_and_follows_the_laws(pair: Pair):
-    """Linear and angular momentum are conserved to round-off."""
-    contact = pair.contact()
-    load = pair.load(0.5)
-    law = normal_law(STIFFNESS, 1.5, pair.joint.normal.damping)
-    assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
-    friction = friction_force(
-        contact.sliding, load.normal, friction_record(FrictionLaw(0.1))
-    )
-    assert load.tangential == friction
-    n = np.array([contact.normal_x, contact.normal_y])
-    t = np.array([-n[1], n[0]])
-    force = np.array([load.x, load.y])
-    scale = 8.0 * EPS * max(load.normal, 1e-300)
-    assert abs(pair.moment_of(load)) <= 16.0 * EPS * math.hypot(load.x, load.y)
-    # The bearing pushes the pin back, friction along t.
-    assert force @ n == pytest.approx(-load.normal, abs=scale)
-    assert force @ t == pytest.approx(load.tangential, abs=scale)
-    on_bearing, on_pin = _arms(pair)
-    moment = on_pin[0] * load.y - on_pin[1] * load.x
-    assert load.pin_moment == pytest.approx(moment, abs=20.0 * scale)
-    moment = on_bearing[1] * load.x - on_bearing[0] * load.y
-    assert load.bearing_moment == pytest.approx(moment, abs=20.0 * scale)
-
-
 @given(joints, st.floats(-4e-4, 1e-4), directions, angle_pairs)
 def test_penetration_is_measured_from_the_worn_gap(
     joint: ClearanceJoint,
@@ -124,21 +72,6 @@ def test_penetration_is_measured_from_the_worn_gap(
     eccentricity = penetration + gap_of(joint, direction, *angles)
     assert contact.eccentricity == pytest.approx(eccentricity, abs=8.0 * EPS)
     assert math.cos(direction_of(contact) - direction) == pytest.approx(1.0, abs=1e-12)
-
-
-@given(pairs(st.floats(0.0, 1e-4)))
-def test_sliding_is_that_of_the_material_points(pair: Pair):
-    contact = pair.contact()
-    on_bearing, on_pin = _arms(pair)
-    bearing = pair.v[:2] + pair.v[2] * np.array([-on_bearing[1], on_bearing[0]])
-    pin = pair.v[3:5] + pair.v[5] * np.array([-on_pin[1], on_pin[0]])
-    x, y = pin - bearing
-    nx = contact.normal_x
-    ny = contact.normal_y
-    # Speeds up to 300 rad/s times 0.2 m.
-    assert contact.sliding == pytest.approx(y * nx - x * ny, abs=1e-12)
-    if pair.joint is JOINT:
-        assert contact.rate == pytest.approx(x * nx + y * ny, abs=1e-12)
 
 
 @given(pairs(st.floats(-1e-4, 1e-4), 0.05, 0.3))

@@ -19,7 +19,7 @@ from presswear.linkage.wear_law import WearLaw
 from presswear.physics.contact import CONTACT
 from presswear.physics.foundation import foundation_stiffness, integrate_overlap
 from presswear.physics.friction_and_normal import round_foundation
-from presswear.physics.overlap import ArcIntegrals, place_of
+from presswear.physics.overlap import place_of
 from presswear.physics.packed import pack
 from presswear.physics.worn_map import LEAST, PIN, pack_rows
 from presswear.tools.arrays import Array
@@ -189,22 +189,6 @@ def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity, bins):
     assert result.square == pytest.approx(square, rel=1e-5, abs=1e-26)
 
 
-# The patch is narrower than one of 16 bins, and wider than one of 360.
-@pytest.mark.parametrize("bins", [16, BINS])
-@pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
-def test_a_round_joint_gives_back_the_normal_law(penetration, bins):
-    """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
-    flat = Surface(np.zeros(bins))
-    force = (
-        foundation_stiffness(1e10, C)
-        * arc_of(flat, flat, C + penetration, 0.3, 0.9).along
-    )
-    ratio = force / (1e10 * penetration**1.5)
-    assert ratio == pytest.approx(
-        1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C
-    )
-
-
 @pytest.mark.parametrize("bins", [BINS, 97])
 @pytest.mark.parametrize("part", [1e-9, 1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 3.0, 30.0])
 def test_round_surfaces_have_the_closed_form(part, bins):
@@ -269,7 +253,7 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
     return pair
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
 def test_forces_are_the_gradient_of_the_energy(seed, bins):
     """At rest, without friction and damping, nothing but the elastic force is left."""
@@ -331,6 +315,7 @@ def test_the_place_before_changes_nothing(direction, way, turn):
     np.testing.assert_allclose(near, far, rtol=1e-9, atol=1e-15)
 
 
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
 @example(seed=626, above=3e-6)
 @example(seed=1790, above=3e-6)
@@ -349,35 +334,3 @@ def test_no_patch_hides_between_two_nodes(seed, above):
     assert result.overlap == pytest.approx(overlap.max(), abs=1e-12)
     along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
     assert result.along == pytest.approx(along, rel=2e-4, abs=1e-12)
-
-
-@pytest.mark.parametrize("bins", [24, 90, BINS])
-@pytest.mark.parametrize("direction", [0.3, 2.7])
-def test_integrals_are_derivatives_of_the_energy(bins, direction):
-    """By differences of sixth order, in the eccentricity and in the angle between both maps."""
-    bearing = groove(0.6, 2e-5, bins)
-    pin = groove(0.4, 1e-5, bins)
-    joint = replace(JOINT, bearing_surface=bearing, pin_surface=pin)
-    packed = pack(placed(replace(joint, contact="foundation"), 0.0, 0.0).linkage)
-    record = packed.joints[0]
-    surfaces = packed.surfaces[0]
-
-    def sums(dx: float, dy: float, turned: float) -> tuple[float, ArcIntegrals]:
-        place = place_of(record, dx, dy, math.hypot(dx, dy), turned)
-        _, _, found = integrate_overlap(surfaces, record, place, direction)
-        return place.width, found
-
-    eccentricity = C + 2.2e-5
-    at = np.array(
-        [eccentricity * math.cos(direction), eccentricity * math.sin(direction), 0.234]
-    )
-    width, arc = sums(*at)
-    wanted = (arc.x, arc.y, -arc.pin_slope / width)
-    for axis, (step, value) in enumerate(zip((4e-8, 4e-8, 1e-4), wanted, strict=True)):
-        difference = 0.0
-        for k, weight in ((1, 45.0), (2, -9.0), (3, 1.0)):
-            move = k * step * np.eye(3)[axis]
-            ahead = sums(*(at + move))[1].square
-            behind = sums(*(at - move))[1].square
-            difference += weight * (ahead - behind) / (120.0 * step)
-        assert value == pytest.approx(difference, abs=1e-9 * abs(arc.x + arc.y))

@@ -72,7 +72,7 @@ def test_rocker_of_a_quick_return():
 
 def test_ratio_of_times_of_a_quick_return():
     """The rocker goes back in (pi - 2 asin(r / d)) / (pi + 2 asin(r / d)) of its time forth."""
-    time = np.linspace(0.0, TIME[-1], 100_001)
+    time = np.linspace(0.0, TIME[-1], 20_001)
     linkage = quick_return()
     velocity = ideal_motion(linkage, linkage.period).at(time).velocity[:, 8]
     forth = float((velocity < 0.0).mean())
@@ -141,22 +141,6 @@ def test_torque_has_the_power_of_the_motion(linkage: Linkage):
     torque = needed_torques(linkage, ideal, TIME)[:, 0]
     scale = np.abs(power).max()
     assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
-
-
-def test_rows_of_kernels_are_those_of_numpy():
-    linkage = skew_quick_return()
-    rows = Rows(linkage)
-    levels = motion(linkage)
-    constraints = constraints_of(linkage)
-    for q, v, a in zip(
-        levels.position, levels.velocity, levels.acceleration, strict=True
-    ):
-        phi, phi_t, gamma, jacobian = constraints.evaluate(0.0, q, v)
-        expected = rows.jacobian(q.reshape(1, -1, 3))[0]
-        assert_allclose(jacobian, expected, atol=1e-15)
-        assert_allclose(phi[:-1], 0.0, atol=1e-14)
-        assert_allclose(phi_t, 0.0, atol=1e-12)
-        assert_allclose(jacobian @ a, gamma, atol=1e-9)
 
 
 def test_an_imprecise_guess_of_the_rocker_turns_its_block():

@@ -130,20 +130,6 @@ def test_one_bin_gets_all_of_equation_29(frame: MapFrame, worn, count):
     assert_allclose(_deposited(pair, count, load_distance), expected, rtol=1e-12)
 
 
-def test_wear_rates_follow_the_law_of_slip():
-    pair = placed(
-        replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING
-    )
-    contact = pair.contact()
-    normal = pair.load(1e9).normal
-    work, pressure = pair.wear_rates()
-    by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
-    assert work == pytest.approx(normal * by_angle, rel=1e-14)
-    area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
-    assert pressure == pytest.approx(work / area, rel=1e-9)
-    assert replace(pair, q=placed(JOINT, -1e-5, 0.8).q).wear_rates() == (0.0, 0.0)
-
-
 WORN = replace(worn_joint("body", 360, 2e-6), contact="foundation")
 FOUNDATION = replace(worn_joint("body"), contact="foundation")
 STEEP = worn_joint("body", 360, 3e-3)
