@@ -1,15 +1,19 @@
 """Runs and linkages that tests of engines share."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
+from numpy.testing import assert_allclose
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.dae.dynamics import System, system_of
-from presswear.engines.settings import Engine
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
+from presswear.linkage.topology import branches_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
@@ -41,6 +45,40 @@ def residual(run: Run) -> float:
         for name in ("energy_residual", "drive_exchange")
     )
     return abs(missing) / exchanged
+
+
+def compare_engines(
+    scene: Scene,
+    duration: float,
+    exudyn: ExudynJoints | None = None,
+    energy: float = 1e-9,
+    joints: tuple[float, float, float] = (3e-6, 1e-5, 3e-5),
+) -> list[Run]:
+    """Compare motion, torques, work and energy of all engines; return their runs.
+
+    The reference, which is the first run, is the in-house engine with all coordinates.
+    ``energy`` bounds the residual of all engines but the last one, ``exudyn``.
+    ``joints`` bounds its positions, m or rad, its residual and the error of its work.
+    The tree runs where no loop is left.
+    """
+    fine = InHouse(integration_tolerance=1e-11)
+    engines: list[Engine] = [replace(fine, coordinates="all"), fine]
+    if not isinstance(branches_of(scene.linkage()), str):
+        engines.append(ExudynTree(tree_tolerance=1e-11))
+    runs = [run_scene(scene, engine, duration) for engine in engines]
+    reference = runs[0]
+    torques = reference.recorder.records.torque
+    for run in runs:
+        assert np.abs(run.end.position - reference.end.position).max() < 1e-9
+        assert residual(run) < energy
+        found = run.recorder.records.torque
+        assert_allclose(found, torques, 1e-6, 1e-9 * np.abs(torques).max())
+    runs.append(run_scene(scene, exudyn or ExudynJoints(), duration))
+    assert np.abs(runs[-1].end.position - reference.end.position).max() < joints[0]
+    assert residual(runs[-1]) < joints[1]
+    expected, work = (float(runs[k].diagnostics["drive_work_J"]) for k in (0, -1))
+    assert work == pytest.approx(expected, rel=joints[2])
+    return runs
 
 
 def step_response(omega: float, ratio: float, time: float) -> float:

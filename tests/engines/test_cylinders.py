@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from runs import residual, run_scene
+from runs import compare_engines, run_scene
 from slotted import (
     BARREL,
     BASE,
@@ -23,11 +23,11 @@ from slotted import (
 )
 
 import presswear as pw
-from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.linkage import Linkage, linkage_from
-from presswear.linkage.topology import branches_of, prescribed_of
+from presswear.linkage.topology import prescribed_of
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of
@@ -38,6 +38,7 @@ from presswear.tools.errors import AssemblyError, InputError
 
 BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 DURATION = 0.014  # s, with some touchdowns
+FINE = ExudynJoints(steps_per_contact=320)
 _scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
@@ -155,36 +156,12 @@ def test_forces_of_a_table():
 )
 def test_engines_agree_and_keep_the_energy(joints, is_reversed):
     """Joints with clearance free the cylinder, the link, or no body."""
-    _compare_engines(_scene(boom_press(is_reversed), joints=joints))
+    compare_engines(_scene(boom_press(is_reversed), joints=joints), DURATION, FINE)
 
 
 def test_engines_agree_on_a_table():
     """A guide on a guide, without a closed loop, moves the pin of a driven arm."""
-    _compare_engines(_scene(table(), joints="E"))
-
-
-def _compare_engines(scene: Scene) -> None:
-    """Check that the engines have the same motion, drive forces and energies."""
-    tight = InHouse(integration_tolerance=1e-11)
-    all_coordinates = replace(tight, coordinates="all")
-    reference = run_scene(scene, all_coordinates, DURATION)
-    runs = [run_scene(scene, tight, DURATION)]
-    if not isinstance(branches_of(scene.linkage()), str):
-        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
-    forces = reference.recorder.records.torque
-    scale = np.abs(forces).max()
-    for run in runs:
-        assert np.abs(run.end.position - reference.end.position).max() < 1e-8
-        assert residual(run) < 1e-9
-        torque = run.recorder.records.torque
-        assert_allclose(torque, forces, atol=1e-5 * scale)
-    joints = run_scene(scene, ExudynJoints(steps_per_contact=320), DURATION)
-    assert np.abs(joints.end.position - reference.end.position).max() < 3e-6
-    assert residual(joints) < 1e-5
-    work = float(joints.diagnostics["drive_work_J"])
-    expected = float(reference.diagnostics["drive_work_J"])
-    exchange = float(reference.diagnostics["drive_exchange_J"])
-    assert work == pytest.approx(expected, abs=1e-4 * exchange)
+    compare_engines(_scene(table(), joints="E"), DURATION, FINE)
 
 
 def test_a_sleeve_driven_along_a_rod_is_prescribed():
@@ -197,7 +174,7 @@ def test_a_sleeve_driven_along_a_rod_is_prescribed():
     distance = np.hypot(*(position[:, 1, :2] - position[:, 3, :2]).T)
     expected = np.abs(0.05 + 0.03 * np.sin(SPEED * time))
     assert_allclose(distance, expected, atol=1e-14)
-    _compare_engines(_scene(linkage, joints="E"))
+    compare_engines(_scene(linkage, joints="E"), DURATION, FINE)
 
 
 def test_cylinder_at_rest_is_a_strut():

@@ -6,16 +6,14 @@ from functools import partial
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from runs import residual, run_scene
+from runs import compare_engines
 from slotted import SPEED, cylinder
 
 import presswear as pw
-from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
-from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of, unit_of
@@ -82,28 +80,7 @@ def test_force_has_the_power_of_the_motion():
 @pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
 def test_engines_agree_and_keep_the_energy(joints):
     """The piston alone is prescribed, or with its loop, or all bodies are."""
-    scene = _scene(cylinder(), joints=joints)
-    ours, reference, joined = (
-        run_scene(scene, engine, DURATION)
-        for engine in (
-            InHouse(integration_tolerance=1e-11),
-            InHouse(integration_tolerance=1e-11, coordinates="all"),
-            ExudynJoints(),
-        )
-    )
-    runs = [ours]
-    if not isinstance(branches_of(scene.linkage()), str):
-        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
-    for run in runs:
-        assert np.abs(run.end.position - reference.end.position).max() < 1e-9
-        assert residual(run) < 1e-9
-        forces = reference.recorder.records.torque
-        assert_allclose(run.recorder.records.torque, forces, rtol=1e-6)
-    assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
-    assert residual(joined) < 1e-5
-    work = "drive_work_J"
-    expected = pytest.approx(float(reference.diagnostics[work]), rel=3e-5)
-    assert joined.diagnostics[work] == expected
+    compare_engines(_scene(cylinder(), joints=joints), DURATION)
 
 
 def test_results_have_the_units_of_a_force(tmp_path):

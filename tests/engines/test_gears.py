@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from runs import residual, run_scene
+from runs import compare_engines, residual
 from slotted import RADIUS, SPEED, cylinder, geared_five_bar
 
 import presswear as pw
 from presswear.engines.base import Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, GearedDrive
 from presswear.linkage.joints import Pin
@@ -121,22 +121,7 @@ def test_mirrored_cranks_guide_the_pin_of_their_rods():
 )
 def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints):
     scene = _scene(geared_five_bar(motor=motor), joints=joints)
-    reference_engine = InHouse(integration_tolerance=1e-11, coordinates="all")
-    reference = run_scene(scene, reference_engine, DURATION)
-    joined = run_scene(scene, ExudynJoints(), DURATION)
-    runs = [run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)]
-    if not isinstance(branches_of(scene.linkage()), str):
-        runs.append(run_scene(scene, ExudynTree(tree_tolerance=1e-11), DURATION))
-    torques = reference.recorder.records.torque
-    for run in runs:
-        assert np.abs(run.end.position - reference.end.position).max() < 1e-9
-        assert residual(run) < 1e-8
-        assert_allclose(run.recorder.records.torque, torques, rtol=1e-6)
-    assert np.abs(joined.end.position - reference.end.position).max() < 3e-6
-    assert residual(joined) < 3e-5
-    work = "drive_work_J"
-    expected = pytest.approx(float(reference.diagnostics[work]), rel=1e-4)
-    assert joined.diagnostics[work] == expected
+    compare_engines(scene, DURATION, energy=1e-8, joints=(3e-6, 3e-5, 3e-5))
 
 
 def test_free_gears_are_no_tree():
