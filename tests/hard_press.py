@@ -220,9 +220,9 @@ def met_together(scene: Scene, speed: float) -> Checks:
 @cache
 def closest_to_dead_point() -> Press:
     """Return the press with the shortest rod 5 that is not refused, within 0.2 um."""
-    short = 0.05
-    long = Press().length_5
-    for _ in range(20):
+    short = 0.25209  # is refused
+    long = 0.25211  # moves
+    for _ in range(7):
         middle = 0.5 * (short + long)
         try:
             motion_of(Press(length_5=middle))

@@ -14,7 +14,7 @@ from upright_press import SHEET, UP, blanked, from_the_top, upright_press
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.physics.statics import deflection, heights_at_bottom, total_clearance
 
@@ -25,7 +25,6 @@ OMEGA = math.sqrt(STIFFNESS / MASS)
 FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
 ENGINES: list[Engine] = [
     InHouse(integration_tolerance=1e-10),
-    ExudynTree(tree_tolerance=1e-10),
     ExudynJoints(),
 ]
 WEIGHT = 9.81 * (600.0 + 60.0 + 50.0 + 300.0)

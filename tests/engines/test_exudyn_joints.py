@@ -49,14 +49,13 @@ def free_pair(
     return replace(linkage, clearances=(joint,))
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_free_impact_conserves_momentum(friction):
+def test_free_impact_conserves_momentum():
     """One eccentric impact of two spinning free bodies.
 
     Linear momentum holds to round-off.  Angular momentum does as far as the forces
     are concerned; the trapezoidal rule adds an error of second order in the step.
     """
-    linkage = free_pair(friction, (0.1, 0.02), (-0.05, 0.03))
+    linkage = free_pair(0.3, (0.1, 0.02), (-0.05, 0.03))
     start = at((0.0, 0.0, 0.0, 0.0, 0.0, 2.0), (0.15, -0.01, 0.0, 0.3, 0.4, -30.0))
     before = momenta(linkage, start)
     errors = {}

@@ -150,6 +150,8 @@ LONG = {
     "oiled pin, exudyn-joints",
     "oiled pin, exudyn-tree",
     "motor, servo and elastic frame, exudyn-tree",
+    "bodies and joints, a crank left out",
+    "open tree from a moving plate",
 }
 
 

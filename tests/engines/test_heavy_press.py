@@ -1,5 +1,6 @@
 """The press of 250 kN from its file: joints that bear a hundred times their links' weight."""
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,19 +66,19 @@ def test_both_engines_press_pins_as_deep_into_their_bearings():
         assert deepest[0] == pytest.approx(deepest[1], rel=1e-3)
 
 
-@pytest.fixture(scope="module")
-def real_press() -> dict[str, pw.Result]:
-    """Return runs of the press with its motor and its frame, by engine."""
+@cache
+def real_press(engine: str) -> pw.Result:
+    """Return a run of the press with its motor and its frame."""
     scene = changed(REAL, {"cycles": "2", "replicates": "1"})
-    return {engine: pw.run(scene, engine=engine) for engine in ENGINES}
+    return pw.run(scene, engine=engine)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_the_flywheel_delivers_the_work_and_the_motor_settles(
-    engine, real_press: dict[str, pw.Result]
-):
+@pytest.mark.parametrize(
+    "engine", ["dae", pytest.param("exudyn-tree", marks=pytest.mark.slow)]
+)
+def test_the_flywheel_delivers_the_work_and_the_motor_settles(engine):
     """The speed drops by 15 % in the work, as the file says, and is back at the next."""
-    result = real_press[engine]
+    result = real_press(engine)
     stage = result.stages[0]
     assert (stage.statistics.energy_residual_fraction or 1.0) < 1e-6
     duration = stage.each_cycle("duration")
@@ -93,11 +94,10 @@ def test_the_flywheel_delivers_the_work_and_the_motor_settles(
     assert not motor.is_overloaded
 
 
-def test_both_engines_stretch_the_frame_as_far(
-    real_press: dict[str, pw.Result],
-):
+@pytest.mark.slow
+def test_both_engines_stretch_the_frame_as_far():
     """By more than the force over k, because the crown swings; impacts are chaotic."""
-    loads = [result.frame_loads(0)["frame"] for result in real_press.values()]
+    loads = [real_press(engine).frame_loads(0)["frame"] for engine in ENGINES]
     stretches = [load.stretch.mean for load in loads if load.stretch]
     forces = [load.force.mean for load in loads if load.force]
     assert len(stretches) == len(forces) == 2

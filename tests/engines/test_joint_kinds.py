@@ -9,7 +9,7 @@ import pytest
 from runs import step_response
 
 from presswear.engines.base import Plan, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.joints import Pin, Revolute
 from presswear.linkage.linkage import Linkage, assemble, linkage_from
@@ -105,9 +105,8 @@ def body_on_bush() -> Linkage:
     [
         (InHouse(integration_tolerance=1e-12, free_step=0.01), 1e-9),
         (ExudynTree(tree_tolerance=1e-11, free_step=0.01), 1e-8),
-        (ExudynJoints(50, 10, free_step=3e-4, newton=1e-10), 2e-4),
     ],
-    ids=["dae", "exudyn-tree", "exudyn-joints"],
+    ids=["dae", "exudyn-tree"],
 )
 def test_a_bush_oscillates(monkeypatch, engine: Engine, tolerance):
     all_kinds = (*kinds.KINDS, RubberBush)

@@ -17,7 +17,6 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
 DURATION = 2.1e-3  # s, up to the end of a contact
-ENGINES = "tree", "joints", "dae"
 
 
 def end_of_run(engine: str) -> Array:
@@ -35,7 +34,9 @@ def end_of_run(engine: str) -> Array:
     return np.concatenate([[run.diagnostics["steps"]], *numbers])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    "engine", ["tree", "dae", pytest.param("joints", marks=pytest.mark.slow)]
+)
 def test_a_run_in_plain_python_ends_as_a_compiled_one(engine, tmp_path):
     script = "import sys, numpy, test_plain_python as plain\n"
     script += "numpy.save(sys.argv[1], plain.end_of_run(sys.argv[2]))"

@@ -75,14 +75,19 @@ def check_work(
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
 def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine):
+    strokes = 2 if engine == "dae" else 1
     scene = replace(
-        pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2
+        pw.scenes.ideal(),
+        process=process,
+        engine=engine,
+        drive_torque="on",
+        cycles=strokes,
     )
     stage = pw.run(scene).stages[0]
     exact = slider(stage.time)
     start = slider(np.zeros(1))[0, 0]
     assert np.abs(stage.displacement - (exact[:, 0] - start)).max() < LARGE
-    check_work(stage, process, exact, BOTTOM, strokes=2)
+    check_work(stage, process, exact, BOTTOM, strokes=strokes)
 
 
 @pytest.mark.slow
@@ -99,15 +104,16 @@ def test_work_of_an_elastic_load_needs_no_short_steps():
     )
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
-@pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
+@pytest.mark.parametrize(
+    ("engine", "name"), [("exudyn-tree", "press_blanking"), ("dae", "press_drawing")]
+)
 def test_energies_balance_with_clearances_and_moments_have_rows(name, engine):
     scene: Any = replace(
         getattr(pw.scenes, name)(),
         engine=engine,
         wear_updates=0,
         replicates=1,
-        cycles=2,
+        cycles=1,
     )
     # A cushion would be held down at the end of a cycle.
     scene = replace(scene, process=replace(scene.process, cushion=0.0))
@@ -120,8 +126,8 @@ def test_energies_balance_with_clearances_and_moments_have_rows(name, engine):
     # What is loose in its joints bounces on the work, which gives back what is elastic
     # in it.
     work = -float(stage.diagnostics["load_work_J"] or 0.0)
-    assert work == pytest.approx(2.0 * scene.process.work, abs=1e-6 * exchange)
-    assert len(strokes.contact) == 2
+    assert work == pytest.approx(scene.process.work, abs=1e-6 * exchange)
+    assert len(strokes.contact) == 1
     assert f"forces: {scene.process.kind}" in str(stage.diagnostics["model"])
     height = stage.displacement + slider(np.zeros(1))[0, 0] - BOTTOM
     for moment, place in [*strokes.contact, *strokes.fracture]:
@@ -150,7 +156,11 @@ SERVOS: list[Servo] = [
 @pytest.mark.parametrize(
     ("servo", "process", "engine"),
     [
-        (servo, PROCESSES[2 * ((k + j) % 2)], engine)
+        pytest.param(
+            *(servo, PROCESSES[2 * ((k + j) % 2)], engine),
+            # The motion is the same in both; that of Forming runs always in both.
+            marks=[pytest.mark.slow] if j and k != 1 else [],
+        )
         for k, servo in enumerate(SERVOS)
         for j, engine in enumerate(ENGINES)
     ],

@@ -173,7 +173,7 @@ def test_a_run_up_is_smooth_and_ends_in_step():
 IDEAL = pw.scenes.ideal()
 W = pw.Press().speed
 
-SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
+SOME = settings(max_examples=4, deadline=None, phases=[Phase.explicit, Phase.generate])
 
 
 @SOME

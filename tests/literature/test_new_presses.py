@@ -223,7 +223,14 @@ def static_torque_of(kind: str, scene: pw.Scene) -> float:
     return float(np.abs(force * rate(slide, 1.0)).max())
 
 
-@pytest.mark.parametrize("kind", PRESSES)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "eccentric-press",
+        pytest.param("knuckle-press", marks=pytest.mark.slow),
+        pytest.param("link-drive", marks=pytest.mark.slow),
+    ],
+)
 def test_page_one_of_a_new_press(kind, tmp_path):
     *_, strokes, _, size = CASES[kind]
     scene = scene_of(kind, tmp_path)

@@ -255,7 +255,9 @@ def test_a_life_ends_at_the_strokes_of_archard(engine):
     assert life.error < 5e-3
 
 
-@pytest.mark.parametrize("engine", ["exudyn-tree", "exudyn-joints"])
+@pytest.mark.parametrize(
+    "engine", ["exudyn-tree", pytest.param("exudyn-joints", marks=pytest.mark.slow)]
+)
 def test_engines_of_exudyn(engine):
     """The lens is that of two circles, and the volume follows Archard's law to round-off."""
     result = worn_to(0.3, 0.02, 60, engine=engine, angles=90)

@@ -72,7 +72,7 @@ ROD = SliderCrank().rod_length
 amplitudes = st.floats(-0.25, 0.25)
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(
     st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3),
     st.integers(0, 2),

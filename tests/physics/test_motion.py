@@ -292,7 +292,9 @@ def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene):
     assert error > 1e-12
 
 
-@pytest.mark.parametrize("engine", [ExudynTree(), ExudynJoints(), InHouse()])
+@pytest.mark.parametrize(
+    "engine", [ExudynTree(), ExudynJoints(free_step=1e-3), InHouse()]
+)
 def test_no_cycle_holds_anything_of_the_run_up(engine: Engine):
     """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
     scene = flying(MOTIONS["table, run-up"])

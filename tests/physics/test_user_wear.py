@@ -159,7 +159,10 @@ def test_a_law_of_the_pressure_visits_the_bins_in_contact(
     assert not archard[:, ~far].any()
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
+@pytest.mark.parametrize(
+    "engine",
+    ["dae", "exudyn-tree", pytest.param("exudyn-joints", marks=pytest.mark.slow)],
+)
 def test_a_bush_wears_by_a_law_of_the_pressure(engine):
     """A constant law gives Archard's map to round-off, and a power the map of the built-in one."""
     scene = bush(engine=engine)

@@ -45,8 +45,7 @@ def wedge(place: Array) -> Array:
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
-@pytest.mark.parametrize("part", [0.5, 1.0])
-def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine, part):
+def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine):
     """Both corners of a side touch, so that the tilt is that of the wall at every place."""
     linkage, sink = on_wall(wedge(bin_centres_of(WALL)))
 
@@ -54,15 +53,19 @@ def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine, part):
         return -C - sink - float(wedge(np.array(along)))
 
     start = Start(np.array([across(AMPLITUDE), AMPLITUDE, WEDGE]), np.zeros(3))
-    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(part * PERIOD, 1))
+    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(0.5 * PERIOD, 1))
     assert run.status == "completed", run.message
     x, y, tilt = run.end.position
-    assert y == pytest.approx(AMPLITUDE * math.cos(2.0 * math.pi * part), abs=1e-6)
+    assert y == pytest.approx(-AMPLITUDE, abs=1e-6)
     assert x == pytest.approx(across(y), abs=1e-9)
     assert tilt == pytest.approx(WEDGE, rel=1e-3)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=lambda one: one.word)
+@pytest.mark.parametrize(
+    "engine",
+    [*ENGINES[:2], pytest.param(ENGINES[2], marks=pytest.mark.slow)],
+    ids=lambda one: one.word,
+)
 def test_a_worn_wall_creates_no_energy(engine: Engine):
     """Waves of 5 um over 100 mm throw the slide about, without a loss."""
     place = bin_centres_of(WALL)

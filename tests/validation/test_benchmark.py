@@ -18,7 +18,7 @@ from presswear.validation.cases import first_contact, order_of
 from presswear.validation.reference_problems import Impact
 
 SHORT = Extent(
-    repeats=2,
+    repeats=1,
     longest=0.025,  # s, after the paper's step has diverged at 0.0217 s
     joints_steps=(150, 300, 600),
     rk4_steps=(150, 300, 600),
@@ -221,16 +221,39 @@ def test_the_command_writes_table_and_figure(
     assert "not empty" in command(f"benchmark --out {folder}", 2)
 
 
-@pytest.fixture(scope="module")
-def costs() -> list[dict[str, Any]]:
+FEW = {
+    "exudyn-tree": ["friction", "wear", "torques stored"],
+    "exudyn-joints": ["torques stored"],
+}
+
+
+def costs_of(engines: dict[str, list[str]]) -> list[dict[str, Any]]:
+    """Return short measurements of some features."""
     extent = benchmark.FeatureExtent(
         repeats=2, tree_cycles=0.1, joints_cycles=0.02, wear_cycles=1
     )
-    return benchmark.feature_costs(SCENE, extent, silent)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmark, "ENGINES", engines)
+        return benchmark.feature_costs(SCENE, extent, silent)
 
 
-def test_every_feature_is_timed_on_and_off(costs):
-    for engine, features in benchmark.ENGINES.items():
+@pytest.fixture(scope="module")
+def costs() -> list[dict[str, Any]]:
+    return costs_of(FEW)
+
+
+def test_features_are_timed_on_and_off(costs):
+    check_costs(costs, FEW)
+
+
+@pytest.mark.slow
+def test_every_feature_is_timed_on_and_off():
+    check_costs(costs_of(benchmark.ENGINES), benchmark.ENGINES)
+
+
+def check_costs(costs: list[dict[str, Any]], engines: dict[str, list[str]]) -> None:
+    """Check rows, ratios, and which features change the steps."""
+    for engine, features in engines.items():
         rows = [row for row in costs if row["engine"] == engine]
         expected = [
             (name, state) for name in features for state in benchmark.FEATURES[name]
@@ -250,7 +273,7 @@ def test_every_feature_is_timed_on_and_off(costs):
         if r["engine"] == "exudyn-tree"
     }
     # Neither computed wear nor stored torques change the motion.
-    for feature in benchmark.ENGINES["exudyn-tree"]:
+    for feature in engines["exudyn-tree"]:
         is_equal = feature in ("wear", "torques stored")
         assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
 

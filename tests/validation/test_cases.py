@@ -9,6 +9,7 @@ import hard_impacts
 import pytest
 from hard_case import HardCase, energy_check, outcomes, run_sound, sound
 from hard_cases import hard_cases
+from hard_press import law_cases, profile_cases, state_cases
 
 import presswear as pw
 from presswear.validation import cases, reference_problems
@@ -28,20 +29,35 @@ SLOW_IN = {
     ("both joints touch at once", "exudyn-joints"),
     ("start in contact, 1e-06 m deep", "exudyn-joints"),
     ("start in contact, 1e-12 m deep", "exudyn-joints"),
-    ("toggle, as near as allowed", "exudyn-tree"),
-    ("speed 0.1 pi", "exudyn-tree"),
-    ("clearance at C alone", "exudyn-tree"),
-    # A second each: these laws run in this engine in test_laws_in_scenes, too.
-    *((law, "exudyn-tree") for law in ("liu", "kelvin-voigt", "foundation")),
-    *((f"{law}, c_f = 0.8", "exudyn-tree") for law in ("threlfall", "lugre")),
-    ("ce = 1 and c_f = 0", "exudyn-tree"),
+    ("ce = 1", "dae"),  # equations without friction and without damping have one case
+    ("c_f = 0", "dae"),
+}
+# The in-house engine runs every case of the press always, the tree these. Laws and friction
+# run in the tree in test_laws_in_scenes, too.
+PRESS = {
+    case.name for make in (law_cases, profile_cases, state_cases) for case in make()
+}
+IN_TREE = {
+    "E = 1 GPa",
+    "c = 5 mm",
+    "c = 1e-06 m",
+    "c = 1e-09 m",
+    "speed 40 pi",
+    "hunt-crossley, ce = 0",
+    "shallow notch, foundation",
+    "all deeper than c, radial",
+    "start in contact, 1e-12 m deep",
+    "both joints touch at once",
+    "rod as long as the crank",
 }
 TIGHT = reference_problems.TIGHT
 GRAVITY = reference_problems.GRAVITY
 
 
 def _marked(case: HardCase) -> object:
+    is_in_tree = case.engine == "exudyn-tree" and case.name in PRESS
     is_slow = case.is_long or case.name in SLOW or (case.name, case.engine) in SLOW_IN
+    is_slow |= is_in_tree and case.name not in IN_TREE
     marks = [pytest.mark.slow] if is_slow else []
     return pytest.param(case, id=f"{case.name}, {case.engine}", marks=marks)
 
