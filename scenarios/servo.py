@@ -5,14 +5,18 @@ Run:  python scenarios/servo.py
 
 import presswear as pw
 
+SCENES = (
+    "press_blanking",
+    "press_servo_dwell",
+    "press_servo_forming",
+    "press_pendulum",
+)
 
-def main(cycles: int = 7, replicates: int = 4) -> None:
-    for name in (
-        "press_blanking",
-        "press_servo_dwell",
-        "press_servo_forming",
-        "press_pendulum",
-    ):
+
+def main(
+    scenes: tuple[str, ...] = SCENES, cycles: int = 7, replicates: int = 4
+) -> None:
+    for name in scenes:
         make = getattr(pw.scenes, name)
         scene = make(wear_updates=0, cycles=cycles, replicates=replicates)
         stage = pw.run(scene, engine="dae").stages[0]

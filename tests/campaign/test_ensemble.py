@@ -214,7 +214,7 @@ def test_step_error_falls_with_the_tolerance():
     coarse, fine = (
         median(
             step_errors(scene, start)["load_distance_step_error"]
-            for start in range(-5, 0)
+            for start in range(-3, 0)
         )
         for scene in (tolerance_scene("dae", 1e-5), tolerance_scene("dae", 1e-9))
     )
@@ -228,18 +228,25 @@ def test_fixed_steps_and_closed_joints_have_no_step_error():
     assert step_errors(scene) == {}
 
 
-def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error():
+@pytest.fixture
+def checked_cycles(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Return the cycles from which on a stage has its time step checked."""
+    monkeypatch.setattr(runner, "STEP_CHECK_CYCLES", 10)
+    return 10
+
+
+def test_stage_of_many_cycles_has_a_step_error_below_its_wear_error(checked_cycles):
     many, few = (
         run(replace(tolerance_scene("dae", 1e-5), replicates=1, cycles=cycles))
         .stages[0]
         .statistics
-        for cycles in (replicates.STEP_CHECK_CYCLES, replicates.STEP_CHECK_CYCLES - 1)
+        for cycles in (checked_cycles, checked_cycles - 1)
     )
     assert 0.0 < many.load_distance_step_error < many.wear_error
     assert few.load_distance_step_error is None
 
 
-def test_states_of_a_run_do_not_wait_for_garbage_collection():
+def test_states_of_a_run_do_not_wait_for_garbage_collection(checked_cycles):
     """Otherwise each row of a sweep would add its states to the memory of a worker."""
 
     def count() -> int:
@@ -249,7 +256,7 @@ def test_states_of_a_run_do_not_wait_for_garbage_collection():
     gc.disable()
     try:
         before = count()
-        run(replace(QUICK, replicates=1, cycles=replicates.STEP_CHECK_CYCLES))
+        run(replace(QUICK, replicates=1, cycles=checked_cycles))
         assert count() == before
     finally:
         gc.enable()

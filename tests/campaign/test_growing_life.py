@@ -168,8 +168,11 @@ def test_a_long_life_is_announced_and_confirmed(answers, tmp_path):
             runs.run(scene, tmp_path / "life", observers=[watched], jobs=1)
         assert watched.cycles > 0.0
         return
-    life = runs.run(scene, observers=[watched], jobs=1).life
+    seen = Seen()
+    life = runs.run(scene, observers=[watched, seen], jobs=1).life
     assert life is not None
+    wholes = [progress.whole for progress in seen.progress]
+    assert wholes == sorted(wholes)
     ran = sum(each.cycles for each in life.refinements)
     assert 0.5 < watched.cycles / ran < 2.0
     assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]

@@ -100,7 +100,7 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle():
 
 @pytest.mark.parametrize(
     ("limit", "noise", "lives"),
-    [(DEPTH, 0.5, 50), (DEPTH, 1.5, 50), (DRIFT, 0.5, 20), (DEPTH, 1e-9, 20)],
+    [(DEPTH, 0.5, 30), (DEPTH, 1.5, 30), (DRIFT, 0.5, 10), (DEPTH, 1e-9, 10)],
     ids=["depth", "wild", "drift", "exact"],
 )
 def test_intervals_cover_the_life(limit: Limit, noise, lives):

@@ -20,7 +20,7 @@ def test_drive_work_less_stored_energy_is_the_loss(engine):
         "purpose": "trajectory",
         "wear_updates": 0,
     }
-    scene = pw.Scene(pw.FourBar(), **settings, replicates=1, cycles=12)
+    scene = pw.Scene(pw.FourBar(), **settings, replicates=1, cycles=8)
     stage = pw.run(scene).stages[0]
     work, stored = map(stage.each_cycle, ("drive_work", "stored_energy_change"))
     energy = {

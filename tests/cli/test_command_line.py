@@ -1,11 +1,13 @@
 """The commands as a person types them."""
 
+import io
 import json
 import logging
 import re
 import shutil
 import signal
 import subprocess
+import sys
 import sysconfig
 from collections.abc import Callable
 from dataclasses import replace
@@ -244,20 +246,20 @@ def test_a_full_standard_output_is_named_in_one_line(line, tmp_path):
         assert done.stderr == output
 
 
-def test_a_terminal_without_a_character_shows_an_escape(tmp_path):
+def test_a_terminal_without_a_character_shows_an_escape(tmp_path, monkeypatch):
     file = tmp_path / "mine.toml"
     file.write_text(
         example_file("four-bar").replace("My four-bar", "Ø 30 µm ±"), encoding="utf-8"
     )
-    words = "-m presswear run mine.toml --out out --engine dae --no-report --set"
-    line = words.split()
-    ascii = {"PYTHONIOENCODING": "ascii"}
-    done = python(*line, "joints=none", cwd=tmp_path, env=ascii)
-    assert done.returncode == 0, done.stderr
-    assert r"\xd8 30 \xb5m \xb1" in done.stdout
-    done = python(*line, "joints=µ", cwd=tmp_path, env=ascii)
-    assert done.returncode == 2
-    assert r"joints = '\xb5'" in done.stderr
+    streams = {name: io.BytesIO() for name in ("stdout", "stderr")}
+    for name, stream in streams.items():
+        monkeypatch.setattr(sys, name, io.TextIOWrapper(stream, encoding="ascii"))
+    line = ["run", f"{file}", "--out", f"{tmp_path / 'out'}", "--engine", "dae"]
+    assert main([*line, "--no-report", "--set", "joints=none"]) == 0
+    assert main([*line, "--no-report", "--set", "joints=µ"]) == 2
+    sys.stderr.flush()
+    assert rb"\xd8 30 \xb5m \xb1" in streams["stdout"].getvalue()
+    assert rb"joints = '\xb5'" in streams["stderr"].getvalue()
 
 
 def test_lives_are_compared_and_resumed(tmp_path, command):

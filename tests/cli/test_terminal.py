@@ -141,6 +141,7 @@ def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock):
     assert all(line.endswith("33% 12.7 minutes left") for line in lines)
 
 
+@pytest.mark.slow
 def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
     tmp_path,
 ):

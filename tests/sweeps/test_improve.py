@@ -42,6 +42,13 @@ def test_each_joint_is_changed_in_each_way():
         changes_of(pw.scenes.ideal())
 
 
+@pytest.fixture
+def sizes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out other materials, each of which takes a run."""
+    monkeypatch.setattr("presswear.sweeps.improve.MATERIALS", {})
+
+
+@pytest.mark.usefixtures("sizes_alone")
 def test_a_guide_is_improved(tmp_path):
     """Half of the clearance is half of the tilt, and wear of the walls goes as 1 / width."""
     settings = {"cycles": 4, "replicates": 2, "cycles_per_update": 1e3}
@@ -59,6 +66,7 @@ def test_a_guide_is_improved(tmp_path):
     assert found.heading(TILT).endswith("µm/m after 1\u202f000 strokes")
 
 
+@pytest.mark.usefixtures("sizes_alone")
 def test_speed_and_frame_of_a_press_are_followed(tmp_path):
     press: dict[str, Any] = {
         "crank_length": "40 mm",
