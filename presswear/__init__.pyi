@@ -5,6 +5,9 @@ from presswear import linkage as linkage
 from presswear import results as results
 from presswear import statics as statics
 from presswear import statistics as statistics
+from presswear.analysis.bifurcation import Diagram as Diagram
+from presswear.analysis.bifurcation import load_diagram as load_diagram
+from presswear.api import bifurcation as bifurcation
 from presswear.api import run as run
 from presswear.api import simulate as simulate
 from presswear.campaign.runs import run_scenes as run_scenes
@@ -47,6 +50,7 @@ from presswear.scene.scene import Scene as Scene
 from presswear.scene.settings import changed as changed
 from presswear.sweeps.sweep import Sweep as Sweep
 from presswear.sweeps.sweep import function_of as function_of
+from presswear.sweeps.sweep import load_sweep as load_sweep
 from presswear.sweeps.sweep import sweep as sweep
 from presswear.tools.errors import InputError as InputError
 from presswear.tools.errors import RunFailed as RunFailed

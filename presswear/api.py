@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from presswear.analysis.bifurcation import Cycles, Diagram, Parameter, compute
 from presswear.campaign import runs
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
@@ -77,6 +79,49 @@ def run(
 
     with late_bar(scene) as bar:
         return runs.run(scene, folder, engine, jobs, (bar,), check, interval)
+
+
+@checked_arguments
+def bifurcation(
+    scene: Scene,
+    over: str,
+    folder: str | Path,
+    cycles: int = 100,
+    stored: int | None = None,
+    exponent: int = 20,
+    jobs: int | None = None,
+) -> Diagram:
+    """Compute a bifurcation diagram on unworn surfaces, with increasing and decreasing values.
+
+    Parameters
+    ----------
+    scene : Scene
+    over : str
+        Setting and its values, such as ``speed=50:600:200 rad/s``.
+    folder : path
+        Folder of the diagram. An interrupted diagram of the same scene in it resumes, and
+        a finished one is read.
+    cycles : int
+        Cycles at each value.
+    stored : int or None
+        Last cycles at each value, whose numbers are stored; None: 40 % of ``cycles``.
+    exponent : int
+        Further cycles for the largest Lyapunov exponent; 0: none.
+    jobs : int or None
+        Number of processes, at most two; None: as many as there are cores.
+
+    Returns
+    -------
+    Diagram
+
+    Raises
+    ------
+    InputError
+        If the scene does not allow the values, or the folder holds another diagram.
+    """
+    counts = Cycles.of(cycles, stored, exponent)
+    parameter = Parameter.parse(over, scene)
+    return compute(scene, parameter, counts, Path(folder), start_of, jobs)
 
 
 @checked_arguments

@@ -5,13 +5,14 @@ visible.
 """
 
 import math
+import re
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,17 +30,29 @@ from presswear.engines.base import Plan, Start, with_velocity
 from presswear.engines.settings import InHouse
 from presswear.linkage.guide_corner import CORNERS
 from presswear.linkage.linkage import Linkage
-from presswear.recording.columns import SECTION_JOINT_NAMES, SECTION_NAMES
+from presswear.recording.columns import (
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
+    Column,
+    cycle_quantities,
+    index_of,
+)
+from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import setting_of
 from presswear.scene.settings import changed
 from presswear.scene.value_ranges import values_of
+from presswear.tools.arguments import checked_arguments
 from presswear.tools.arrays import read_arrays, write_arrays
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import only_writer
 from presswear.tools.processes import Report, Workers, cores
 from presswear.tools.quantities import Quantity
 from presswear.tools.serialize import plain, read_json, typed, write_json
+from presswear.tools.units import UNITS
+
+if TYPE_CHECKING:
+    import pandas
 
 # Rows of ``run_value`` in the order of the runs; their fields are attributes
 Branch = np.recarray[Any, Any]
@@ -50,7 +63,8 @@ ENGINE = InHouse("dopri5", 1e-6)
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 DIRECTIONS = ("up", "down")
 FILE = "diagram.json"
-SCHEMA = 5
+SCHEMA = 6
+_NUMBER = re.compile(r"[-+]?\d*\.?\d+([eE][-+]?\d+)?(\s*pi\b)?")
 
 
 @dataclass(frozen=True)
@@ -60,6 +74,16 @@ class Parameter:
     key: str  # setting as in ``--set``, such as ``speed`` or ``B.clearance``
     values: tuple[float, ...]  # increasing, SI
     unit: str
+    shown: str = ""  # unit in which the user wrote the values; empty: none
+
+    @property
+    def shown_values(self) -> tuple[float, str]:
+        """Factor from SI to the unit in which the diagram is drawn, and that unit."""
+        size = UNITS.get(self.unit, {}).get(self.shown)
+        if size:
+            return 1.0 / size, "µm" if self.shown == "um" else self.shown
+        written = Quantity(self.unit).in_unit_of(self.values[-1])
+        return 1.0 / written.size, written.unit
 
     @staticmethod
     def parse(text: str, scene: Scene) -> "Parameter":
@@ -78,7 +102,11 @@ class Parameter:
         for value in (values[0], values[-1]):
             # Raises if the scene does not allow the value.
             changed(scene, {key: value}).check()
-        return Parameter(key, tuple(values), meaning.unit)
+        units = [
+            part.strip() for part in re.split("[:,]", _NUMBER.sub("", values_text))
+        ]
+        shown = next(filter(None, reversed(units)), "")
+        return Parameter(key, tuple(values), meaning.unit, shown)
 
 
 @dataclass(frozen=True)
@@ -88,6 +116,11 @@ class Cycles:
     total: int
     stored: int  # last cycles, whose states are stored
     exponent: int  # further cycles for the exponent; 0: none
+
+    @staticmethod
+    def of(total: int, stored: int | None, exponent: int) -> "Cycles":
+        """Return the numbers; by default 40 % of the cycles are stored."""
+        return Cycles(total, stored or max(2 * total // 5, 2), exponent)
 
     def __post_init__(self) -> None:
         if not 2 <= self.stored < self.total:
@@ -123,10 +156,22 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
     return with_velocity(linkage, position, velocity)
 
 
+def quantities_of(scene: Scene) -> dict[str, Column]:
+    """Return the numbers of each cycle by name, such as ``A.force_max``, in their order."""
+    linkage = scene.linkage()
+    return cycle_quantities(
+        [joint.name for joint in linkage.clearances],
+        [drive.body for drive in linkage.drives],
+        linkage.leader is not None,
+        [joint.name for joint in linkage.oiled_joints],
+    )
+
+
 def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArray[Any]:
     """Return the row of one value on unworn surfaces, a record with these fields.
 
-    ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``exponent``,
+    ``pins``, shape (stored, phases, joints, 2): positions of the pins, m; ``numbers``,
+    shape (stored, quantities): ``quantities_of`` the scene in each stored cycle, SI; ``exponent``,
     shape (2,): largest Lyapunov exponent and half width of its interval, 1/s; ``end``,
     shape (2, 3 bodies): positions and velocities at the end. Numbers that are not
     computed are NaN. If the run fails, all numbers are NaN and the end is ``ideal``.
@@ -137,11 +182,12 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     fields: list[Any] = [
         ("value", float),
         ("pins", float, (cycles.stored, len(PHASES), joints, 2)),
+        ("numbers", float, (cycles.stored, len(quantities_of(scene)))),
         ("exponent", float, 2),
         ("end", float, (2, len(start.position))),
     ]
     row = np.full(1, math.nan, fields)
-    plan = Plan(period, cycles.total, 1, sections=PHASES, torques=False)
+    plan = Plan(period, cycles.total, 1, sections=PHASES)
     run = ENGINE.simulate(linkage, start, plan)
     if run.status == "failed":
         row["end"] = ideal.position, ideal.velocity
@@ -154,6 +200,7 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
         columns.append(first + SECTION_JOINT_NAMES.index("eccentricity_y"))
     pins = run.recorder.sections[-cycles.stored :, :, columns]
     row["pins"] = pins.reshape(row["pins"].shape)
+    row["numbers"] = run.recorder.cycles[-cycles.stored :]
     if cycles.exponent:
         further = continued(linkage, linkage, run.end, start)
         with suppress(RunFailed):
@@ -203,6 +250,7 @@ class Diagram:
     parameter: Parameter
     cycles: Cycles
     branches: dict[str, Branch]  # by direction, "up" and "down"
+    provenance: Provenance = field(default_factory=dict)  # command, versions and date
 
     def periods(self, direction: str) -> list[Periodicity | None]:
         """Return the period of the pin positions at each value; None where a run failed."""
@@ -217,6 +265,73 @@ class Diagram:
             else:
                 periods.append(periodicity(states, np.ones(states.shape[1])))
         return periods
+
+    @property
+    def quantities(self) -> dict[str, Column]:
+        """Numbers that are stored of each cycle, by name."""
+        return quantities_of(self.scene)
+
+    def numbers(self, name: str, direction: str) -> NDArray[Any]:
+        """Return a quantity of a branch, SI, shape (values, stored cycles).
+
+        ``name`` is one of ``quantities``, such as ``A.force_max``, and the direction is ``up``
+        or ``down``. Numbers of a run that failed are NaN.
+        """
+        names = tuple(self.quantities)
+        return self.branches[direction].numbers[:, :, index_of("quantity", name, names)]
+
+    def table(self) -> dict[str, NDArray[Any]]:
+        """Return columns with a row for each stored cycle of each value, up and then down.
+
+        They are the parameter, ``is_decreasing``, ``cycle``, ``period``, ``exponent`` and
+        ``exponent_half_width``, and the ``quantities``, with ``_`` in place of the dot; SI.
+        """
+        stored = self.cycles.stored
+        parts = []
+        for direction, branch in self.branches.items():
+            periods = self.periods(direction)
+            numbers = [
+                np.nan if motion is None else motion.period or 0 for motion in periods
+            ]
+            each_value = {
+                self.parameter.key: branch.value,
+                "is_decreasing": np.full(len(branch), float(direction == "down")),
+                "period": np.array(numbers, float),
+                "exponent": branch.exponent[:, 0],
+                "exponent_half_width": branch.exponent[:, 1],
+            }
+            columns = {
+                name: np.repeat(each, stored) for name, each in each_value.items()
+            }
+            last = np.arange(self.cycles.total - stored, self.cycles.total) + 1.0
+            columns["cycle"] = np.tile(last, len(branch))
+            for name in self.quantities:
+                columns[name] = self.numbers(name, direction).ravel()
+            parts.append(columns)
+        names = parts[0] if parts else ()
+        joined = {
+            name: np.concatenate([part[name] for part in parts]) for name in names
+        }
+        return {name.replace(".", "_"): values for name, values in joined.items()}
+
+    def units(self) -> dict[str, str]:
+        """Return the units of the columns of ``table``."""
+        units = {
+            self.parameter.key: self.parameter.unit,
+            "is_decreasing": "1",
+            "cycle": "1",
+        }
+        units |= {"period": "1", "exponent": "1/s", "exponent_half_width": "1/s"}
+        units |= {name: column.unit for name, column in self.quantities.items()}
+        return {name.replace(".", "_"): unit for name, unit in units.items()}
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return ``table`` as a data frame, with units in ``attrs["units"]``; needs pandas."""
+        import pandas
+
+        frame = pandas.DataFrame(self.table())
+        frame.attrs["units"] = self.units()
+        return frame
 
     def summary(self) -> list[str]:
         """Return one sentence for each branch."""
@@ -279,18 +394,27 @@ def compute(
                 if stored[name] != value:
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
-            write_json(folder / FILE, {"schema": SCHEMA, **inputs})
+            origin = {"schema": SCHEMA, "provenance": provenance()}
+            write_json(folder / FILE, {**origin, **inputs})
         with Workers(min(jobs or cores(), len(work)), (__name__,)) as workers:
             workers.run(
                 work,
                 lambda key, outcome: {},
                 lambda key, done, word, rows: on_progress(DIRECTIONS[key], done),
             )
-    return load(folder)
+    return load_diagram(folder)
 
 
-def load(folder: Path) -> Diagram:
-    """Return a stored diagram; raise InputError if there is none or its file was altered."""
+@checked_arguments
+def load_diagram(folder: str | Path) -> Diagram:
+    """Read the folder of a bifurcation diagram, complete or in part.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no diagram, or a file in it was altered.
+    """
+    folder = Path(folder)
     stored = _document(folder)
     parameter = typed(stored["parameter"], Parameter, f"{folder / FILE}: parameter")
     cycles = typed(stored["cycles"], Cycles, f"{folder / FILE}: cycles")
@@ -298,7 +422,8 @@ def load(folder: Path) -> Diagram:
     branches = {
         word: read_branch(file) for word, file in files.items() if file.exists()
     }
-    return Diagram(Scene.from_dict(stored["scene"]), parameter, cycles, branches)
+    scene = Scene.from_dict(stored["scene"])
+    return Diagram(scene, parameter, cycles, branches, stored["provenance"])
 
 
 def _document(folder: Path) -> dict[str, Any]:

@@ -68,8 +68,7 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
 
     parameter = Parameter.parse(arguments.over, scene)
     count = arguments.cycles or CYCLES
-    stored = arguments.stored or max(2 * count // 5, 2)
-    cycles = Cycles(count, stored, arguments.exponent)
+    cycles = Cycles.of(count, arguments.stored, arguments.exponent)
     folder = terminal.output_folder(arguments, f"{scene.name}-dynamics")
     shares = dict.fromkeys(DIRECTIONS, 0.0)
     name = "bifurcation diagram"
@@ -85,6 +84,55 @@ def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> i
         )
     terminal.print_lines(console, *diagram.summary())
     terminal.print_lines(console, f"picture in {save(draw_diagram(diagram), folder)}")
+    terminal.print_lines(
+        console,
+        f"presswear report {folder} also draws numbers of each cycle, such as the peak forces",
+    )
+    return 0
+
+
+def is_diagram(folder: Path) -> bool:
+    """Return whether a folder holds a bifurcation diagram."""
+    from presswear.analysis.bifurcation import FILE
+
+    return (folder / FILE).exists()
+
+
+def report(arguments: argparse.Namespace, console: Console) -> int:
+    """Write the report of a bifurcation diagram."""
+    from presswear.analysis.bifurcation import load_diagram
+    from presswear.show.diagram_report import write_report
+
+    folder = arguments.folder
+    if arguments.format == "pdf" or arguments.limit:
+        option = "--limit" if arguments.limit else "--format pdf"
+        raise InputError(f"{option} cannot be used: {folder} is a bifurcation diagram")
+    names = terminal.names_in(arguments.figures)
+    file = write_report(load_diagram(folder), folder, names)
+    terminal.print_lines(console, f"report in {file}")
+    return 0
+
+
+def export(arguments: argparse.Namespace, console: Console) -> int:
+    """Write the numbers of a bifurcation diagram as CSV, NPZ or MAT."""
+    from presswear.analysis.bifurcation import load_diagram
+    from presswear.results.export import write_table
+
+    folder = arguments.folder
+    for name in ("stage", "strokes", "cycles", "life"):
+        if getattr(arguments, name):
+            raise InputError(
+                f"--{name} cannot be used: {folder} is a bifurcation diagram"
+            )
+    diagram = load_diagram(folder)
+    table = diagram.table()
+    if not table:
+        raise InputError(f"{folder}: no value of the diagram has run")
+    write_table(arguments.file, table, diagram.units())
+    rows = table["cycle"].size
+    terminal.print_lines(
+        console, f"{rows} rows of {len(table)} columns in {arguments.file}"
+    )
     return 0
 
 

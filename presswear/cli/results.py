@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from presswear.cli import terminal
+from presswear.cli import dynamics, terminal
+from presswear.cli.dynamics import is_diagram
 from presswear.cli.terminal import load_result, print_lines
 from presswear.tools.errors import InputError
 from presswear.tools.files import check_ending, check_folder, write_whole
@@ -34,11 +35,13 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
         if arguments.figures:
             raise InputError(f"--figures needs a run; {arguments.folder} is a sweep")
         return sweep.report(arguments, console)
+    if is_diagram(arguments.folder):
+        return dynamics.report(arguments, console)
     if arguments.limit:
         raise InputError(f"--limit needs a sweep; {arguments.folder} is a run")
     from presswear.show.report import write_report
 
-    names = [name.strip() for name in arguments.figures.split(",") if name.strip()]
+    names = terminal.names_in(arguments.figures)
     result = load_result(arguments.folder, console)
     if is_pdf:
         from presswear.show.pdf import write_pdf
@@ -84,6 +87,8 @@ def export(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.cli import sweep
 
         return sweep.export(arguments, console)
+    if is_diagram(arguments.folder):
+        return dynamics.export(arguments, console)
     result = load_result(arguments.folder, console)
     stage = arguments.stage
     if arguments.life:

@@ -195,6 +195,11 @@ def load_result(path: Path, console: Console) -> "Result":
     return result
 
 
+def names_in(text: str) -> list[str]:
+    """Return the names in a text that are separated by commas."""
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
 def print_lines(console: Console, *lines: str) -> None:
     """Print lines without colours or markup; a terminal that is too narrow gets them in parts.
 

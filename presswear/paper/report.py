@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import presswear as pw
@@ -57,7 +56,7 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
 def _made_by(result: pw.Result) -> str:
     """Return the module that ran the study, the version of presswear and the date."""
     origin = {**result.provenance, "command": "python -m presswear.paper"}
-    return made_by(replace(result, provenance=origin))
+    return made_by(origin)
 
 
 def failures_of(evidence: Evidence) -> dict[str, str]:

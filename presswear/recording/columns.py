@@ -4,6 +4,7 @@ Recorder, statistics, stored stages and tables read these lists; ``observe`` fil
 columns.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -215,6 +216,25 @@ SECTION_JOINT_NAMES = (
     "velocity_y",
     "normal",
 )
+
+
+def cycle_quantities(
+    joints: Sequence[str],
+    drives: Sequence[str],
+    has_leader: bool = False,
+    films: Sequence[str] = (),
+) -> dict[str, Column]:
+    """Return the numbers in a cycle's row by name, such as ``A.force_max``, in their order."""
+    quantities = {column.name: column for column in CYCLE}
+    for joint in joints:
+        quantities |= {f"{joint}.{column.name}": column for column in JOINT_CYCLE}
+    if has_leader:
+        quantities |= {column.name: column for column in LEADER_CYCLE}
+    for joint in films:
+        quantities |= {f"{joint}.{column.name}": column for column in FILM_CYCLE}
+    for drive in drives:
+        quantities |= {f"{drive}.{column.name}": column for column in DRIVE_CYCLE}
+    return quantities
 
 
 def cycle_columns(

@@ -183,33 +183,39 @@ def life_table(result: Result) -> dict[str, Array]:
     return columns
 
 
-def write_table(path: Path, table: Table) -> None:
-    """Write a table as ``.csv``, ``.npz`` or ``.mat``; refuses to overwrite."""
+def write_table(
+    path: Path, table: Table, units: Mapping[str, str] | None = None
+) -> None:
+    """Write a table as ``.csv``, ``.npz`` or ``.mat``; refuses to overwrite.
+
+    ``units`` are those of the columns, by default ``unit_of`` their names.
+    """
     kind = check_ending(path, *_WRITTEN)
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
+    units = units or {name: unit_of(name) for name in table}
     if kind == ".npz":
         write_arrays(path, table)
         return
     if kind == ".mat":
-        write_whole(path, lambda file: _write_matlab(file, table))
+        write_whole(path, lambda file: _write_matlab(file, table, units))
         return
     # The names come first: numpy.genfromtxt takes them from the first line.
-    units = ",".join(f"{name} {unit_of(name)}" for name in table)
-    head = f"{','.join(table)}\n# units: {units}"
+    text = ",".join(f"{name} {units[name]}" for name in table)
+    head = f"{','.join(table)}\n# units: {text}"
     rows = np.column_stack(list(table.values()))
     form = {"fmt": "%.17g", "delimiter": ",", "comments": "", "encoding": "utf-8"}
     write_whole(path, lambda file: np.savetxt(file, rows, header=head, **form))
 
 
-def _write_matlab(file: BinaryIO, table: Table) -> None:
+def _write_matlab(file: BinaryIO, table: Table, units: Mapping[str, str]) -> None:
     """Write columns as variables of MATLAB, and a structure ``units`` of their units."""
     from scipy.io import savemat  # slow to import
 
     names = {name: re.sub(r"\W", "_", name) for name in table}
-    units = {names[name]: unit_of(name) for name in table}
     columns = {names[name]: values for name, values in table.items()}
-    savemat(file, {**columns, "units": units}, oned_as="column", long_field_names=True)
+    columns["units"] = {names[name]: units[name] for name in table}
+    savemat(file, columns, oned_as="column", long_field_names=True)
 
 
 def read_table(path: Path) -> dict[str, Array]:

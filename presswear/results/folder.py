@@ -78,7 +78,12 @@ def read_stored(path: Path) -> StoredResult:
     file = path / FILE
     missing = f"{path} is not a result folder: it has no {FILE}"
     if (path / "sweep.json").exists():
-        missing += "; a sweep holds whole results where it ran with keep = results"
+        missing += (
+            "; it holds a sweep, which pw.load_sweep reads. A sweep holds whole results "
+            "where it ran with keep = results"
+        )
+    elif (path / "diagram.json").exists():
+        missing += "; it holds a bifurcation diagram, which pw.load_diagram reads"
     elif inner := sorted(
         f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")
     ):

@@ -95,7 +95,7 @@ def _origin(result: Result) -> str:
     """Return folder, title, status and origin of a result."""
     where = f"{result.path}, " if result.path else ""
     title = title_of(result.scene)
-    return f"{where}{title}; {result.status}; made by {made_by(result)}"
+    return f"{where}{title}; {result.status}; made by {made_by(result.provenance)}"
 
 
 def number_pairs(first: Result, second: Result) -> list[NumberPair]:

@@ -16,6 +16,7 @@ from presswear.physics.dead_centre import bottom_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import span_of, words_of
 from presswear.results.oil_film import dry_contact
+from presswear.results.provenance import Provenance
 from presswear.results.result import Result
 from presswear.results.rigid_joints import (
     ideal_drives,
@@ -243,16 +244,15 @@ def first_screen(result: Result, missing: Sequence[str] = ()) -> page.FirstScree
     return page.FirstScreen(
         status=_status(result),
         style=result.status if result.status in FINISHED else "unfinished",
-        made_by=made_by(result),
+        made_by=made_by(result.provenance),
         limits=limit_lines(result.scene, sound[-1]) if sound else (),
         key_numbers=key_numbers(result),
         warnings=[*warnings(result), *missing],
     )
 
 
-def made_by(result: Result) -> str:
-    """Return the command that started the run, the version of presswear and the date."""
-    origin = result.provenance
+def made_by(origin: Provenance) -> str:
+    """Return the command that started a run, the version of presswear and the date."""
     command = origin.get("command", "")
     version = origin["packages"]["presswear"]
     date = origin["started"].replace("T", " ").replace("Z", " UTC")

@@ -175,8 +175,10 @@ class Sweep:
         return printable("\n".join([*rows, self.summary]))
 
 
-def load_sweep(folder: Path) -> Sweep:
-    """Return the sweep of a folder; `InputError` if it holds none."""
+@checked_arguments
+def load_sweep(folder: str | Path) -> Sweep:
+    """Read the folder of a sweep, complete or in part; `InputError` if it holds none."""
+    folder = Path(folder)
     file = folder / FILE
     data = read_json(
         file, f"{folder} is not the folder of a sweep: it has no {FILE}", SCHEMA

@@ -106,7 +106,7 @@ def test_periods_of_two_clearances(tmp_path):
         assert (small.period, large.period) == (1, None)
         assert branch.exponent[branch.value == 3e-4][0][0] > 0.0
     assert "periodic at 1 of 2 values" in diagram.summary()[0]
-    assert bifurcation.load(tmp_path).summary() == diagram.summary()
+    assert bifurcation.load_diagram(tmp_path).summary() == diagram.summary()
     assert draw_diagram(diagram).sheet.axes
     with pytest.raises(pw.InputError, match="a diagram with another cycles"):
         bifurcation.compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
@@ -149,3 +149,69 @@ def test_a_slide_keeps_its_place_and_tilt_relative_to_the_clearance():
         run = InHouse().for_cycle(1.0).simulate(wide, start, Plan(1e-4, 1))
         assert run.status == "completed"
         assert all(run.recorder.stored_contacts(k).size == 0 for k in range(4))
+
+
+def test_unit_of_the_user_is_that_of_the_axis():
+    parse = bifurcation.Parameter.parse
+    for text, unit, factor in (
+        ("speed=100:200:3 rpm", "rpm", 30.0 / np.pi),
+        ("speed=2pi:12pi:3 rad/s", "rad/s", 1.0),
+        ("speed=4pi rad/s,8pi rad/s", "rad/s", 1.0),
+        ("clearance=10um:50um:3", "µm", 1e6),
+        ("clearance=1e-5:2e-5:3 m", "m", 1.0),
+        ("B.friction=0:0.1:2", "", 1.0),
+    ):
+        assert parse(text, SCENE).shown_values == (pytest.approx(factor), unit)
+
+
+def test_numbers_of_each_cycle_are_those_of_a_run(tmp_path):
+    """The first value starts as a run does, so that its cycles are those of that run."""
+    parameter = bifurcation.Parameter.parse("clearance=0.01:0.02:2 mm", SCENE)
+    diagram = bifurcation.compute(SCENE, parameter, CYCLES, tmp_path, start_of, 1)
+    scene = changed(SCENE, {"clearance": 1e-5})
+    plan = Plan(scene.mechanism.period, CYCLES.total, 1, sections=bifurcation.PHASES)
+    recorder = bifurcation.ENGINE.simulate(scene.linkage(), start_of(scene), plan)
+    each_cycle = recorder.recorder.each_cycle
+    last = slice(-CYCLES.stored, None)
+    for name, numbers in (
+        ("B.force_max", each_cycle("force_max", 0)),
+        ("bottom_height", each_cycle("bottom_height")),
+    ):
+        assert_array_equal(diagram.numbers(name, "up")[0], numbers[last])
+    drive = recorder.recorder.cycles[last, -2]
+    assert_array_equal(diagram.numbers("crank.torque_peak", "up")[0], drive)
+    with pytest.raises(pw.InputError, match=r"did you mean B\.force_max"):
+        diagram.numbers("B.force", "up")
+    frame = pw.load_diagram(tmp_path).to_pandas()
+    assert len(frame) == 2 * 2 * CYCLES.stored
+    assert frame.attrs["units"]["crank_torque_peak"] == "N m"
+    assert set(frame.attrs["units"]) == set(frame.columns)
+    rows = frame[(frame.clearance == 1e-5) & (frame.is_decreasing == 0.0)]
+    assert_array_equal(rows.B_force_max, each_cycle("force_max", 0)[last])
+    assert rows.cycle.tolist() == [7.0, 8.0, 9.0, 10.0, 11.0, 12.0]
+
+
+def test_a_folder_of_a_diagram_is_reported_and_exported(tmp_path, command, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    over = "--over 'speed=1000:1100:2 rpm' --cycles 12 --stored 5 --exponent 0 --out d"
+    assert "presswear report d" in command(f"dynamics slider-crank {over}")
+    assert "report in d/report.html" in command("report d --figures bottom_height")
+    page = (tmp_path / "d/report.html").read_text()
+    assert "2 of 2 values with increasing speed" in page
+    assert "speed (rpm)" in page
+    files = {file.name for file in (tmp_path / "d/figures").iterdir()}
+    names = {"diagram.svg", "diagram-B.force_max.svg", "diagram-bottom_height.svg"}
+    assert files == names
+    command("report d --figures B.force", 2)
+    command("report d --format pdf", 2)
+    assert "20 rows of " in command("export d d.csv")
+    text = (tmp_path / "d.csv").read_text()
+    assert "speed rad/s" in text.splitlines()[1]
+    rows = np.genfromtxt(tmp_path / "d.csv", names=True, delimiter=",")
+    assert_allclose(np.unique(rows["speed"]), np.pi / 30 * np.array([1000.0, 1100.0]))
+    assert "20 rows of " in command("export d d.mat")
+    command("export d e.csv --cycles", 2)
+    with pytest.raises(
+        pw.InputError, match=r"pw\.load_diagram reads it|which pw\.load"
+    ):
+        pw.load("d")

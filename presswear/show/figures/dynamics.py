@@ -211,7 +211,7 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
 def _axis(diagram: "Diagram") -> tuple[float, str]:
     """Return the factor from SI and the label of the parameter axis."""
     parameter = diagram.parameter
-    factor, unit = unit_scale(parameter.unit, parameter.values[-1])
+    factor, unit = parameter.shown_values
     return factor, f"{parameter.key} ({unit})" if unit else parameter.key
 
 
@@ -259,6 +259,40 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     return drawing
 
 
+@matplotlib.rc_context(style.SETTINGS)
+def draw_quantity(diagram: "Diagram", name: str) -> Drawing:
+    """Return a quantity of each stored cycle over the parameter, of both branches."""
+    column = diagram.quantities[name]
+    sheet, ((axes,),) = style.panels(1, 1, 3.0)
+    factor, label = _axis(diagram)
+    pens = []
+    for direction, (colour, _) in zip(diagram.branches, style.LINES, strict=False):
+        word, _ = BRANCHES[direction]
+        pens.append(Pen(f"{word} {diagram.parameter.key}", colour))
+        numbers = diagram.numbers(name, direction)
+        value = factor * diagram.branches[direction].value
+        _draw_dots(axes, value, numbers, colour)
+    style.label_values(axes, name, column.unit)
+    axes.set_xlabel(label)
+    (drawing,) = style.finished(
+        "diagram_quantity",
+        sheet,
+        pens,
+        quantity=name,
+        text=column.text,
+        parameter=diagram.parameter,
+        cycles=diagram.cycles,
+    )
+    return drawing
+
+
+def _draw_dots(axes: Axes, value: Array, numbers: Array, colour: str) -> None:
+    """Draw numbers over the values of a parameter, shape (values, cycles), as dots."""
+    size = float(np.clip(DOT_AREA / numbers.size, 0.6, 6.0))
+    values = np.repeat(value[:, np.newaxis], numbers.shape[1], axis=1)
+    axes.scatter(values, numbers, s=size, color=colour, linewidths=0.0, rasterized=True)
+
+
 def _draw_pins(
     panels: Sequence[Axes],
     diagram: "Diagram",
@@ -267,16 +301,11 @@ def _draw_pins(
     colour: str,
 ) -> None:
     """Draw the directions of the pins at the end of the stored cycles over a parameter."""
-    dots = len(diagram.parameter.values) * diagram.cycles.stored
-    size = float(np.clip(DOT_AREA / dots, 0.6, 6.0))
     # pins at the last phase of each cycle
     at_end = diagram.branches[direction].pins[:, :, -1]
     for k, axes in enumerate(panels):
         angle = np.degrees(np.arctan2(at_end[:, :, k, 1], at_end[:, :, k, 0]))
-        values = np.repeat(value[:, np.newaxis], angle.shape[1], axis=1)
-        axes.scatter(
-            values, angle, s=size, color=colour, linewidths=0.0, rasterized=True
-        )
+        _draw_dots(axes, value, angle, colour)
 
 
 def _draw_exponent(
