@@ -100,7 +100,7 @@ class Blanking(_Work):
         low=0.0,
         high=1.0,
         origin="chosen",
-        text="fraction of the thickness at fracture",
+        text="depth of the plateau over the thickness; the sheet breaks at its end",
         open_low=True,
     )
     snap: float = _depth(

@@ -58,7 +58,7 @@ def nearest(name: str, names: Iterable[str]) -> str:
     from difflib import get_close_matches  # slow to import
 
     lower = {word.lower(): word for word in names}
-    matches = get_close_matches(name.lower()[:MAX_MESSAGE], lower, n=1, cutoff=0.6)
+    matches = get_close_matches(name.lower()[:MAX_MESSAGE], lower, n=1, cutoff=NEAR)
     return f"; did you mean {lower[matches[0]]}?" if matches else ""
 
 
@@ -90,6 +90,7 @@ def not_installed(what: str, package: str) -> InputError:
     return InputError(f"{what} needs {package}: pip install {package}, or {source}")
 
 
+NEAR = 0.65  # similarity of a name that is proposed; 0.6 proposes speed for spiel
 FEW_NAMES = 6  # up to so many names are all listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message

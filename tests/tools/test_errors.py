@@ -20,9 +20,11 @@ def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable():
     assert one_line("a\nb\x1b") == "a\\nb\\x1b"
 
 
-@pytest.mark.parametrize("name", ["gear_ratio", "Gears", "tool.temperature", "3D"])
+@pytest.mark.parametrize(
+    "name", ["gear_ratio", "Gears", "tool.temperature", "temperatur", "3D"]
+)
 def test_a_word_for_what_is_not_modelled_is_answered(name):
-    message = f"{unknown('key', name, ['speed', 'motion'])}"
+    message = f"{unknown('key', name, ['speed', 'integrator'])}"
     assert message.startswith(f"unknown key {name!r}. Not modelled: ")
     assert message.endswith(f"; see {PAGE}")
 
@@ -33,6 +35,8 @@ def test_a_word_for_what_is_not_modelled_is_answered(name):
         ("lubricants", "viscosity"),
         ("H8/f7", "110 H8/f7"),
         ("flywheel", "motor.inertia"),
+        ("spiel", "radial play of a pin is its clearance"),
+        ("jeu", "radial play of a pin is its clearance"),
         ("motor.power", "22 kW at 1440 rpm are 146 N m"),
     ],
 )
